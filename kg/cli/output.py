@@ -8,7 +8,7 @@ from shutil import get_terminal_size
 from typing import IO, TYPE_CHECKING, Any
 
 from kg.cli.diagnostics import colored, note
-from kg.render.text import printable, printable_json, width
+from kg.render.text import json_text, printable, width
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -88,9 +88,7 @@ def json_lines(records: Iterable[Any]) -> None:
 
 def json_line(record: Any) -> str:
     """Return a value as a line of JSON."""
-    import json  # noqa: PLC0415 - start-up time
-
-    return printable_json(json.dumps(record, ensure_ascii=False, separators=(", ", ": "))) + "\n"
+    return json_text(record) + "\n"
 
 
 def console(stream: IO[str] | None = None) -> Console:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 from unicodedata import category, east_asian_width
 
-__all__ = ["count", "printable", "printable_json", "width"]
+__all__ = ["count", "json_text", "printable", "printable_json", "width"]
 
 _UNSAFE: Final = frozenset({"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"})
 _SPACES = str.maketrans({"\n": " ", "\r": " ", "\t": " "})
@@ -19,6 +19,13 @@ def printable(text: str) -> str:
         sign if category(sign) not in _UNSAFE else sign.encode("unicode_escape").decode()
         for sign in text.translate(_SPACES)
     )
+
+
+def json_text(record: object) -> str:
+    """Return a value as JSON on one line, without control and direction characters as they are."""
+    import json  # noqa: PLC0415 - start-up time
+
+    return printable_json(json.dumps(record, ensure_ascii=False, separators=(", ", ": ")))
 
 
 def printable_json(text: str) -> str:

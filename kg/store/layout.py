@@ -4,6 +4,7 @@
     .kg/store/12/        one generation: a RocksDB database that does not change any more
     .kg/writer.lock      held by the one process that writes
     .kg/cache/           results of extraction (`kg.pipeline.cache`)
+    .kg/cache/answers/   figures and lists of a generation (`kg.views.answers`)
     .kg/cache/columns/   what the last run of rules read and inferred (`kg.rules.memory`)
     .kg/changes/         which graphs each generation changed (`kg.store.changes`)
     .kg/checkouts/       clones of git addresses

@@ -73,10 +73,11 @@ def actions(context: typer.Context, *, every: All = False, json: Json = False, s
 
 
 def _list(context: typer.Context, kind: str, store: str | None, *, every: bool, json: bool) -> None:
-    from kg.graph import overview  # noqa: PLC0415 - start-up time
+    from kg.views.answers import channels  # noqa: PLC0415 - start-up time
 
-    with reading(session(context).settings(store=store)) as snapshot:
-        found = [asdict(one) for one in overview.channels(snapshot, kind, implicit=every)]
+    settings = session(context).settings(store=store)
+    with reading(settings) as snapshot:
+        found = [asdict(one) for one in channels(snapshot, settings, kind, implicit=every)]
     channel_rows(kind, found, json=json)
     if terminal() and not json:
         note(count(len(found), kind))

@@ -6,7 +6,7 @@ import typer
 
 from kg.cli.diagnostics import note
 from kg.cli.options import Json, PackageName, Store
-from kg.cli.output import Column, listing, terminal
+from kg.cli.output import Column, listing, terminal, write
 from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count
@@ -15,6 +15,7 @@ from kg.views.names import known_package
 
 if TYPE_CHECKING:
     from kg.graph.overview import NodeSummary
+    from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["nodes"]
@@ -47,16 +48,24 @@ def nodes(
 
     if kind is not None and kind not in set(NodeKind):
         raise UsageError("KG003", f"unknown kind `{kind}`", hint=f"The kinds are {', '.join(NodeKind)}.")
-    with reading(session(context).settings(store=store)) as snapshot:
+    settings = session(context).settings(store=store)
+    with reading(settings) as snapshot:
         if package:
             known_package(snapshot, package)
         if json:
-            _objects(snapshot, package, kind)
+            _objects(snapshot, settings, package, kind)
         else:
             _table(snapshot, package, kind)
 
 
-def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
+def _objects(snapshot: "EmbeddedSnapshot", settings: "Settings", package: str | None, kind: str | None) -> None:
+    if package is None:
+        from kg.views.answers import node_lines  # noqa: PLC0415 - start-up time
+
+        for one in node_lines(snapshot, settings):
+            if kind in {None, one.kind}:
+                write(one.text)
+        return
     from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
     from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
 

@@ -30,11 +30,12 @@ def stats(context: typer.Context, *, json: Json = False, store: Store = None) ->
     nodes, topics, services, messages, hardware, functions, and the relations between them.
     """
     from kg.cli.corpus_view import compared, rnkg_rows  # noqa: PLC0415 - start-up time
-    from kg.query.counting import counted  # noqa: PLC0415 - start-up time
-    from kg.query.stats import statistics  # noqa: PLC0415 - start-up time
+    from kg.views.answers import figures  # noqa: PLC0415 - start-up time
 
-    with reading(session(context).settings(store=store)) as snapshot:
-        found, ours = statistics(snapshot), counted(snapshot)
+    settings = session(context).settings(store=store)
+    with reading(settings) as snapshot:
+        figured = figures(snapshot, settings)
+    found, ours = figured.graph, figured.rnkg
     if json:
         pairs = ("entities", "triples", "per_node", "degree_by_kind")
         plain = {**asdict(found), **{name: dict(getattr(found, name)) for name in pairs}}

@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Final
+
+import pytest
+
+from kg.graph import overview
+from kg.graph.reading import node_records
+from kg.graph.records import node_object
+from kg.query.counting import counted
+from kg.query.stats import statistics
+from kg.store.opening import layout_of
+from kg.views import answers
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from kg.query.stats import Statistics
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+VERSION: Final = 7
+
+
+@pytest.fixture
+def folder(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Where the figures of the store are kept; empty at the beginning and at the end of a test."""
+    monkeypatch.setattr(answers, "_version", lambda: VERSION)
+    found = layout_of(settings).cache / "answers" / "stats"
+    for path in found.glob("*"):
+        path.unlink()
+    yield found
+    for path in found.glob("*"):
+        path.unlink()
+
+
+def test_kept_answers_are_those_of_the_store(settings: Settings, snapshot: EmbeddedSnapshot, folder: Path) -> None:
+    """What is computed at first, and what is read back after that, is what the store gives."""
+    for _ in range(2):
+        found = answers.figures(snapshot, settings)
+        assert (found.graph, found.rnkg) == (statistics(snapshot), counted(snapshot))
+        for kind in ("topic", "service", "action"):
+            for implicit in (False, True):
+                expected = overview.channels(snapshot, kind, implicit=implicit)
+                assert answers.channels(snapshot, settings, kind, implicit=implicit) == expected
+        lines = answers.node_lines(snapshot, settings)
+        records = node_records(snapshot)
+        assert [json.loads(one.text) for one in lines] == [json.loads(json.dumps(node_object(one))) for one in records]
+        assert [one.kind for one in lines] == [str(one.node.kind) for one in records]
+    assert [path.name for path in folder.iterdir()] == [snapshot.identity]
+
+
+@pytest.mark.parametrize("change", ["damaged", "of other code", "of another generation"])
+def test_answers_that_cannot_be_used_are_computed_again(
+    settings: Settings, snapshot: EmbeddedSnapshot, folder: Path, monkeypatch: pytest.MonkeyPatch, change: str
+) -> None:
+    """A damaged file, one that other code wrote, or one of other data, counts as missing."""
+    expected = answers.figures(snapshot, settings)
+    file = folder / snapshot.identity
+    if change == "damaged":
+        file.write_bytes(file.read_bytes().replace(b'"quads":', b'"quads":9'))
+    elif change == "of other code":
+        monkeypatch.setattr(answers, "_version", lambda: VERSION + 1)
+    else:
+        file.rename(folder / "0")
+    computed: list[EmbeddedSnapshot] = []
+
+    def counting(graph: EmbeddedSnapshot) -> Statistics:
+        computed.append(graph)
+        return statistics(graph)
+
+    monkeypatch.setattr(answers, "statistics", counting)
+    assert answers.figures(snapshot, settings) == expected
+    assert answers.figures(snapshot, settings) == expected
+    assert len(computed) == 1
+    assert [path.name for path in folder.iterdir()] == [snapshot.identity]
+
+
+def test_answers_are_computed_while_code_changes(
+    settings: Settings, snapshot: EmbeddedSnapshot, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing is kept as long as the next change of a file of the code could go unnoticed."""
+    monkeypatch.setattr(answers, "_version", lambda: None)
+    assert answers.figures(snapshot, settings).graph == statistics(snapshot)
+    assert not list(folder.glob("*"))
