@@ -205,7 +205,7 @@ def rules_page() -> str:
 
 def _rule(file: RuleFile) -> str:
     sections = file.documentation.sections or {}
-    mend = f"\n*How to fix.* {sections['How to mend']}\n" if "How to mend" in sections else ""
+    mend = f"\n*How to fix.* {sections['How to fix']}\n" if "How to fix" in sections else ""
     limits = f"\n*Known limits.* {sections['Known limits']}\n" if "Known limits" in sections else ""
     link = f"[{file.path.name}](../rules/{file.name}{file.notation})"
     told = f"{sections['What it infers']}\n\n{sections['Why']}\n"

@@ -75,7 +75,9 @@ def allowances(table: Table | None, known: Iterable[str]) -> list[Allowance]:
     heads = [number for number, line in enumerate(lines, 1) if line.replace(" ", "").startswith(_HEAD)]
     places = [Place(str(table.file), line) for line in heads]
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise _unusable("`allow` of [lint] is no list of tables", Place(str(table.file)), f"Write {_HEAD} for each.")
+        raise _unusable(
+            "`allow` of [lint] must be a list of tables", Place(str(table.file)), f"Write {_HEAD} for each."
+        )
     places += [Place(str(table.file))] * (len(entries) - len(places))
     codes = {*known, *(code for code in CATALOGUE if code.startswith("KG4"))}
     judged = [_allowance(entry, place, codes, lines) for entry, place in zip(entries, places, strict=False)]
@@ -96,12 +98,12 @@ def _allowance(
         here = _line_of(key, place, lines)
         if key not in _KEYS:
             hint = did_you_mean(key, _KEYS) or f"The keys are {', '.join(_KEYS)}."
-            faults.append((f"`{key}` is no key of [[lint.allow]]", here, hint))
+            faults.append((f"`{key}` is not a key of [[lint.allow]]", here, hint))
         elif not isinstance(value, str) or not value.strip():
-            faults.append((f"`{key}` in [[lint.allow]] has to be a text, not {value!r}", here, None))
+            faults.append((f"`{key}` in [[lint.allow]] must be a string, not {value!r}", here, None))
     code = entry.get("code", "")
     if isinstance(code, str) and code not in codes and (code.strip() or "code" not in entry):
-        said = f"`{code}` is no code of a finding" if code else "this entry has no code"
+        said = f"`{code}` is not a code of a finding" if code else "this entry has no code"
         faults.append((said, _line_of("code", place, lines), did_you_mean(code, codes)))
     if "reason" not in entry and code:
         said = f"the entry for {code} has no reason"

@@ -65,12 +65,12 @@ def read(file: Path) -> Counter[Known]:
         raise UsageError("KG420", f"the baseline cannot be read: {reason}", place=Place(str(file))) from None
     except json.JSONDecodeError as problem:
         place = Place(str(file), problem.lineno, problem.colno)
-        raise UsageError("KG420", f"this is no JSON: {problem.msg}", place=place) from None
+        raise UsageError("KG420", f"invalid JSON: {problem.msg}", place=place) from None
     except RecursionError:
-        raise UsageError("KG420", "this is no baseline: it is nested too deeply", place=Place(str(file))) from None
+        raise UsageError("KG420", "not a baseline: it is nested too deeply", place=Place(str(file))) from None
     entries = content.get("findings") if isinstance(content, dict) and content.get("version") == _VERSION else None
     if not isinstance(entries, list):
-        raise UsageError("KG420", f"this is no baseline of version {_VERSION}", place=Place(str(file)))
+        raise UsageError("KG420", f"not a baseline of version {_VERSION}", place=Place(str(file)))
     found: Counter[Known] = Counter()
     for entry in entries:
         found[_known(entry, file)] += max(1, entry["count"]) if isinstance(entry.get("count"), int) else 1

@@ -12,7 +12,7 @@ A header has the same form in the three notations, all of which begin comments w
     # Any number of lines of prose.
     #
     # ## Why
-    # ## How to mend                                        may be missing: of rules that find faults
+    # ## How to fix                                         may be missing: of rules that find faults
     # ## Known limits                                       may be missing
     # ## References                                         may be missing
     #
@@ -39,7 +39,7 @@ __all__ = ["HEADINGS", "NOTATIONS", "REQUIRED_HEADINGS", "Documentation", "RuleF
 
 _BYTES: Final = 16
 
-HEADINGS: Final = ("What it infers", "Why", "How to mend", "Known limits", "References")
+HEADINGS: Final = ("What it infers", "Why", "How to fix", "Known limits", "References")
 """The headings that documentation may have, in their order."""
 
 REQUIRED_HEADINGS: Final = ("What it infers", "Why")

@@ -72,11 +72,11 @@ def test_without_a_table_nothing_is_allowed(tmp_path: Path) -> None:
     [
         ('[[lint.allow]]\ncode = "KG420"\n', "the entry for KG420 has no reason"),
         ('[[lint.allow]]\nreason = "so"\n', "this entry has no code"),
-        ('[[lint.allow]]\ncode = "KG499"\nreason = "so"\n', "`KG499` is no code of a finding"),
-        (f'{HEAD}topic = "/x"\n', "`topic` is no key of [[lint.allow]]"),
-        (f"{HEAD}subject = 3\n", "`subject` in [[lint.allow]] has to be a text, not 3"),
-        ('[[lint.allow]]\ncode = "KG420"\nreason = " "\n', "`reason` in [[lint.allow]] has to be a text, not ' '"),
-        ("lint.allow = 3\n", "`allow` of [lint] is no list of tables"),
+        ('[[lint.allow]]\ncode = "KG499"\nreason = "so"\n', "`KG499` is not a code of a finding"),
+        (f'{HEAD}topic = "/x"\n', "`topic` is not a key of [[lint.allow]]"),
+        (f"{HEAD}subject = 3\n", "`subject` in [[lint.allow]] must be a string, not 3"),
+        ('[[lint.allow]]\ncode = "KG420"\nreason = " "\n', "`reason` in [[lint.allow]] must be a string, not ' '"),
+        ("lint.allow = 3\n", "`allow` of [lint] must be a list of tables"),
     ],
 )
 def test_what_allows_nothing_sensible_is_refused(tmp_path: Path, text: str, words: str) -> None:
@@ -95,8 +95,8 @@ def test_all_that_is_wrong_is_told_at_once_with_its_lines(tmp_path: Path) -> Non
         allowances(table("lint", tmp_path), ())
     assert caught.value.place == Place(str(tmp_path / "kg.toml"), 4)
     assert caught.value.message == (
-        "`topic` is no key of [[lint.allow]]; line 13: `file` in [[lint.allow]] has to be a text, not ''; "
-        "line 15: `KG499` is no code of a finding; line 14: the entry for KG499 has no reason"
+        "`topic` is not a key of [[lint.allow]]; line 13: `file` in [[lint.allow]] must be a string, not ''; "
+        "line 15: `KG499` is not a code of a finding; line 14: the entry for KG499 has no reason"
     )
 
 

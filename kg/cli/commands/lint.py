@@ -180,7 +180,7 @@ def _write(checked: "Checked", form: str) -> None:
 
 
 def _say(checked: "Checked") -> None:
-    """Say how much was found, and what the allow-list and the baseline have too much."""
+    """Report the number of findings, and stale entries of the allow-list and the baseline."""
     from kg.cli.lint_view import gone_sources, leftovers, summary  # noqa: PLC0415 - start-up time
 
     for words in (*gone_sources(checked), *leftovers(checked.report)):
