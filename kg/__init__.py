@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from kg.api import build, compose, find, findings, infer, instances, nodes, open_store, sparql
+    from kg.api import build, compose, find, findings, infer, instances, nodes, open_store, rdflib_dataset, sparql
     from kg.errors import (
         Exit,
         GraphError,
@@ -41,10 +41,24 @@ __all__ = [
     "instances",
     "nodes",
     "open_store",
+    "rdflib_dataset",
     "sparql",
 ]
 
-_API: Final = frozenset({"build", "compose", "find", "findings", "infer", "instances", "nodes", "open_store", "sparql"})
+_API: Final = frozenset(
+    {
+        "build",
+        "compose",
+        "find",
+        "findings",
+        "infer",
+        "instances",
+        "nodes",
+        "open_store",
+        "rdflib_dataset",
+        "sparql",
+    }
+)
 
 
 def __getattr__(name: str) -> Any:

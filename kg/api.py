@@ -6,7 +6,8 @@
     for node in kg.nodes(package="move_base"):
         print(node["node"], [topic["name"] for topic in node["publishes"]])
     kg.infer(rules=["~/my_rules"])
-    answer = kg.sparql("SELECT ?node { ?node a ros:Node }")
+    for row in kg.sparql("SELECT ?node ?name { ?node a ros:Node ; rnkg:name ?name }"):
+        print(row.name)
 
 `store` is the folder of a store; without it the settings decide, as on the command line. Errors are `kg.KgError`.
 """
@@ -29,8 +30,20 @@ if TYPE_CHECKING:
     from kg.query.result import Result
     from kg.rules.reports import RunReport
     from kg.store.embedded import EmbeddedStore
+    from kg.store.rdflib_view import SnapshotDataset
 
-__all__ = ["build", "compose", "find", "findings", "infer", "instances", "nodes", "open_store", "sparql"]
+__all__ = [
+    "build",
+    "compose",
+    "find",
+    "findings",
+    "infer",
+    "instances",
+    "nodes",
+    "open_store",
+    "rdflib_dataset",
+    "sparql",
+]
 
 
 def open_store(store: str | Path | None = None) -> EmbeddedStore:
@@ -215,6 +228,20 @@ def nodes(*, package: str | None = None, store: str | Path | None = None) -> lis
         return [node_object(record) for record in node_records(snapshot, package=package)]
 
 
+def rdflib_dataset(store: str | Path | None = None) -> SnapshotDataset:
+    """Return the store in force as a read-only rdflib `Dataset` over all graphs, with the usual prefixes bound.
+
+    Close it, or use it in a `with` statement: until then it shows the store as it was, and keeps that data on disk.
+
+    Raises:
+        StoreError: KG301 when there is no store.
+    """
+    from kg.query.prefixes import PREFIXES  # noqa: PLC0415 - rdflib takes a quarter of a second to load
+    from kg.store.rdflib_view import SnapshotDataset as View  # noqa: PLC0415 - the same
+
+    return View(open_store(store).read(), PREFIXES)
+
+
 def sparql(
     text: str,
     *,
@@ -224,6 +251,9 @@ def sparql(
     store: str | Path | None = None,
 ) -> Result:
     """Run a SPARQL query over the union of all graphs and return its whole answer; the usual prefixes are known.
+
+    SELECT returns `Solutions`: iterate over its rows, or call `dicts` or `dataframe`. CONSTRUCT and DESCRIBE return a
+    `Graph` of triples, ASK a `Boolean` that can be used as a condition (docs/python.md).
 
     `parameters` are terms for variables of the query, `timeout` is in seconds, `limit` caps rows or triples and the
     answer says whether there were more.

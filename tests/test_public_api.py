@@ -30,6 +30,7 @@ SIGNATURES: Final = {
     "environment: 'Mapping[str, str] | None' = None, store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "nodes": "(*, package: 'str | None' = None, store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "open_store": "(store: 'str | Path | None' = None) -> 'EmbeddedStore'",
+    "rdflib_dataset": "(store: 'str | Path | None' = None) -> 'SnapshotDataset'",
     "sparql": "(text: 'str', *, parameters: 'Mapping[str, NamedNode | Literal] | None' = None, "
     "timeout: 'float | None' = None, limit: 'int | None' = None, store: 'str | Path | None' = None) -> 'Result'",
 }
@@ -75,7 +76,7 @@ def test_a_program_builds_and_asks(tmp_path: Path) -> None:
     assert {node["package"] for node in kg.nodes(store=store)} == {"rover_robot"}
     answer = kg.sparql('ASK { ?node rnkg:name "base_controller" }', store=store)
     assert isinstance(answer, Boolean)
-    assert answer.value
+    assert answer
     assert kg.build(store=store).read == 0
     rules = tmp_path / "rules" / "mine"
     rules.mkdir(parents=True)

@@ -46,6 +46,11 @@ class EmbeddedSnapshot:
         """The number of the generation."""
         return str(self.generation)
 
+    @property
+    def engine(self) -> Store:
+        """The engine itself, read-only, for libraries that work on one."""
+        return self._db
+
     def query(  # noqa: PLR0913 - what the engine can be told
         self,
         text: str,

@@ -1,0 +1,66 @@
+"""A generation of a store as an rdflib `Dataset`, so that programs written for rdflib run on it unchanged."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from oxrdflib import OxigraphStore
+from oxrdflib._converter import from_ox, from_ox_graph_name, to_ox_quad_pattern
+from rdflib import Dataset
+from rdflib.graph import ModificationException
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from typing import Self
+
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["SnapshotDataset"]
+
+
+class SnapshotDataset(Dataset):
+    """All graphs of a snapshot, read-only; the default graph is their union.
+
+    Use it as a context manager, or close it: it keeps its generation on disk, and closes the snapshot with itself.
+    Queries run on the engine of the store. The prefixes given are bound.
+
+    Raises on every change:
+        rdflib.graph.ModificationException: a snapshot never changes.
+    """
+
+    def __init__(self, snapshot: EmbeddedSnapshot, prefixes: Mapping[str, str]) -> None:
+        self._snapshot = snapshot
+        super().__init__(store=_SnapshotStore(store=snapshot.engine), default_union=True)
+        for prefix, iri in prefixes.items():
+            self.bind(prefix, iri, replace=True)
+
+    def close(self, commit_pending_transaction: bool = False) -> None:  # noqa: ARG002, FBT001, FBT002 - as rdflib has it
+        """Close the snapshot; closing twice is allowed."""
+        self._snapshot.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class _SnapshotStore(OxigraphStore):
+    """What `oxrdflib` offers, without changes, and with each triple once in the union of all graphs."""
+
+    def triples(self, triple_pattern: Any, context: Any = None) -> Iterator[Any]:
+        """Yield the triples that match, each once, with the graphs that hold it."""
+        pattern = to_ox_quad_pattern(triple_pattern, context)
+        # The engine reads one index, of which the graph is the last column, so that equal triples are neighbours.
+        for triple, quads in groupby(self._inner.quads_for_pattern(*pattern), lambda quad: quad.triple):
+            graphs = [from_ox_graph_name(quad.graph_name, self) for quad in quads]
+            yield (from_ox(triple.subject), from_ox(triple.predicate), from_ox(triple.object)), iter(graphs)
+
+    def _refuse(self, *_: object, **__: object) -> NoReturn:
+        raise ModificationException
+
+    add = addN = remove = update = remove_graph = _refuse  # noqa: N815 - names of rdflib
+
+    def add_graph(self, graph: Any) -> None:
+        """Ignore it: rdflib announces each graph that it is asked for, its default graph first."""
