@@ -29,7 +29,7 @@ from measuring import figures, quantile, run_clients
 from requesting import measure_requests
 
 from kg.query import stored
-from kg.query.prefixes import PREFIXES
+from kg.sparql.names import PREFIXES
 from kg.store.layout import Layout
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from pyoxigraph import NamedNode
 from kg.errors import QueryError
 from kg.query.binding import bind
 from kg.query.guard import check
-from kg.query.lexer import Kind, normalise, tokens
-from kg.query.prefixes import PREFIXES
 from kg.query.syntax import syntax_error
+from kg.sparql.lexer import Kind, normalise, tokens
+from kg.sparql.names import PREFIXES
 from kg.store.failure import is_of_store, store_error
 
 if TYPE_CHECKING:
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from pyoxigraph import Literal, Triple
 
     from kg.errors import KgError
-    from kg.query.lexer import Token
     from kg.query.result import Row
+    from kg.sparql.lexer import Token
     from kg.store.interface import Snapshot
 
 __all__ = ["Dataset", "Evaluation", "Prepared", "prepare"]

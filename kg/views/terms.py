@@ -9,8 +9,8 @@ from pyoxigraph import NamedNode
 
 from kg.errors import UsageError
 from kg.graph.interfaces import SHAPES
-from kg.query.prefixes import PREFIXES, shorten
 from kg.query.rows import rows
+from kg.sparql.names import PREFIXES, shorten
 from kg.store.terms import of_spelling
 
 if TYPE_CHECKING:

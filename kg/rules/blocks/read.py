@@ -11,8 +11,6 @@ import msgspec
 from pyoxigraph import Literal, NamedNode
 
 from kg.errors import RuleError
-from kg.query.lexer import normalise
-from kg.query.prefixes import PREFIXES
 from kg.rules.blocks.expressions import formula, test_of, value_of
 from kg.rules.blocks.tree import (
     Absent,
@@ -35,9 +33,10 @@ from kg.rules.blocks.tree import (
 from kg.rules.blocks.write import SECTIONS, inferred, name_of, namespace, renamed
 from kg.rules.form import Variable
 from kg.rules.header import parse_header
-from kg.rules.syntax import tree
-from kg.rules.syntax.lexer import Kind, tokens_of
-from kg.rules.syntax.units import parse_rq
+from kg.sparql import tree
+from kg.sparql.lexer import Kind, normalise, tokens_of
+from kg.sparql.names import PREFIXES
+from kg.sparql.parser import parse_rq
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

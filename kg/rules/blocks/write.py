@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode
 
-from kg.query.prefixes import PREFIXES
 from kg.rules.blocks.tree import (
     Absent,
     Compare,
@@ -35,7 +34,8 @@ from kg.rules.blocks.tree import (
     Truth,
 )
 from kg.rules.files import HEADINGS
-from kg.rules.syntax.lexer import Kind, tokens_of
+from kg.sparql.lexer import Kind, tokens_of
+from kg.sparql.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

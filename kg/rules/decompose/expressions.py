@@ -9,13 +9,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.form import Expression
-from kg.rules.syntax.lexer import Kind, tokens_of
+from kg.sparql.lexer import Kind, tokens_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
     from kg.errors import Place
-    from kg.rules.syntax.lexer import Token
+    from kg.sparql.lexer import Token
 
 __all__ = [
     "bare",

@@ -12,7 +12,7 @@ from pyoxigraph import NamedNode
 
 from kg.rules.engine.facts import distinct
 from kg.rules.engine.terms import BLANK, IRI, LITERAL
-from kg.rules.syntax.lexer import END, token_at
+from kg.sparql.lexer import END, token_at
 from kg.store.terms import datatype, spell
 
 if TYPE_CHECKING:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.query.prefixes import PREFIXES
 from kg.rules import sparql
 from kg.rules.decompose.expressions import bare
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Values, atoms_of
 from kg.rules.printing.words import head, indented, refusal, with_prefixes
-from kg.rules.syntax.functions import FUNCTIONS, RULE_FUNCTIONS
-from kg.rules.syntax.lexer import END, Kind, token_at
+from kg.sparql.functions import FUNCTIONS, RULE_FUNCTIONS
+from kg.sparql.lexer import END, Kind, token_at
+from kg.sparql.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

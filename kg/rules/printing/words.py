@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.errors import RuleError
-from kg.query.prefixes import PREFIXES
 from kg.rules import sparql
-from kg.rules.syntax.lexer import END, Kind, token_at
+from kg.sparql.lexer import END, Kind, token_at
+from kg.sparql.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

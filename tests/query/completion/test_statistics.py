@@ -9,7 +9,7 @@ from pyoxigraph import Store
 from kg.query.completion.keeping import Kept
 from kg.query.completion.service import complete
 from kg.query.completion.statistics import SAMPLE, Statistics, count
-from kg.query.prefixes import PREFIXES
+from kg.sparql.names import PREFIXES
 from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
