@@ -30,13 +30,14 @@ from kg.rules.blocks.tree import (
     Thing,
     Truth,
 )
-from kg.rules.blocks.write import SECTIONS, inferred, name_of, namespace, renamed
+from kg.rules.blocks.write import SECTIONS, inferred, name_of, namespace
 from kg.rules.form import Variable
 from kg.rules.header import parse_header
 from kg.sparql import tree
 from kg.sparql.lexer import Kind, normalise, tokens_of
 from kg.sparql.names import PREFIXES
 from kg.sparql.parser import parse_rq
+from kg.sparql.printer import renamed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
