@@ -23,9 +23,9 @@ from kg.rules.folders import families_in_force, user_folders
 from kg.rules.reading import discover, packs
 from kg.rules.recording import Names
 from kg.rules.specialise import schema_pattern, schema_query, specialised
-from kg.sparql.names import PREFIXES
 from kg.store.failure import translated
 from kg.store.terms import cells
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from pyoxigraph import Triple

@@ -13,9 +13,9 @@ from kg.errors import QueryError
 from kg.query.binding import bind
 from kg.query.guard import check
 from kg.query.syntax import syntax_error
-from kg.sparql.lexer import Kind, normalise, tokens
-from kg.sparql.names import PREFIXES
 from kg.store.failure import is_of_store, store_error
+from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from kg.errors import KgError
     from kg.query.result import Row
-    from kg.sparql.lexer import Token
     from kg.store.interface import Snapshot
+    from kg.syntax.lexer import Token
 
 __all__ = ["Dataset", "Evaluation", "Prepared", "prepare"]
 

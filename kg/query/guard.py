@@ -9,13 +9,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import QueryError
-from kg.sparql.lexer import Kind
-from kg.sparql.position import place_at
+from kg.syntax.lexer import Kind
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["MAX_CHAIN", "MAX_DEPTH", "check"]
 

@@ -10,7 +10,7 @@ from pyoxigraph import Literal, NamedNode, RdfFormat, Triple, parse
 
 from kg.errors import UnknownNameError, UsageError
 from kg.similar import did_you_mean
-from kg.sparql.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -13,16 +13,16 @@ from kg.errors import QueryError
 from kg.query.completion.outline import Slot, outline
 from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS, WELL_KNOWN
 from kg.similar import asked, did_you_mean
-from kg.sparql.lexer import Kind, tokens
-from kg.sparql.names import PREFIXES
-from kg.sparql.position import place_at, place_of
+from kg.syntax.lexer import Kind, tokens
+from kg.syntax.names import PREFIXES
+from kg.syntax.position import place_at, place_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import TypeAlias
 
     from kg.errors import Place
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
     Parse: TypeAlias = Callable[[str], object]
 

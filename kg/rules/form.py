@@ -20,7 +20,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from kg.sparql.terms import Pattern, Term, TripleTerm, Variable, variables_of
+from kg.syntax.terms import Pattern, Term, TripleTerm, Variable, variables_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -11,7 +11,7 @@ from textual.widgets import Static, TabbedContent, TabPane
 from kg.render.text import count, printable
 from kg.shell.editor import Problem, QueryEditor
 from kg.shell.results import ResultView
-from kg.sparql.lexer import normalise
+from kg.syntax.lexer import normalise
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

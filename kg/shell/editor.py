@@ -13,7 +13,7 @@ from textual.widgets.text_area import TextAreaTheme
 
 from kg.shell.actions import bindings
 from kg.shell.highlighting import CLASSES, line_spans, line_starts
-from kg.sparql.lexer import normalise
+from kg.syntax.lexer import normalise
 
 if TYPE_CHECKING:
     from rich.text import Text

@@ -15,7 +15,7 @@ from kg.query.formats import display
 from kg.query.result import Boolean, Graph, Solutions
 from kg.render.text import count, printable, width
 from kg.shell.actions import bindings
-from kg.sparql.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

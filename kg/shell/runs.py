@@ -14,7 +14,7 @@ from kg.shell.delivery import is_open
 from kg.shell.editor import Problem
 from kg.shell.results import rows_of
 from kg.shell.state import Entry
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from kg.query.result import Result

@@ -12,7 +12,7 @@ from kg.errors import UsageError
 from kg.facts import Location
 from kg.graph.iris import Iris
 from kg.query.rows import rows
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 from kg.views.arguments import whole
 from kg.views.evidence import places as known_places
 from kg.views.terms import called, given_term, listing, named_node

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kg.errors import UsageError
 from kg.graph.ntriples import literal
 from kg.similar import unknown
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord, Queryable

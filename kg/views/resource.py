@@ -14,7 +14,7 @@ from kg.graph.iris import Iris
 from kg.graph.reading import grouped, one
 from kg.query.rows import rows
 from kg.similar import did_you_mean
-from kg.sparql.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, shorten
 from kg.views.arguments import whole
 from kg.views.evidence import places
 from kg.views.terms import called, named_node

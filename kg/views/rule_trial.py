@@ -20,7 +20,7 @@ from kg.rules.explain.derivations import bound_by, derivation_of
 from kg.rules.explain.unify import instance
 from kg.rules.form import Exists
 from kg.rules.scope import bound_in, mentions
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

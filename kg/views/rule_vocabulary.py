@@ -16,7 +16,7 @@ from kg.resources import folder
 from kg.rules.authoring.library import Library
 from kg.rules.authoring.manual import documentation
 from kg.rules.blocks.read import read
-from kg.sparql.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, shorten
 from kg.views.complete import kept_of
 
 if TYPE_CHECKING:

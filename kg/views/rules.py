@@ -21,8 +21,8 @@ from kg.rules.explain.view import View
 from kg.rules.files import Documentation
 from kg.rules.form import AUXILIARY
 from kg.rules.recording import Names
-from kg.sparql.names import PREFIXES, shorten
 from kg.store.opening import layout_of
+from kg.syntax.names import PREFIXES, shorten
 from kg.views.evidence import Places
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from kg.rules.explain.view import View
 from kg.rules.explain.why import why as proven
 from kg.rules.explain.why import why_all
 from kg.rules.explain.why_not import why_not as lacking
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 from kg.views.arguments import whole
 from kg.views.evidence import places
 from kg.views.why_tree import Telling

@@ -14,7 +14,7 @@ from kg.errors import QueryError, UsageError
 from kg.query.ask import ask, row, suggestion
 from kg.query.result import Solutions
 from kg.query.stored import discover, find, internal, read
-from kg.sparql.lexer import Kind, tokens
+from kg.syntax.lexer import Kind, tokens
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

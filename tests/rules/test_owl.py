@@ -16,7 +16,7 @@ from kg.resources import folder
 from kg.rules.authoring.memory import infer
 from kg.rules.engine.evaluate import Program
 from kg.rules.reading import discover
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

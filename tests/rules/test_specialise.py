@@ -19,7 +19,7 @@ from kg.rules.form import Values, Variable
 from kg.rules.reading import discover
 from kg.rules.specialise import SCHEMA_PREDICATES, is_schema, specialise
 from kg.rules.stratify import stratify
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.shell.highlighting import CLASSES, line_spans, spans
-from kg.sparql.lexer import normalise
+from kg.syntax.lexer import normalise
 
 _TEXTS = st.lists(
     st.sampled_from(

@@ -10,8 +10,8 @@ from repository import ROOT
 from sparql.printing import plain
 
 from kg.errors import RuleError
-from kg.sparql.names import PREFIXES
-from kg.sparql.parser import parse_rq
+from kg.syntax.names import PREFIXES
+from kg.syntax.parser import parse_rq
 
 FOLDER = ROOT.parent / "shared" / "w3c" / "rdf-tests" / "sparql"
 PROLOGUE = re.compile(r"(?:\s|#[^\n]*|BASE\s*<[^>]*>|PREFIX\s+[^\s:]*:\s*<[^>]*>)*", re.IGNORECASE)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.sparql.lexer import Kind, normalise, tokens
+from kg.syntax.lexer import Kind, normalise, tokens
 
 PIECES = st.lists(st.sampled_from([*list("<>'\"#(){}[]\\?$:.,;!|^&@=*/+-_ \n\tabz09é😀"), "'''", "<<", "a:b"]))
 

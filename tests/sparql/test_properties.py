@@ -10,12 +10,12 @@ from sparql.printing import group_text, plain, template_text
 from sparql.trees import groups, templates
 
 from kg.errors import RuleError
-from kg.sparql.parser import parse_rq, parse_srl
+from kg.syntax.parser import parse_rq, parse_srl
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.sparql.tree import Group, RuleUnit, TriplePattern
+    from kg.syntax.tree import Group, RuleUnit, TriplePattern
 
 CASES = Path(__file__).parent.parent / "rules" / "notations" / "srl"
 SETS = [path.read_text() for path in sorted(CASES.rglob("*.srl"))]

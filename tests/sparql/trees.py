@@ -10,8 +10,8 @@ from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Triple
 from sparql.printing import NOWHERE
 
 from kg.rules.form import TripleTerm, Variable
-from kg.sparql import tree
-from kg.sparql.tree import visible
+from kg.syntax import tree
+from kg.syntax.tree import visible
 
 __all__ = ["groups", "templates"]
 

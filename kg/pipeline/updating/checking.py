@@ -11,15 +11,15 @@ from kg.errors import QueryError
 from kg.pipeline.updating.operations import operations
 from kg.query.guard import check
 from kg.query.syntax import syntax_error
-from kg.sparql.lexer import Kind, normalise, tokens
-from kg.sparql.names import PREFIXES
-from kg.sparql.position import place_at
+from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.names import PREFIXES
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.pipeline.updating.operations import Operation
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["parsed"]
 

@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from kg.sparql.lexer import Kind
-from kg.sparql.names import PREFIXES
+from kg.syntax.lexer import Kind
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["TYPE", "Outline", "Pattern", "Role", "Slot", "Step", "Use", "outline"]
 

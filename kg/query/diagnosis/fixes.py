@@ -8,14 +8,14 @@ from kg.query.completion.service import declaration
 from kg.query.completion.vocabulary import WELL_KNOWN
 from kg.query.syntax import keywords_meant
 from kg.similar import similar
-from kg.sparql.lexer import Kind
-from kg.sparql.names import PREFIXES
+from kg.syntax.lexer import Kind
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from kg.query.completion.outline import Outline
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["closing", "of_token", "replacing"]
 

@@ -15,9 +15,9 @@ from kg.query.guard import check
 from kg.query.syntax import syntax_error
 from kg.query.terms import unknown
 from kg.similar import asked
-from kg.sparql.lexer import Token, normalise, tokens
-from kg.sparql.names import PREFIXES
-from kg.sparql.position import place_at
+from kg.syntax.lexer import Token, normalise, tokens
+from kg.syntax.names import PREFIXES
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -10,7 +10,7 @@ from pyoxigraph import Literal, RdfFormat
 
 from kg.errors import QueryError
 from kg.query.writing.xml import refuse_unwritable
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

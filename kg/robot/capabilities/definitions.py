@@ -11,7 +11,7 @@ from kg.graph import vocabulary as v
 from kg.graph.reading import grouped, one
 from kg.query.stored import internal
 from kg.robot.capability import Capability, Parameter
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -12,7 +12,7 @@ from kg.query.binding import bind
 from kg.query.stored import internal
 from kg.robot.capabilities.definitions import definitions
 from kg.robot.capability import Capabilities, Capability, Way
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

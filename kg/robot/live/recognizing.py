@@ -18,7 +18,7 @@ from kg.graph.reading import node_records
 from kg.names import resolve
 from kg.query.stored import internal
 from kg.robot.live.systems import Match, is_implicit
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

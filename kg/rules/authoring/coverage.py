@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from kg.rules.authoring.elements import element_place, spell_element, spell_head
 from kg.rules.authoring.firing import fire, holds
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -11,7 +11,7 @@ from kg.errors import RuleError
 from kg.rules.authoring.spelling import spell_term
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, TripleTerm, Variable
 from kg.rules.sparql import group, term
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -15,7 +15,7 @@ from kg.errors import Place, RuleError
 from kg.rules.authoring.markdown import Fence, Heading, parts
 from kg.rules.authoring.spelling import spell_triple
 from kg.similar import did_you_mean
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

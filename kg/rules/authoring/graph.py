@@ -14,7 +14,7 @@ from kg.rules.dependencies import depends, reads, writes
 from kg.rules.form import AUXILIARY, Variable
 from kg.rules.specialise import specialise
 from kg.rules.stratify import edges, stratify
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence

@@ -12,7 +12,7 @@ from kg.rules.dependencies import reads, writes
 from kg.rules.files import HEADINGS, NOTATIONS
 from kg.rules.form import atoms_of
 from kg.rules.header import parse_header
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

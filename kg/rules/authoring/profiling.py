@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from kg.rules.authoring.elements import element_place, spell_element
 from kg.rules.authoring.firing import fire
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -33,11 +33,11 @@ from kg.rules.blocks.tree import (
 from kg.rules.blocks.write import SECTIONS, inferred, name_of, namespace
 from kg.rules.form import Variable
 from kg.rules.header import parse_header
-from kg.sparql import tree
-from kg.sparql.lexer import Kind, normalise, tokens_of
-from kg.sparql.names import PREFIXES
-from kg.sparql.parser import parse_rq
-from kg.sparql.printer import renamed
+from kg.syntax import tree
+from kg.syntax.lexer import Kind, normalise, tokens_of
+from kg.syntax.names import PREFIXES
+from kg.syntax.parser import parse_rq
+from kg.syntax.printer import renamed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -34,9 +34,9 @@ from kg.rules.blocks.tree import (
     Truth,
 )
 from kg.rules.files import HEADINGS
-from kg.sparql.lexer import Kind, tokens_of
-from kg.sparql.names import PREFIXES
-from kg.sparql.printer import renamed
+from kg.syntax.lexer import Kind, tokens_of
+from kg.syntax.names import PREFIXES
+from kg.syntax.printer import renamed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.rules.checks.finding import Finding
 from kg.rules.files import REQUIRED_HEADINGS
-from kg.sparql.position import place_of
+from kg.syntax.position import place_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

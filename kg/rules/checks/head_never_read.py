@@ -11,7 +11,7 @@ from kg.rules.checks.standard import STANDARD
 from kg.rules.checks.tokens import place_of_name
 from kg.rules.dependencies import depends, reads
 from kg.rules.form import AUXILIARY, Variable
-from kg.sparql.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

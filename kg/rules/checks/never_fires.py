@@ -10,7 +10,7 @@ from kg.rules.checks.finding import Finding, at_rule
 from kg.rules.dependencies import depends
 from kg.rules.form import AUXILIARY, Aggregate, Assignment, Atom, Exists, Filter, atoms_of
 from kg.rules.sparql import group
-from kg.sparql.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

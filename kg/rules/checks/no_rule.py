@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.checks.finding import Finding
-from kg.sparql.position import place_of
+from kg.syntax.position import place_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

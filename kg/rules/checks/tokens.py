@@ -6,14 +6,14 @@ import re
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.checks.finding import at_offset, at_rule
-from kg.sparql.lexer import Kind, normalise, tokens
+from kg.syntax.lexer import Kind, normalise, tokens
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.errors import Place
     from kg.rules.files import RuleFile
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["names", "place_of_name", "variables"]
 

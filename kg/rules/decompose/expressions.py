@@ -9,13 +9,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.form import Expression
-from kg.sparql.lexer import Kind, tokens_of
+from kg.syntax.lexer import Kind, tokens_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
 
     from kg.errors import Place
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = [
     "bare",

@@ -20,7 +20,7 @@ from kg.rules.form import (
     Variable,
 )
 from kg.rules.scope import mentions
-from kg.sparql import printer
+from kg.syntax import printer
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -11,14 +11,14 @@ from pyoxigraph import BlankNode, Triple
 from kg.rules.decompose.names import Names
 from kg.rules.decompose.uses import uses
 from kg.rules.form import TripleTerm, variables_of
-from kg.sparql.lexer import normalise
-from kg.sparql.position import place_at
+from kg.syntax.lexer import normalise
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from kg.errors import Place
     from kg.rules.decompose.uses import Uses
     from kg.rules.form import Atom, Element, Pattern
-    from kg.sparql.tree import Node, RuleText, Span, TriplePattern
+    from kg.syntax.tree import Node, RuleText, Span, TriplePattern
 
 __all__ = ["AuxiliaryRules", "Work", "head_variables"]
 

@@ -18,9 +18,9 @@ from pyoxigraph import Store
 
 from kg.errors import RuleError
 from kg.rules.form import Atom, Values, Variable
-from kg.sparql import tree
-from kg.sparql.names import PREFIXES
-from kg.sparql.parser import parse_query
+from kg.syntax import tree
+from kg.syntax.names import PREFIXES
+from kg.syntax.parser import parse_query
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

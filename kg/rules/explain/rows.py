@@ -11,8 +11,8 @@ from kg.query.guard import check
 from kg.rules.explain.derivations import bound_by, derivation_of
 from kg.rules.explain.why import why
 from kg.rules.notations import rq
-from kg.sparql.lexer import Kind, normalise, tokens
-from kg.sparql.parser import parse_rq
+from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.parser import parse_rq
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kg.rules.explain.proof import Condition, Proof
     from kg.rules.explain.view import View
     from kg.rules.form import Rule, Term
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["RowProof", "why_row"]
 

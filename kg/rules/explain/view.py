@@ -13,7 +13,7 @@ from kg.rules.explain.closures import Closures
 from kg.rules.explain.proof import Evidence
 from kg.rules.form import Variable
 from kg.rules.sparql import outside, select, spelling, substitutions
-from kg.sparql.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -10,9 +10,9 @@ from kg.errors import Place, RuleError
 from kg.rules.checks.finding import from_error
 from kg.rules.checks.run import check_file
 from kg.rules.reading import read_text
-from kg.sparql.functions import FUNCTIONS
-from kg.sparql.lexer import Kind, normalise, tokens
-from kg.sparql.names import PREFIXES
+from kg.syntax.functions import FUNCTIONS
+from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from kg.rules.checks.finding import Context, Finding
     from kg.rules.lsp.terms import DefinedTerm, Terms
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["Suggestion", "complete", "diagnose", "hover", "prefixes_of", "term_at", "width"]
 

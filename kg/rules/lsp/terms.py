@@ -10,7 +10,7 @@ from pyoxigraph import Literal, NamedNode, RdfFormat
 
 from kg.errors import Place
 from kg.rules.documents import statements
-from kg.sparql.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

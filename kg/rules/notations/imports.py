@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
 from kg.errors import RuleError
-from kg.sparql.lexer import normalise
-from kg.sparql.parser import parse_srl
-from kg.sparql.position import place_at
+from kg.syntax.lexer import normalise
+from kg.syntax.parser import parse_srl
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from pyoxigraph import NamedNode
 
-    from kg.sparql.tree import RuleUnit
+    from kg.syntax.tree import RuleUnit
 
 __all__ = ["imported"]
 

@@ -16,17 +16,17 @@ from kg.rules.decompose.names import Names
 from kg.rules.decompose.paths import Link, normal
 from kg.rules.form import Assignment, Atom, Exists, Filter, Rule, TripleTerm, Variable
 from kg.rules.notations.wellformed import check
-from kg.sparql import tree
-from kg.sparql.lexer import normalise
-from kg.sparql.position import place_at
-from kg.sparql.tree import mentioned
+from kg.syntax import tree
+from kg.syntax.lexer import normalise
+from kg.syntax.position import place_at
+from kg.syntax.tree import mentioned
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.errors import Place
     from kg.rules.form import Element, Pattern, Term
-    from kg.sparql.tree import Group, RuleText, RuleUnit, Span, TriplePattern
+    from kg.syntax.tree import Group, RuleText, RuleUnit, Span, TriplePattern
 
 __all__ = ["data", "rules"]
 

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 from kg.errors import RuleError
 from kg.similar import did_you_mean
-from kg.sparql.position import place_at
-from kg.sparql.tree import Bind, Exists, Filter, TriplePattern, mentioned
+from kg.syntax.position import place_at
+from kg.syntax.tree import Bind, Exists, Filter, TriplePattern, mentioned
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.sparql.tree import Expression, Node, RuleText, Span
+    from kg.syntax.tree import Expression, Node, RuleText, Span
 
 __all__ = ["check"]
 

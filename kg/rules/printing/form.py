@@ -9,7 +9,7 @@ from kg.rules.decompose.expressions import bare
 from kg.rules.dependencies import reads
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter
 from kg.rules.printing.words import indented, shortened
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

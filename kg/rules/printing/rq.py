@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kg.rules import sparql
 from kg.rules.form import atoms_of
 from kg.rules.printing.words import head, indented, refusal, with_prefixes
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

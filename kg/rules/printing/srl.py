@@ -8,9 +8,9 @@ from kg.rules import sparql
 from kg.rules.decompose.expressions import bare
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Values, atoms_of
 from kg.rules.printing.words import head, indented, refusal, with_prefixes
-from kg.sparql.functions import FUNCTIONS, RULE_FUNCTIONS
-from kg.sparql.lexer import Kind, tokens_of
-from kg.sparql.names import PREFIXES
+from kg.syntax.functions import FUNCTIONS, RULE_FUNCTIONS
+from kg.syntax.lexer import Kind, tokens_of
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -17,7 +17,7 @@ from pyoxigraph import BlankNode, Literal, NamedNode
 from kg.rules.form import Atom, Variable
 from kg.rules.printing.rq import construct
 from kg.rules.printing.words import indented, shortened, with_prefixes
-from kg.sparql.names import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

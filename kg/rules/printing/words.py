@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 from kg.errors import RuleError
 from kg.rules import sparql
-from kg.sparql.lexer import Kind
-from kg.sparql.names import PREFIXES
-from kg.sparql.printer import respelt
+from kg.syntax.lexer import Kind
+from kg.syntax.names import PREFIXES
+from kg.syntax.printer import respelt
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from kg.rules.form import Atom, Rule
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["head", "indented", "refusal", "shortened", "with_prefixes"]
 

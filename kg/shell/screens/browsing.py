@@ -8,7 +8,7 @@ from textual.screen import Screen
 
 from kg.shell.buffers import Buffers
 from kg.shell.tree import KnowledgeTree
-from kg.sparql.names import shorten
+from kg.syntax.names import shorten
 
 if TYPE_CHECKING:
     from kg.shell.link import Link

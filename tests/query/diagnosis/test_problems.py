@@ -10,7 +10,7 @@ from kg.errors import QueryError
 from kg.query.core import run
 from kg.query.diagnosis.problems import diagnose
 from kg.query.stored import StoredQuery, discover
-from kg.sparql.lexer import normalise
+from kg.syntax.lexer import normalise
 
 if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot

@@ -22,9 +22,9 @@ from kg.robot.connection import ComputationGraph, LiveEnd, LiveNode
 from kg.robot.live import infer
 from kg.robot.live.keeping import Keeper
 from kg.settings import load
-from kg.sparql.names import PREFIXES
 from kg.store.embedded import EmbeddedStore
 from kg.store.opening import existing
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from kg.settings import Settings

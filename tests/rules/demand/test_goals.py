@@ -17,8 +17,8 @@ from kg.rules.demand.goals import goals_of, open_ended
 from kg.rules.engine.limits import Limits
 from kg.rules.files import Documentation, RuleFile, RuleSet
 from kg.rules.recording import Names
-from kg.sparql.names import PREFIXES
 from kg.store.snapshot import MemorySnapshot
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from rules.engine.oracle import Fact

@@ -9,8 +9,8 @@ from kg.errors import Place, RuleError
 from kg.rules.decompose import decompose
 from kg.rules.notations.shacl.graph import ShapesGraph
 from kg.rules.notations.shacl.statements import statements
-from kg.sparql.parser import parse_rq
-from kg.sparql.position import place_at
+from kg.syntax.parser import parse_rq
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -15,7 +15,7 @@ from pyoxigraph import Literal, NamedNode
 
 from kg.rules.notations.shacl.query import closing, query_of, rename, spell, top_level, variables
 from kg.rules.notations.shacl.vocabulary import XSD, sh
-from kg.sparql.lexer import Kind
+from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

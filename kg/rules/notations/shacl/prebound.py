@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.notations.shacl.query import closing, plain, variables
-from kg.sparql.lexer import Kind
+from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
     from kg.rules.form import Term

@@ -14,15 +14,15 @@ from pyoxigraph import Literal, NamedNode
 
 from kg.rules.notations.shacl.vocabulary import IMPORTS, sh
 from kg.similar import did_you_mean
-from kg.sparql.lexer import Kind, normalise, tokens, unescape, unescape_local
-from kg.sparql.names import PREFIXES, is_absolute
+from kg.syntax.lexer import Kind, normalise, tokens, unescape, unescape_local
+from kg.syntax.names import PREFIXES, is_absolute
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["Query", "Word", "Words", "closing", "plain", "query_of", "rename", "spell", "top_level", "variables"]
 

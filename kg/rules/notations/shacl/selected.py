@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.rules.notations.shacl.paths import path_of
 from kg.rules.notations.shacl.query import query_of, rename, variables
-from kg.sparql.lexer import Kind
+from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
     from kg.rules.form import Term

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import Literal, NamedNode, Triple
 
 from kg.similar import did_you_mean
-from kg.sparql.cursor import MAX_NESTING
-from kg.sparql.functions import AGGREGATES, FUNCTIONS, Arguments
-from kg.sparql.lexer import Kind, as_operator
-from kg.sparql.terms import Variable
-from kg.sparql.tree import (
+from kg.syntax.cursor import MAX_NESTING
+from kg.syntax.functions import AGGREGATES, FUNCTIONS, Arguments
+from kg.syntax.lexer import Kind, as_operator
+from kg.syntax.terms import Variable
+from kg.syntax.tree import (
     AggregateCall,
     Bind,
     Exists,
@@ -31,13 +31,13 @@ from kg.sparql.tree import (
     ValuesBlock,
     visible,
 )
-from kg.sparql.triples import Mode, Triples
+from kg.syntax.triples import Mode, Triples
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.sparql.terms import Term
-    from kg.sparql.tree import Node
+    from kg.syntax.terms import Term
+    from kg.syntax.tree import Node
 
 __all__ = ["Patterns"]
 

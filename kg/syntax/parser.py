@@ -6,19 +6,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from kg.sparql.functions import RULE_FUNCTIONS
-from kg.sparql.lexer import END, Kind, as_assignment
-from kg.sparql.names import PREFIXES
-from kg.sparql.patterns import Patterns
-from kg.sparql.tree import Bind, Exists, Filter, Group, RuleText, RuleUnit
-from kg.sparql.triples import Mode
+from kg.syntax.functions import RULE_FUNCTIONS
+from kg.syntax.lexer import END, Kind, as_assignment
+from kg.syntax.names import PREFIXES
+from kg.syntax.patterns import Patterns
+from kg.syntax.tree import Bind, Exists, Filter, Group, RuleText, RuleUnit
+from kg.syntax.triples import Mode
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from pyoxigraph import NamedNode
 
-    from kg.sparql.tree import Node, TriplePattern
+    from kg.syntax.tree import Node, TriplePattern
 
 __all__ = ["QueryUnit", "parse_query", "parse_rq", "parse_srl"]
 
@@ -37,7 +37,7 @@ _SPARQL: Final = {
 def parse_rq(text: str, path: str) -> RuleUnit:
     """Return the rule that a SPARQL CONSTRUCT states; `path` is what errors name.
 
-    The prefixes of `kg.sparql.names` are declared already. Raises RuleError: KG201 where the text is not SPARQL,
+    The prefixes of `kg.syntax.names` are declared already. Raises RuleError: KG201 where the text is not SPARQL,
     KG209 for what rules may not do (other servers, other data sets, rows in an order or up to a limit).
     """
     return _parsed(_Construct(text, path, prefixes=PREFIXES))
@@ -67,7 +67,7 @@ class QueryUnit:
 
 
 def parse_query(text: str, path: str) -> QueryUnit:
-    """Return the pattern of a SELECT, ASK or CONSTRUCT; the prefixes of `kg.sparql.names` are declared already.
+    """Return the pattern of a SELECT, ASK or CONSTRUCT; the prefixes of `kg.syntax.names` are declared already.
 
     Raises RuleError: KG201, KG209 for other queries, and for what the grammar of rules lacks.
     """

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Triple
 
-from kg.sparql.cursor import Cursor
-from kg.sparql.lexer import Kind, Token, unescape
-from kg.sparql.terms import TripleTerm, Variable
-from kg.sparql.tree import Alternative, Inverse, Negated, Repeat, Sequence, TriplePattern
+from kg.syntax.cursor import Cursor
+from kg.syntax.lexer import Kind, Token, unescape
+from kg.syntax.terms import TripleTerm, Variable
+from kg.syntax.tree import Alternative, Inverse, Negated, Repeat, Sequence, TriplePattern
 
 if TYPE_CHECKING:
-    from kg.sparql.terms import Pattern
-    from kg.sparql.tree import Path
+    from kg.syntax.terms import Pattern
+    from kg.syntax.tree import Path
 
 __all__ = ["Block", "Mode", "Triples"]
 

@@ -10,14 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.sparql.terms import Variable, variables_of
+from kg.syntax.terms import Variable, variables_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from pyoxigraph import NamedNode
 
-    from kg.sparql.terms import Pattern, Term
+    from kg.syntax.terms import Pattern, Term
 
 __all__ = [
     "AggregateCall",

@@ -9,10 +9,10 @@ from pyoxigraph import NamedNode
 
 from kg.errors import RuleError
 from kg.similar import did_you_mean
-from kg.sparql.lexer import END, Kind, Token, as_written, is_name, normalise, token_at, tokens, unescape, unescape_local
-from kg.sparql.names import is_absolute, resolve
-from kg.sparql.position import place_at
-from kg.sparql.tree import Span
+from kg.syntax.lexer import END, Kind, Token, as_written, is_name, normalise, token_at, tokens, unescape, unescape_local
+from kg.syntax.names import is_absolute, resolve
+from kg.syntax.position import place_at
+from kg.syntax.tree import Span
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.sparql.lexer import Kind, tokens_of
+from kg.syntax.lexer import Kind, tokens_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.sparql.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["renamed", "respelt"]
 
