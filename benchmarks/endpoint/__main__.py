@@ -29,8 +29,8 @@ from measuring import figures, quantile, run_clients
 from requesting import measure_requests
 
 from kg.query import stored
-from kg.query.prefixes import PREFIXES
 from kg.store.layout import Layout
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

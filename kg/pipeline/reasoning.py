@@ -16,7 +16,6 @@ from kg.graph.iris import Iris
 from kg.graph.ontology_files import default_ontologies, ontology_triples
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest
-from kg.query.prefixes import PREFIXES
 from kg.rules import compiled
 from kg.rules.explain.proof import Evidence
 from kg.rules.files import RuleSet
@@ -26,6 +25,7 @@ from kg.rules.recording import Names
 from kg.rules.specialise import schema_pattern, schema_query, specialised
 from kg.store.failure import translated
 from kg.store.terms import cells
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from pyoxigraph import Triple

@@ -15,14 +15,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.errors import QueryError
-from kg.query.lexer import Kind, tokens
+from kg.syntax.lexer import Kind, tokens
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from pyoxigraph import Literal, NamedNode
 
-    from kg.query.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["bind", "defaults"]
 

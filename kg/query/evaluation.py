@@ -12,10 +12,10 @@ from pyoxigraph import NamedNode
 from kg.errors import QueryError
 from kg.query.binding import bind
 from kg.query.guard import check
-from kg.query.lexer import Kind, normalise, tokens
-from kg.query.prefixes import PREFIXES
 from kg.query.syntax import syntax_error
 from kg.store.failure import is_of_store, store_error
+from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from pyoxigraph import Literal, Triple
 
     from kg.errors import KgError
-    from kg.query.lexer import Token
     from kg.query.result import Row
     from kg.store.interface import Snapshot
+    from kg.syntax.lexer import Token
 
 __all__ = ["Dataset", "Evaluation", "Prepared", "prepare"]
 

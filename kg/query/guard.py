@@ -9,13 +9,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import QueryError
-from kg.query.lexer import Kind
-from kg.query.position import place_at
+from kg.syntax.lexer import Kind
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.query.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["MAX_CHAIN", "MAX_DEPTH", "check"]
 
@@ -25,8 +25,8 @@ MAX_DEPTH: Final = 500
 MAX_CHAIN: Final = 5000
 """How many operators and graph patterns a query may have: the engine chains them into a tree as deep."""
 
-_OPENING: Final = frozenset({"(", "[", "{", "<<"})
-_CLOSING: Final = frozenset({")", "]", "}", ">>"})
+_OPENING: Final = frozenset({"(", "[", "{", "<<", "<<(", "{|"})
+_CLOSING: Final = frozenset({")", "]", "}", ">>", ")>>", "|}"})
 _UNARY: Final = frozenset({"!", "-", "+", "^", "^^"})
 _OPERATORS: Final = frozenset({"!", "-", "+", "^", "||", "&&", "*", "/", "|", "=", "!=", "<", ">", "<=", ">="})
 _PATTERNS: Final = frozenset({"union", "optional", "minus", "bind", "filter", "graph", "lateral", "exists", "not"})
@@ -49,7 +49,7 @@ def check(tokens: Iterable[Token], text: str, path: str = "query") -> None:
             sign = token.text
             depth = max(0, depth + (sign in _OPENING) - (sign in _CLOSING))
             unary = unary + len(sign) if sign in _UNARY else 0
-            chain += sign == "{" or sign in _OPERATORS
+            chain += sign in {"{", "{|"} or sign in _OPERATORS
         else:
             unary = 0
             chain += token.kind is Kind.WORD and token.text.lower() in _PATTERNS

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, cast
 from pyoxigraph import Literal, NamedNode, RdfFormat, Triple, parse
 
 from kg.errors import UnknownNameError, UsageError
-from kg.query.prefixes import PREFIXES, shorten
 from kg.similar import did_you_mean
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kg.query.prefixes import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -17,7 +17,7 @@ __all__ = ["rows"]
 def rows(snapshot: Snapshot, text: str, *, union: bool = False) -> Iterator[Any]:
     """Yield the rows of a SELECT as tuples of IRIs and texts, None for what is not bound.
 
-    The known prefixes (`kg.query.prefixes`) need no declaration. Without `union` the default graph is empty, and
+    The known prefixes (`kg.syntax.names`) need no declaration. Without `union` the default graph is empty, and
     patterns name their graphs: joins over the union of all graphs cost many times as much.
     """
     for row in snapshot.query(text, prefixes=PREFIXES, union=union):  # type: ignore[union-attr]  # a SELECT

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from kg.query.lexer import Kind, tokens
+from kg.syntax.lexer import Kind, tokens
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -12,17 +12,17 @@ import pyoxigraph
 from kg.errors import QueryError
 from kg.query.completion.outline import Slot, outline
 from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS, WELL_KNOWN
-from kg.query.lexer import Kind, tokens
-from kg.query.position import place_at, place_of
-from kg.query.prefixes import PREFIXES
 from kg.similar import asked, did_you_mean
+from kg.syntax.lexer import Kind, tokens
+from kg.syntax.names import PREFIXES
+from kg.syntax.position import place_at, place_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import TypeAlias
 
     from kg.errors import Place
-    from kg.query.lexer import Token
+    from kg.syntax.lexer import Token
 
     Parse: TypeAlias = Callable[[str], object]
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from kg.query.lexer import Kind, tokens
-from kg.query.prefixes import PREFIXES, shorten
 from kg.similar import asked, similar
+from kg.syntax.lexer import Kind, tokens
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.query.lexer import Token
     from kg.store.interface import Snapshot
+    from kg.syntax.lexer import Token
 
 __all__ = ["Unknown", "iris_of", "unknown", "unknown_terms"]
 

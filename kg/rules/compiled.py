@@ -33,7 +33,8 @@ _CLASSES: Final = frozenset(
     {
         *(("kg.rules.form", name) for name in ("Aggregate", "Assignment", "Atom", "Column", "EngineBlock", "Exists")),
         ("kg.rules.stratify", "Stratum"),
-        *(("kg.rules.form", name) for name in ("Expression", "Filter", "Rule", "TripleTerm", "Values", "Variable")),
+        *(("kg.rules.form", name) for name in ("Expression", "Filter", "Rule", "Values")),
+        *(("kg.syntax.terms", name) for name in ("TripleTerm", "Variable")),
         *(("pyoxigraph", name) for name in ("BlankNode", "Literal", "NamedNode", "Triple")),
         ("kg.errors", "Place"),
         ("builtins", "frozenset"),

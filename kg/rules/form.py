@@ -20,7 +20,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from kg.store.terms import Term
+from kg.syntax.terms import Pattern, Term, TripleTerm, Variable, variables_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -52,34 +52,6 @@ __all__ = [
 
 AUXILIARY: Final = "urn:kg:auxiliary:"
 """Namespace of predicates that decomposition introduces; they are derived like others and never written to a store."""
-
-
-@dataclass(frozen=True, slots=True)
-class Variable:
-    """A variable, its name without `?`. Names that begin with `.` were made by decomposition or stand for `[]`."""
-
-    name: str
-
-    def __hash__(self) -> int:
-        # That of a dataclass makes a tuple first, and sets of variables are made all the time.
-        return hash(self.name)
-
-    def __str__(self) -> str:
-        return f"?{self.name}"
-
-
-@dataclass(frozen=True, slots=True)
-class TripleTerm:
-    """A triple term (RDF 1.2) with variables in it: `<<( ?s ?p ?o )>>`."""
-
-    subject: Pattern
-    predicate: Pattern
-    object: Pattern
-
-
-Pattern: TypeAlias = Term | Variable | TripleTerm
-"""What may stand in a position of an atom. A blank node in a body is a constant (a term of the data): those that a
-notation writes as variables have become variables. A blank node in a head stands for a new one in each solution."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,12 +192,3 @@ def atoms_of(body: tuple[Element, ...]) -> Iterator[tuple[Atom, bool]]:
         elif isinstance(element, Aggregate):
             for atom, _ in atoms_of(element.body):
                 yield atom, True
-
-
-def variables_of(pattern: Pattern) -> Iterator[Variable]:
-    """Yield the variables in a position of an atom, from left to right."""
-    if isinstance(pattern, Variable):
-        yield pattern
-    elif isinstance(pattern, TripleTerm):
-        for inner in (pattern.subject, pattern.predicate, pattern.object):
-            yield from variables_of(inner)

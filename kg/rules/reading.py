@@ -94,7 +94,7 @@ def _read_rq(text: str, path: Path, name: str, documentation: Documentation) -> 
 def _compiled_rq(text: str, path: str, name: str) -> tuple[tuple[Rule, ...], Mapping[str, str]]:
     """Return the rules and prefixes of a text, which nothing else decides; builds that follow each other ask again."""
     from kg.rules.notations import rq  # noqa: PLC0415 - a notation is loaded when a file has it
-    from kg.rules.syntax.units import parse_rq  # noqa: PLC0415 - the same
+    from kg.syntax.parser import parse_rq  # noqa: PLC0415 - the same
 
     unit = parse_rq(text, path)
     return rq.rules(unit, name, path, text), MappingProxyType(dict(unit.prefixes))
@@ -102,7 +102,7 @@ def _compiled_rq(text: str, path: str, name: str) -> tuple[tuple[Rule, ...], Map
 
 def _read_srl(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
     from kg.rules.notations import imports, srl  # noqa: PLC0415 - a notation is loaded when a file has it
-    from kg.rules.syntax.units import parse_srl  # noqa: PLC0415 - the same
+    from kg.syntax.parser import parse_srl  # noqa: PLC0415 - the same
 
     unit = parse_srl(text, str(path))
     rules = list(srl.rules(unit, name, str(path), text))

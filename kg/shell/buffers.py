@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Final
 from textual.css.query import NoMatches
 from textual.widgets import Static, TabbedContent, TabPane
 
-from kg.query.lexer import normalise
 from kg.render.text import count, printable
 from kg.shell.editor import Problem, QueryEditor
 from kg.shell.results import ResultView
+from kg.syntax.lexer import normalise
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -11,9 +11,9 @@ from textual.message import Message
 from textual.widgets import TextArea
 from textual.widgets.text_area import TextAreaTheme
 
-from kg.query.lexer import normalise
 from kg.shell.actions import bindings
 from kg.shell.highlighting import CLASSES, line_spans, line_starts
+from kg.syntax.lexer import normalise
 
 if TYPE_CHECKING:
     from rich.text import Text

@@ -6,7 +6,7 @@ import re
 from bisect import bisect_right
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from kg.query.lexer import Kind, tokens
+from kg.syntax.lexer import Kind, tokens
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

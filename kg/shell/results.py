@@ -12,10 +12,10 @@ from textual.message import Message
 from textual.widgets import DataTable, Static
 
 from kg.query.formats import display
-from kg.query.prefixes import PREFIXES, shorten
 from kg.query.result import Boolean, Graph, Solutions
 from kg.render.text import count, printable, width
 from kg.shell.actions import bindings
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -8,13 +8,13 @@ import time
 from typing import TYPE_CHECKING
 
 from kg.errors import KgError
-from kg.query.prefixes import PREFIXES
 from kg.query.result import Boolean
 from kg.query.statements import statement_at
 from kg.shell.delivery import is_open
 from kg.shell.editor import Problem
 from kg.shell.results import rows_of
 from kg.shell.state import Entry
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from kg.query.result import Result

@@ -11,8 +11,8 @@ from pyoxigraph import Variable
 from kg.errors import UsageError
 from kg.facts import Location
 from kg.graph.iris import Iris
-from kg.query.prefixes import PREFIXES
 from kg.query.rows import rows
+from kg.syntax.names import PREFIXES
 from kg.views.arguments import whole
 from kg.views.evidence import places as known_places
 from kg.views.terms import called, given_term, listing, named_node

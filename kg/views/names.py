@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from kg.errors import UsageError
 from kg.graph.ntriples import literal
-from kg.query.prefixes import PREFIXES
 from kg.similar import unknown
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord, Queryable

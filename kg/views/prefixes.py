@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.query.completion.statistics import declared
-from kg.query.prefixes import PREFIXES
+from kg.syntax.names import PREFIXES
 from kg.views.remembered import once
 
 if TYPE_CHECKING:

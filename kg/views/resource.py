@@ -12,9 +12,9 @@ from kg.facts import Location
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.reading import grouped, one
-from kg.query.prefixes import PREFIXES, shorten
 from kg.query.rows import rows
 from kg.similar import did_you_mean
+from kg.syntax.names import PREFIXES, shorten
 from kg.views.arguments import whole
 from kg.views.evidence import places
 from kg.views.terms import called, named_node

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 from pyoxigraph import BlankNode
 
 from kg.errors import RuleError
-from kg.query.prefixes import PREFIXES
 from kg.rules.authoring.examples import parse_examples
 from kg.rules.authoring.library import Library
 from kg.rules.authoring.spelling import spell_triple
@@ -21,6 +20,7 @@ from kg.rules.explain.derivations import bound_by, derivation_of
 from kg.rules.explain.unify import instance
 from kg.rules.form import Exists
 from kg.rules.scope import bound_in, mentions
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

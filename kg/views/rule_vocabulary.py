@@ -12,11 +12,11 @@ from pyoxigraph import RdfFormat
 
 from kg.errors import RuleError
 from kg.graph.ontology_files import ontology_triples
-from kg.query.prefixes import PREFIXES, shorten
 from kg.resources import folder
 from kg.rules.authoring.library import Library
 from kg.rules.authoring.manual import documentation
 from kg.rules.blocks.read import read
+from kg.syntax.names import PREFIXES, shorten
 from kg.views.complete import kept_of
 
 if TYPE_CHECKING:

@@ -12,7 +12,6 @@ from kg.errors import RuleError
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest, last_run
 from kg.pipeline.reasoning import explained_vocabulary, ontology_schema
-from kg.query.prefixes import PREFIXES, shorten
 from kg.rules.authoring.graph import RuleGraph, rule_graph
 from kg.rules.authoring.library import Library
 from kg.rules.authoring.manual import documentation, entry_object, manual, manual_object
@@ -23,6 +22,7 @@ from kg.rules.files import Documentation
 from kg.rules.form import AUXILIARY
 from kg.rules.recording import Names
 from kg.store.opening import layout_of
+from kg.syntax.names import PREFIXES, shorten
 from kg.views.evidence import Places
 
 if TYPE_CHECKING:

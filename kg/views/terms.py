@@ -9,9 +9,9 @@ from pyoxigraph import NamedNode
 
 from kg.errors import UsageError
 from kg.graph.interfaces import SHAPES
-from kg.query.prefixes import PREFIXES, shorten
 from kg.query.rows import rows
 from kg.store.terms import of_spelling
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.errors import RuleError
 from kg.pipeline.reasoning import explained_vocabulary, rules_in_force
 from kg.query.naming import facts
-from kg.query.prefixes import PREFIXES
 from kg.rules.explain.derivations import derivations
 from kg.rules.explain.view import View
 from kg.rules.explain.why import why as proven
 from kg.rules.explain.why import why_all
 from kg.rules.explain.why_not import why_not as lacking
+from kg.syntax.names import PREFIXES
 from kg.views.arguments import whole
 from kg.views.evidence import places
 from kg.views.why_tree import Telling

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from kg.errors import QueryError
 from kg.query.guard import MAX_CHAIN, MAX_DEPTH, check
-from kg.query.lexer import normalise, tokens
+from kg.syntax.lexer import normalise, tokens
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

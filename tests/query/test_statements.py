@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.query.lexer import normalise
 from kg.query.statements import segment_at, statement_at, statements
+from kg.syntax.lexer import normalise
 
 _TWO = "# one\nSELECT * { ?s ?p ?o { SELECT ?s { } } }\nLIMIT 3\n\n# two\nPREFIX a: <urn:a>\nASK { a:b a:c 'ASK {' }\n"
 _PARTS = st.lists(

@@ -12,9 +12,9 @@ import pytest
 from kg import resources
 from kg.errors import QueryError, UsageError
 from kg.query.ask import ask, row, suggestion
-from kg.query.lexer import Kind, tokens
 from kg.query.result import Solutions
 from kg.query.stored import discover, find, internal, read
+from kg.syntax.lexer import Kind, tokens
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

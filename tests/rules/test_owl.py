@@ -12,11 +12,11 @@ from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 from rdflib import OWL, RDF, RDFS, Graph
 
 from kg.graph.ontology_files import default_ontologies
-from kg.query.prefixes import PREFIXES
 from kg.resources import folder
 from kg.rules.authoring.memory import infer
 from kg.rules.engine.evaluate import Program
 from kg.rules.reading import discover
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

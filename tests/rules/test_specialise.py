@@ -12,7 +12,6 @@ from rules.forms import rule
 
 from kg.errors import RuleError
 from kg.graph.ontology_files import ontology_triples
-from kg.query.prefixes import PREFIXES
 from kg.resources import folder
 from kg.rules.authoring.memory import infer
 from kg.rules.engine.evaluate import Program
@@ -20,6 +19,7 @@ from kg.rules.form import Values, Variable
 from kg.rules.reading import discover
 from kg.rules.specialise import SCHEMA_PREDICATES, is_schema, specialise
 from kg.rules.stratify import stratify
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

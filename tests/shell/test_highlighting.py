@@ -3,8 +3,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.query.lexer import normalise
 from kg.shell.highlighting import CLASSES, line_spans, spans
+from kg.syntax.lexer import normalise
 
 _TEXTS = st.lists(
     st.sampled_from(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from kg.errors import KgError, QueryError, RuleError, UsageError
-from kg.query.prefixes import PREFIXES
+from kg.syntax.names import PREFIXES
 from kg.views.cells import cells
 from kg.views.complete import complete
 from kg.views.diagnose import diagnose

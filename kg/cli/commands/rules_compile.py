@@ -33,11 +33,11 @@ def compile_rule(
     """
     from kg.cli.rules_view import here  # noqa: PLC0415 - start-up time
     from kg.pipeline.reasoning import ontology_schema  # noqa: PLC0415 - start-up time
-    from kg.query.prefixes import PREFIXES  # noqa: PLC0415 - start-up time
     from kg.rules import printing  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.manual import manual  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.naming import find_rule  # noqa: PLC0415 - start-up time
+    from kg.syntax.names import PREFIXES  # noqa: PLC0415 - start-up time
 
     if to not in _FORMS:
         raise UsageError("KG003", f"unknown notation `{to}`", hint=f"Use one of {', '.join(_FORMS)}.")

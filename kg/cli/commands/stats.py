@@ -77,7 +77,7 @@ def _sections(found: "Statistics", most: int | None = None) -> list[tuple[str, l
 
 def _triples(found: "Statistics", most: int | None) -> list[tuple[str, int]]:
     """Return the number of triples by property, the rarer ones together when there are more than `most`."""
-    from kg.query.prefixes import shorten  # noqa: PLC0415 - start-up time
+    from kg.syntax.names import shorten  # noqa: PLC0415 - start-up time
 
     shown = [(shorten(iri).strip("<>"), number) for iri, number in found.triples[:most]]
     rest = found.triples[len(shown) :]

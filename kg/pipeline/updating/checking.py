@@ -10,16 +10,16 @@ import pyoxigraph
 from kg.errors import QueryError
 from kg.pipeline.updating.operations import operations
 from kg.query.guard import check
-from kg.query.lexer import Kind, normalise, tokens
-from kg.query.position import place_at
-from kg.query.prefixes import PREFIXES
 from kg.query.syntax import syntax_error
+from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.names import PREFIXES
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.pipeline.updating.operations import Operation
-    from kg.query.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["parsed"]
 

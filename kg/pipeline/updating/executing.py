@@ -14,7 +14,7 @@ from pyoxigraph import DefaultGraph, NamedNode, Quad
 from kg.errors import QueryError
 from kg.pipeline.updating.operations import Data, Manage, Modify
 from kg.pipeline.updating.templates import Template, data, iris
-from kg.query.prefixes import PREFIXES
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.errors import QueryError
-from kg.query.lexer import Kind, Token, tokens
-from kg.query.position import place_at
+from kg.syntax.lexer import Kind, Token, tokens
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -9,7 +9,7 @@ from kg.query.completion.outline import Role, Slot
 from kg.query.completion.site import Candidate
 from kg.query.completion.typed import Form
 from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS
-from kg.query.lexer import Kind
+from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

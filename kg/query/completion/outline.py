@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from kg.query.lexer import Kind
-from kg.query.prefixes import PREFIXES
+from kg.syntax.lexer import Kind
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from kg.query.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["TYPE", "Outline", "Pattern", "Role", "Slot", "Step", "Use", "outline"]
 
@@ -315,9 +315,9 @@ def _object(result: Outline, frame: Frame, term: str, end: int) -> None:
 
 def _sign(result: Outline, frame: Frame, token: Token) -> None:
     sign = token.text
-    if sign in {"{", "(", "[", "<<"}:
+    if sign in {"{", "(", "[", "{|", "<<", "<<("}:
         _open(result, frame, token)
-    elif sign in {"}", ")", "]", ">>"}:
+    elif sign in {"}", ")", "]", "|}", ">>", ")>>"}:
         _close(result, sign, token.end)
     elif frame.role is Role.EXPRESSION:
         frame.slot = Slot.EXPRESSION
@@ -357,8 +357,13 @@ def _open(result: Outline, frame: Frame, token: Token) -> None:
         result.frames.append(
             Frame(Role.BLANK, Slot.PREDICATE, frame.group, subject=label, start=token.start, closes="]")
         )
-    elif token.text == "<<":
-        result.frames.append(Frame(Role.LIST, Slot.OBJECT, frame.group, closes=">>"))
+    elif token.text in {"<<", "<<("}:
+        result.frames.append(Frame(Role.LIST, Slot.OBJECT, frame.group, closes=")>>"[token.text == "<<" :]))
+    elif token.text == "{|":
+        label = f"_:{result.number()}"
+        result.frames.append(
+            Frame(Role.BLANK, Slot.PREDICATE, frame.group, subject=label, start=token.start, closes="|}")
+        )
     else:
         _open_parenthesis(result, frame)
 

@@ -8,7 +8,7 @@ from kg.query.completion.candidates import candidates
 from kg.query.completion.matching import WORST, matcher
 from kg.query.completion.site import site_of
 from kg.query.completion.typed import Form, typed
-from kg.query.lexer import tokens
+from kg.syntax.lexer import tokens
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

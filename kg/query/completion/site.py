@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 from kg.query.completion.outline import outline
 from kg.query.completion.typed import Form
-from kg.query.lexer import Kind, Token
-from kg.query.prefixes import PREFIXES, shorten
+from kg.syntax.lexer import Kind, Token
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -10,7 +10,7 @@ from kg.query.completion.outline import TYPE, Slot, Step
 from kg.query.completion.site import Candidate
 from kg.query.completion.typed import Form
 from kg.query.completion.vocabulary import WELL_KNOWN
-from kg.query.lexer import Kind
+from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

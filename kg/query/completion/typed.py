@@ -6,10 +6,10 @@ import re
 from enum import Enum, auto
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from kg.query.lexer import Kind, tokens
+from kg.syntax.lexer import Kind, tokens
 
 if TYPE_CHECKING:
-    from kg.query.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["Form", "Typed", "typed"]
 

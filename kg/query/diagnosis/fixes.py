@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 from kg.query.completion.service import declaration
 from kg.query.completion.vocabulary import WELL_KNOWN
-from kg.query.lexer import Kind
-from kg.query.prefixes import PREFIXES
 from kg.query.syntax import keywords_meant
 from kg.similar import similar
+from kg.syntax.lexer import Kind
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from kg.query.completion.outline import Outline
-    from kg.query.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["closing", "of_token", "replacing"]
 

@@ -12,12 +12,12 @@ from kg.query.completion.outline import Outline, outline
 from kg.query.diagnosis import fixes
 from kg.query.diagnosis.variables import bound, product, unbound
 from kg.query.guard import check
-from kg.query.lexer import Token, normalise, tokens
-from kg.query.position import place_at
-from kg.query.prefixes import PREFIXES
 from kg.query.syntax import syntax_error
 from kg.query.terms import unknown
 from kg.similar import asked
+from kg.syntax.lexer import Token, normalise, tokens
+from kg.syntax.names import PREFIXES
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -9,8 +9,8 @@ import pyoxigraph
 from pyoxigraph import Literal, RdfFormat
 
 from kg.errors import QueryError
-from kg.query.prefixes import PREFIXES
 from kg.query.writing.xml import refuse_unwritable
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

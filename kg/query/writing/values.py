@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode, Triple
 
-from kg.query.prefixes import shorten
+from kg.syntax.names import shorten
 
 if TYPE_CHECKING:
     from kg.store.terms import Term

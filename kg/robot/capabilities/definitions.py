@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from kg.graph import vocabulary as v
 from kg.graph.reading import grouped, one
-from kg.query.prefixes import PREFIXES
 from kg.query.stored import internal
 from kg.robot.capability import Capability, Parameter
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -9,10 +9,10 @@ from pyoxigraph import NamedNode
 
 from kg.graph import vocabulary as v
 from kg.query.binding import bind
-from kg.query.prefixes import PREFIXES
 from kg.query.stored import internal
 from kg.robot.capabilities.definitions import definitions
 from kg.robot.capability import Capabilities, Capability, Way
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -16,9 +16,9 @@ from pyoxigraph import Literal, NamedNode
 from kg.graph.iris import Iris
 from kg.graph.reading import node_records
 from kg.names import resolve
-from kg.query.prefixes import PREFIXES
 from kg.query.stored import internal
 from kg.robot.live.systems import Match, is_implicit
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

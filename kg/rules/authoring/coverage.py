@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kg.query.prefixes import PREFIXES
 from kg.rules.authoring.elements import element_place, spell_element, spell_head
 from kg.rules.authoring.firing import fire, holds
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.errors import RuleError
-from kg.query.prefixes import PREFIXES
 from kg.rules.authoring.spelling import spell_term
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, TripleTerm, Variable
 from kg.rules.sparql import group, term
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import RdfFormat, Triple, parse
 
 from kg.errors import Place, RuleError
-from kg.query.prefixes import PREFIXES
 from kg.rules.authoring.markdown import Fence, Heading, parts
 from kg.rules.authoring.spelling import spell_triple
 from kg.similar import did_you_mean
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

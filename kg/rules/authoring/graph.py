@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import NamedNode
 
-from kg.query.prefixes import PREFIXES
 from kg.render.flow_picture import Box, Flow, draw_flow
 from kg.rules.authoring.spelling import common_prefixes, spell_term
 from kg.rules.dependencies import depends, reads, writes
 from kg.rules.form import AUXILIARY, Variable
 from kg.rules.specialise import specialise
 from kg.rules.stratify import edges, stratify
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kg.errors import RuleError
-from kg.query.prefixes import PREFIXES
 from kg.rules.authoring.examples import read_examples
 from kg.rules.authoring.graph import RuleGraph, is_inner, rule_graph, spell_atom
 from kg.rules.dependencies import reads, writes
 from kg.rules.files import HEADINGS, NOTATIONS
 from kg.rules.form import atoms_of
 from kg.rules.header import parse_header
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -6,9 +6,9 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kg.query.prefixes import PREFIXES
 from kg.rules.authoring.elements import element_place, spell_element
 from kg.rules.authoring.firing import fire
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -24,11 +24,11 @@ from kg.rules.blocks.tree import (
     Thing,
     Truth,
 )
-from kg.rules.syntax.lexer import END, Kind, as_operator, token_at, unescape
+from kg.syntax.lexer import END, Kind, as_operator, token_at, unescape
 
 if TYPE_CHECKING:
     from kg.rules.blocks.tree import Test, Value
-    from kg.rules.syntax.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = ["formula", "test_of", "value_of"]
 

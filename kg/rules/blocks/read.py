@@ -11,8 +11,6 @@ import msgspec
 from pyoxigraph import Literal, NamedNode
 
 from kg.errors import RuleError
-from kg.query.lexer import normalise
-from kg.query.prefixes import PREFIXES
 from kg.rules.blocks.expressions import formula, test_of, value_of
 from kg.rules.blocks.tree import (
     Absent,
@@ -32,12 +30,14 @@ from kg.rules.blocks.tree import (
     Thing,
     Truth,
 )
-from kg.rules.blocks.write import SECTIONS, inferred, name_of, namespace, renamed
+from kg.rules.blocks.write import SECTIONS, inferred, name_of, namespace
 from kg.rules.form import Variable
 from kg.rules.header import parse_header
-from kg.rules.syntax import tree
-from kg.rules.syntax.lexer import Kind, tokens_of
-from kg.rules.syntax.units import parse_rq
+from kg.syntax import tree
+from kg.syntax.lexer import Kind, normalise, tokens_of
+from kg.syntax.names import PREFIXES
+from kg.syntax.parser import parse_rq
+from kg.syntax.printer import renamed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

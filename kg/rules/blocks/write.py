@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode
 
-from kg.query.prefixes import PREFIXES
 from kg.rules.blocks.tree import (
     Absent,
     Compare,
@@ -35,14 +34,16 @@ from kg.rules.blocks.tree import (
     Truth,
 )
 from kg.rules.files import HEADINGS
-from kg.rules.syntax.lexer import Kind, tokens_of
+from kg.syntax.lexer import Kind, tokens_of
+from kg.syntax.names import PREFIXES
+from kg.syntax.printer import renamed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from kg.rules.blocks.tree import Condition, Rule, Test, Value
 
-__all__ = ["SECTIONS", "Written", "inferred", "known_prefixes", "name_of", "namespace", "renamed", "write"]
+__all__ = ["SECTIONS", "Written", "inferred", "known_prefixes", "name_of", "namespace", "write"]
 
 SECTIONS: Final = dict(zip(("infers", "why", "mend", "limits", "references"), HEADINGS, strict=True))
 """The member of a rule to the heading of its documentation."""
@@ -162,16 +163,6 @@ def _marked(body: str) -> str:
         name: f"_{name}" for name, uses in names.items() if uses == 1 and name[0] != "_" and f"_{name}" not in names
     }
     return renamed(body, once)
-
-
-def renamed(text: str, names: Mapping[str, str]) -> str:
-    """Return a text of SPARQL with other names for some variables."""
-    pieces, end = [], 0
-    for token in tokens_of(text):
-        if token.kind is Kind.VARIABLE and token.text[1:] in names:
-            pieces += [text[end : token.start], "?", names[token.text[1:]]]
-            end = token.end
-    return "".join(pieces) + text[end:]
 
 
 def namespace(rule: Rule) -> str:

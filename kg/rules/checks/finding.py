@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol
 
-from kg.query.position import place_at, place_of
+from kg.syntax.position import place_at, place_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping

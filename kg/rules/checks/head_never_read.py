@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
-from kg.query.prefixes import PREFIXES, shorten
 from kg.rules.checks.finding import Finding
 from kg.rules.checks.standard import STANDARD
 from kg.rules.checks.tokens import place_of_name
 from kg.rules.dependencies import depends, reads
 from kg.rules.form import AUXILIARY, Variable
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.query.prefixes import PREFIXES, shorten
 from kg.query.runner import DeadlineError, in_thread
 from kg.rules.checks.finding import Finding, at_rule
 from kg.rules.dependencies import depends
 from kg.rules.form import AUXILIARY, Aggregate, Assignment, Atom, Exists, Filter, atoms_of
 from kg.rules.sparql import group
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.query.position import place_of
 from kg.rules.checks.finding import Finding
+from kg.syntax.position import place_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from kg.query.prefixes import PREFIXES
+from kg.syntax.names import PREFIXES
 
 __all__ = ["STANDARD", "is_standard", "namespace_of"]
 

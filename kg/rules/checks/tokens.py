@@ -5,15 +5,15 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.query.lexer import Kind, normalise, tokens
 from kg.rules.checks.finding import at_offset, at_rule
+from kg.syntax.lexer import Kind, normalise, tokens
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.errors import Place
-    from kg.query.lexer import Token
     from kg.rules.files import RuleFile
+    from kg.syntax.lexer import Token
 
 __all__ = ["names", "place_of_name", "variables"]
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
-from kg.query.prefixes import PREFIXES, shorten
 from kg.rules.checks.finding import Finding
 from kg.rules.checks.standard import STANDARD, is_standard, namespace_of
 from kg.rules.checks.tokens import place_of_name
 from kg.rules.form import AUXILIARY, Atom, atoms_of
 from kg.similar import asked, did_you_mean, similar
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

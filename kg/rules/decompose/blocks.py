@@ -10,7 +10,7 @@ from kg.rules import sparql
 from kg.rules.decompose.paths import normal
 from kg.rules.decompose.uses import certain, possible
 from kg.rules.form import EngineBlock, Variable
-from kg.rules.syntax.tree import (
+from kg.syntax.tree import (
     Alternative,
     Bind,
     Exists,
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kg.errors import Place
-    from kg.rules.syntax.tree import Expression, Node, Path
+    from kg.syntax.tree import Expression, Node, Path
 
 __all__ = ["block", "is_monotone", "path_text", "pattern_text", "reads"]
 

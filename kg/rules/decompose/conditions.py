@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from kg.rules.decompose import expressions
 from kg.rules.decompose.parts import IndivisibleError
-from kg.rules.syntax.tree import Exists, Filter
+from kg.syntax.tree import Exists, Filter
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.rules.syntax.tree import Span
+    from kg.syntax.tree import Span
 
 __all__ = ["Condition", "conditions"]
 

@@ -1,4 +1,4 @@
-"""Expressions as text: cutting them at `&&`, giving variables other names, and knowing what makes them fail.
+"""Expressions as text: cutting them at `&&`, and knowing what makes them fail.
 
 All work on tokens, so that strings and IRIs are never taken for names or signs.
 """
@@ -9,13 +9,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.form import Expression
-from kg.rules.syntax.lexer import Kind, tokens_of
+from kg.syntax.lexer import Kind, tokens_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Sequence
 
     from kg.errors import Place
-    from kg.rules.syntax.lexer import Token
+    from kg.syntax.lexer import Token
 
 __all__ = [
     "bare",
@@ -25,7 +25,6 @@ __all__ = [
     "expression",
     "fails",
     "is_strict",
-    "renamed",
     "resolved",
     "simplified",
     "variables",
@@ -110,11 +109,6 @@ def fails(text: str) -> str:
     return f"!COALESCE(isBLANK({text}) IN (true, false), false)"
 
 
-def renamed(text: str, names: Mapping[str, str]) -> str:
-    """Return a text with other names for variables; it may be a whole group of SPARQL."""
-    return _edited(text, lambda token: f"?{names[token.text[1:]]}" if token.text[1:] in names else None)
-
-
 def simplified(text: str, bound: Collection[str]) -> str:
     """Return `true` or `false` for a test that is BOUND of a variable that is bound everywhere, or its negation."""
     words = [_word(token) for token in tokens_of(text)]
@@ -155,17 +149,6 @@ def _bounds(tokens: Sequence[Token], missing: set[str]) -> Iterator[tuple[int, i
             yield tokens[index - 2].start, tokens[index + 1].end, "false"
         else:
             yield token.start, token.end, UNBOUND
-
-
-def _edited(text: str, spelling: Callable[[Token], str | None]) -> str:
-    """Return a text with some of its variables spelt anew."""
-    pieces, end = [], 0
-    for token in tokens_of(text):
-        new = spelling(token) if token.kind is Kind.VARIABLE else None
-        if new is not None:
-            pieces += [text[end : token.start], new]
-            end = token.end
-    return "".join(pieces) + text[end:]
 
 
 def conjuncts(text: str) -> list[str]:

@@ -30,7 +30,7 @@ from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.selects import selected
 from kg.rules.decompose.uses import certain, uses
 from kg.rules.form import Assignment, Exists, Filter, Values, Variable
-from kg.rules.syntax import tree
+from kg.syntax import tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -22,7 +22,7 @@ from typing import TypeAlias
 from pyoxigraph import NamedNode
 
 from kg.rules.form import Variable
-from kg.rules.syntax.tree import Alternative, Inverse, Negated, Path, Repeat, Sequence
+from kg.syntax.tree import Alternative, Inverse, Negated, Path, Repeat, Sequence
 
 __all__ = ["Avoid", "Closure", "Link", "Normal", "Step", "Steps", "inverse", "is_plain", "key", "normal"]
 

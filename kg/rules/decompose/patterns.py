@@ -17,13 +17,13 @@ from kg.rules.decompose.closures import Walk
 from kg.rules.decompose.parts import IndivisibleError, same
 from kg.rules.decompose.paths import Closure, is_plain, normal
 from kg.rules.form import Assignment, EngineBlock, Filter, TripleTerm, Values, Variable, variables_of
-from kg.rules.syntax.tree import Repeat, Sequence
+from kg.syntax.tree import Repeat, Sequence
 
 if TYPE_CHECKING:
     from kg.rules.decompose.parts import Part, Scope
     from kg.rules.decompose.work import Work
     from kg.rules.form import Pattern
-    from kg.rules.syntax.tree import TriplePattern
+    from kg.syntax.tree import TriplePattern
 
 __all__ = ["basic"]
 

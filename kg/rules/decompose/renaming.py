@@ -20,6 +20,7 @@ from kg.rules.form import (
     Variable,
 )
 from kg.rules.scope import mentions
+from kg.syntax import printer
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -76,14 +77,14 @@ def renamed_expression(expression: Expression, names: Mapping[Variable, Variable
     spelt = _spelt(names)
     if spelt.keys().isdisjoint(expression.variables):
         return expression
-    text = expressions.renamed(expression.text, spelt)
+    text = printer.renamed(expression.text, spelt)
     return replace(expression, text=text, variables=expressions.variables(text))
 
 
 def _block(element: EngineBlock, names: Mapping[Variable, Variable]) -> EngineBlock:
     return replace(
         element,
-        text=expressions.renamed(element.text, _spelt(names)),
+        text=printer.renamed(element.text, _spelt(names)),
         variables=_all(element.variables, names),
         optional=_all(element.optional, names),
     )

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.rules.decompose.finishing import Statement
-    from kg.rules.syntax.tree import RuleText, TriplePattern
+    from kg.syntax.tree import RuleText, TriplePattern
 
 __all__ = ["decompose"]
 

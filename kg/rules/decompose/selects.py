@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from kg.rules.decompose.work import Work
     from kg.rules.form import Expression
-    from kg.rules.syntax import tree
+    from kg.syntax import tree
 
     Decompose = Callable[[tree.Group, Scope], list[Part]]
 

@@ -6,7 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from kg.rules.form import Variable, variables_of
-from kg.rules.syntax.tree import (
+from kg.syntax.tree import (
     Bind,
     Exists,
     Filter,
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kg.rules.form import Pattern
-    from kg.rules.syntax.tree import Expression, Group, Node, Path
+    from kg.syntax.tree import Expression, Group, Node, Path
 
 __all__ = ["Uses", "certain", "possible", "uses"]
 

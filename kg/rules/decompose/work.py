@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 
 from pyoxigraph import BlankNode, Triple
 
-from kg.query.lexer import normalise
-from kg.query.position import place_at
 from kg.rules.decompose.names import Names
 from kg.rules.decompose.uses import uses
 from kg.rules.form import TripleTerm, variables_of
+from kg.syntax.lexer import normalise
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from kg.errors import Place
     from kg.rules.decompose.uses import Uses
     from kg.rules.form import Atom, Element, Pattern
-    from kg.rules.syntax.tree import Node, RuleText, Span, TriplePattern
+    from kg.syntax.tree import Node, RuleText, Span, TriplePattern
 
 __all__ = ["AuxiliaryRules", "Work", "head_variables"]
 

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import Store
 
 from kg.errors import RuleError
-from kg.query.prefixes import PREFIXES
 from kg.rules.form import Atom, Values, Variable
-from kg.rules.syntax import tree
-from kg.rules.syntax.units import parse_query
+from kg.syntax import tree
+from kg.syntax.names import PREFIXES
+from kg.syntax.parser import parse_query
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -12,8 +12,8 @@ from pyoxigraph import NamedNode
 
 from kg.rules.engine.facts import distinct
 from kg.rules.engine.terms import BLANK, IRI, LITERAL
-from kg.rules.syntax.lexer import END, token_at
 from kg.store.terms import datatype, spell
+from kg.syntax.lexer import END, token_at
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
 from kg.query.guard import check
-from kg.query.lexer import Kind, normalise, tokens
 from kg.rules.explain.derivations import bound_by, derivation_of
 from kg.rules.explain.why import why
 from kg.rules.notations import rq
-from kg.rules.syntax.units import parse_rq
+from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.parser import parse_rq
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.query.lexer import Token
     from kg.rules.explain.proof import Condition, Proof
     from kg.rules.explain.view import View
     from kg.rules.form import Rule, Term
+    from kg.syntax.lexer import Token
 
 __all__ = ["RowProof", "why_row"]
 

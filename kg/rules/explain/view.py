@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Final, Protocol, cast
 import pyoxigraph
 from pyoxigraph import Literal, NamedNode
 
-from kg.query.prefixes import PREFIXES, shorten
 from kg.rules.explain.closures import Closures
 from kg.rules.explain.proof import Evidence
 from kg.rules.form import Variable
 from kg.rules.sparql import outside, select, spelling, substitutions
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -7,20 +7,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
-from kg.query.lexer import Kind, normalise, tokens
-from kg.query.prefixes import PREFIXES
 from kg.rules.checks.finding import from_error
 from kg.rules.checks.run import check_file
 from kg.rules.reading import read_text
-from kg.rules.syntax.functions import FUNCTIONS
+from kg.syntax.functions import FUNCTIONS
+from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from kg.query.lexer import Token
     from kg.rules.checks.finding import Context, Finding
     from kg.rules.lsp.terms import DefinedTerm, Terms
+    from kg.syntax.lexer import Token
 
 __all__ = ["Suggestion", "complete", "diagnose", "hover", "prefixes_of", "term_at", "width"]
 

@@ -9,8 +9,8 @@ import pyoxigraph
 from pyoxigraph import Literal, NamedNode, RdfFormat
 
 from kg.errors import Place
-from kg.query.prefixes import PREFIXES, shorten
 from kg.rules.documents import statements
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
 from kg.errors import RuleError
-from kg.query.lexer import normalise
-from kg.query.position import place_at
-from kg.rules.syntax.units import parse_srl
+from kg.syntax.lexer import normalise
+from kg.syntax.parser import parse_srl
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from pyoxigraph import NamedNode
 
-    from kg.rules.syntax.tree import RuleUnit
+    from kg.syntax.tree import RuleUnit
 
 __all__ = ["imported"]
 

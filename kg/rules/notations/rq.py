@@ -9,7 +9,7 @@ from kg.rules.decompose import decompose
 
 if TYPE_CHECKING:
     from kg.rules.form import Rule
-    from kg.rules.syntax.tree import RuleUnit
+    from kg.syntax.tree import RuleUnit
 
 __all__ = ["rules"]
 

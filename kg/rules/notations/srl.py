@@ -11,22 +11,22 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
 from kg.errors import RuleError
-from kg.query.lexer import normalise
-from kg.query.position import place_at
 from kg.rules.decompose.expressions import expression
 from kg.rules.decompose.names import Names
 from kg.rules.decompose.paths import Link, normal
 from kg.rules.form import Assignment, Atom, Exists, Filter, Rule, TripleTerm, Variable
 from kg.rules.notations.wellformed import check
-from kg.rules.syntax import tree
-from kg.rules.syntax.scope import mentioned
+from kg.syntax import tree
+from kg.syntax.lexer import normalise
+from kg.syntax.position import place_at
+from kg.syntax.tree import mentioned
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.errors import Place
     from kg.rules.form import Element, Pattern, Term
-    from kg.rules.syntax.tree import Group, RuleText, RuleUnit, Span, TriplePattern
+    from kg.syntax.tree import Group, RuleText, RuleUnit, Span, TriplePattern
 
 __all__ = ["data", "rules"]
 

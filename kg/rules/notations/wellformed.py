@@ -10,15 +10,14 @@ import re
 from typing import TYPE_CHECKING
 
 from kg.errors import RuleError
-from kg.query.position import place_at
-from kg.rules.syntax.scope import mentioned
-from kg.rules.syntax.tree import Bind, Exists, Filter, TriplePattern
 from kg.similar import did_you_mean
+from kg.syntax.position import place_at
+from kg.syntax.tree import Bind, Exists, Filter, TriplePattern, mentioned
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.rules.syntax.tree import Expression, Node, RuleText, Span
+    from kg.syntax.tree import Expression, Node, RuleText, Span
 
 __all__ = ["check"]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.query.prefixes import PREFIXES
 from kg.rules import sparql
 from kg.rules.decompose.expressions import bare
 from kg.rules.dependencies import reads
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter
 from kg.rules.printing.words import indented, shortened
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.query.prefixes import PREFIXES
 from kg.rules import sparql
 from kg.rules.form import atoms_of
 from kg.rules.printing.words import head, indented, refusal, with_prefixes
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

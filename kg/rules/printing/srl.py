@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.query.prefixes import PREFIXES
 from kg.rules import sparql
 from kg.rules.decompose.expressions import bare
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Values, atoms_of
 from kg.rules.printing.words import head, indented, refusal, with_prefixes
-from kg.rules.syntax.functions import FUNCTIONS, RULE_FUNCTIONS
-from kg.rules.syntax.lexer import END, Kind, token_at
+from kg.syntax.functions import FUNCTIONS, RULE_FUNCTIONS
+from kg.syntax.lexer import Kind, tokens_of
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -76,10 +76,8 @@ def _negation(rule: Rule, element: Exists, *, asserted: bool) -> str:
 
 
 def _expression(rule: Rule, expression: Expression) -> str:
-    token = token_at(expression.text, 0)
-    while token.text != END:
+    for token in tokens_of(expression.text):
         name = token.text.upper()
         if token.kind is Kind.WORD and name in FUNCTIONS and name not in RULE_FUNCTIONS:
             raise refusal(rule, f"calls {name}; SPARQL RL has no such function", "Print it as .rq.")
-        token = token_at(expression.text, token.end)
     return bare(expression.text)

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
-from kg.query.prefixes import PREFIXES
 from kg.rules.form import Atom, Variable
 from kg.rules.printing.rq import construct
 from kg.rules.printing.words import indented, shortened, with_prefixes
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -5,29 +5,32 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.errors import RuleError
-from kg.query.prefixes import PREFIXES
 from kg.rules import sparql
-from kg.rules.syntax.lexer import END, Kind, token_at
+from kg.syntax.lexer import Kind
+from kg.syntax.names import PREFIXES
+from kg.syntax.printer import respelt
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from kg.rules.form import Atom, Rule
+    from kg.syntax.lexer import Token
 
 __all__ = ["head", "indented", "refusal", "shortened", "with_prefixes"]
 
 
 def shortened(text: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, tuple[str, ...]]:
     """Return text in the terminals of SPARQL with prefixed names where a prefix fits, and the prefixes used."""
-    pieces, end, used = [], 0, set()
-    token = token_at(text, 0)
-    while token.text != END:
-        if token.kind is Kind.IRI and (found := _short(token.text[1:-1], prefixes)):
-            pieces += [text[end : token.start], ":".join(found)]
-            end = token.end
-            used.add(found[0])
-        token = token_at(text, token.end)
-    return "".join(pieces) + text[end:], tuple(sorted(used))
+    used: set[str] = set()
+
+    def spelling(token: Token) -> str | None:
+        found = _short(token.text[1:-1], prefixes) if token.kind is Kind.IRI else None
+        if found is None:
+            return None
+        used.add(found[0])
+        return ":".join(found)
+
+    return respelt(text, spelling), tuple(sorted(used))
 
 
 def _short(iri: str, prefixes: Mapping[str, str]) -> tuple[str, str] | None:

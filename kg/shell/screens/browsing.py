@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from textual.screen import Screen
 
-from kg.query.prefixes import shorten
 from kg.shell.buffers import Buffers
 from kg.shell.tree import KnowledgeTree
+from kg.syntax.names import shorten
 
 if TYPE_CHECKING:
     from kg.shell.link import Link

@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.query.completion.outline import TYPE, Slot, Step, outline
-from kg.query.lexer import tokens
-from kg.query.prefixes import PREFIXES
+from kg.syntax.lexer import tokens
+from kg.syntax.names import PREFIXES
 
 RNKG = PREFIXES["rnkg"]
 

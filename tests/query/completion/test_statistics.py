@@ -9,8 +9,8 @@ from pyoxigraph import Store
 from kg.query.completion.keeping import Kept
 from kg.query.completion.service import complete
 from kg.query.completion.statistics import SAMPLE, Statistics, count
-from kg.query.prefixes import PREFIXES
 from kg.store.snapshot import MemorySnapshot
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from kg.errors import QueryError
 from kg.query.core import run
 from kg.query.diagnosis.problems import diagnose
-from kg.query.lexer import normalise
 from kg.query.stored import StoredQuery, discover
+from kg.syntax.lexer import normalise
 
 if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot

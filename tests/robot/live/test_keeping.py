@@ -17,7 +17,6 @@ from kg.graph.iris import RUNNING, Iris
 from kg.lint.reading import read_findings
 from kg.pipeline.inferring import Inference
 from kg.pipeline.launching import chosen
-from kg.query.prefixes import PREFIXES
 from kg.robot.capabilities import capabilities_of
 from kg.robot.connection import ComputationGraph, LiveEnd, LiveNode
 from kg.robot.live import infer
@@ -25,6 +24,7 @@ from kg.robot.live.keeping import Keeper
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 from kg.store.opening import existing
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from kg.settings import Settings

@@ -10,7 +10,7 @@ from pyoxigraph import NamedNode, Quad, Store, Triple
 from kg.rules.form import AUXILIARY, Aggregate, Atom, Exists
 from kg.rules.notations.rq import rules
 from kg.rules.sparql import Placed, construct
-from kg.rules.syntax.units import parse_rq
+from kg.syntax.parser import parse_rq
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -12,7 +12,7 @@ from rules.decompose.texts import graph
 
 from kg.rules.notations.rq import rules
 from kg.rules.printing import to_form
-from kg.rules.syntax.units import parse_rq
+from kg.syntax.parser import parse_rq
 
 CASES: Final = sorted((Path(__file__).parent / "cases").glob("*.rq"))
 GRAPHS: Final = 20

@@ -12,13 +12,13 @@ from rules.demand.test_magic import SHAPES, graph, graphs, on_demand, rules_of
 from rules.engine.comparing import tuples
 from rules.engine.oracle import infer
 
-from kg.query.prefixes import PREFIXES
 from kg.rules.demand.deriving import Base, derive
 from kg.rules.demand.goals import goals_of, open_ended
 from kg.rules.engine.limits import Limits
 from kg.rules.files import Documentation, RuleFile, RuleSet
 from kg.rules.recording import Names
 from kg.store.snapshot import MemorySnapshot
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from rules.engine.oracle import Fact

@@ -23,7 +23,7 @@ from kg.rules.form import AUXILIARY, Atom, Exists, Rule, TripleTerm, Values, Var
 from kg.rules.notations import srl
 from kg.rules.reading import read_text
 from kg.rules.stratify import stratify
-from kg.rules.syntax.units import parse_srl
+from kg.syntax.parser import parse_srl
 
 if TYPE_CHECKING:
     from rules.engine.oracle import Fact

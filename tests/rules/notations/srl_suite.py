@@ -18,7 +18,7 @@ from rules.notations.srl_running import canonical, infer, load
 from kg.errors import KgError
 from kg.rules.reading import read
 from kg.rules.stratify import stratify
-from kg.rules.syntax.units import parse_srl
+from kg.syntax.parser import parse_srl
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -6,11 +6,11 @@ from dataclasses import fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from kg.errors import Place, RuleError
-from kg.query.position import place_at
 from kg.rules.decompose import decompose
 from kg.rules.notations.shacl.graph import ShapesGraph
 from kg.rules.notations.shacl.statements import statements
-from kg.rules.syntax.units import parse_rq
+from kg.syntax.parser import parse_rq
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode
 
-from kg.query.lexer import Kind
 from kg.rules.notations.shacl.query import closing, query_of, rename, spell, top_level, variables
 from kg.rules.notations.shacl.vocabulary import XSD, sh
+from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

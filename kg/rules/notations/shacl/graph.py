@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, parse
 
 from kg.errors import RuleError
-from kg.query.lexer import normalise
-from kg.query.position import place_at, place_of
 from kg.rules.notations.shacl.places import Places, StringToken
 from kg.rules.notations.shacl.vocabulary import FIRST, KNOWN, NIL, REST, SH, SUBCLASS, TYPE, sh
 from kg.similar import did_you_mean
+from kg.syntax.lexer import normalise
+from kg.syntax.position import place_at, place_of
 
 if TYPE_CHECKING:
     from pyoxigraph import Triple

@@ -7,7 +7,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from kg.rules.syntax.lexer import END, Kind, token_at, unescape, unescape_local
+from kg.syntax.lexer import END, Kind, token_at, unescape, unescape_local
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

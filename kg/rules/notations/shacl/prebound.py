@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.query.lexer import Kind
 from kg.rules.notations.shacl.query import closing, plain, variables
+from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
     from kg.rules.form import Term

@@ -12,19 +12,17 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from pyoxigraph import Literal, NamedNode
 
-from kg.query.lexer import Kind, normalise, tokens
-from kg.query.prefixes import PREFIXES
 from kg.rules.notations.shacl.vocabulary import IMPORTS, sh
-from kg.rules.syntax.iris import is_absolute
-from kg.rules.syntax.lexer import unescape, unescape_local
 from kg.similar import did_you_mean
+from kg.syntax.lexer import Kind, normalise, tokens, unescape, unescape_local
+from kg.syntax.names import PREFIXES, is_absolute
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.query.lexer import Token
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
+    from kg.syntax.lexer import Token
 
 __all__ = ["Query", "Word", "Words", "closing", "plain", "query_of", "rename", "spell", "top_level", "variables"]
 

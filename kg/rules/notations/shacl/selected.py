@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.query.lexer import Kind
 from kg.rules.notations.shacl.paths import path_of
 from kg.rules.notations.shacl.query import query_of, rename, variables
+from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
     from kg.rules.form import Term

@@ -6,11 +6,11 @@ import pytest
 from pyoxigraph import BlankNode, Literal, NamedNode, Store, Triple
 
 from kg.rules.form import TripleTerm, Variable
-from kg.rules.syntax import tree
-from kg.rules.syntax.units import parse_rq
+from kg.syntax import tree
+from kg.syntax.parser import parse_rq
 
 if TYPE_CHECKING:
-    from kg.rules.syntax.tree import Expression, RuleText
+    from kg.syntax.tree import Expression, RuleText
 
 E = "http://e/"
 

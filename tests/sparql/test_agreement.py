@@ -7,11 +7,11 @@ import re
 import pytest
 from pyoxigraph import Store
 from repository import ROOT
-from rules.syntax.printing import plain
+from sparql.printing import plain
 
 from kg.errors import RuleError
-from kg.query.prefixes import PREFIXES
-from kg.rules.syntax.units import parse_rq
+from kg.syntax.names import PREFIXES
+from kg.syntax.parser import parse_rq
 
 FOLDER = ROOT.parent / "shared" / "w3c" / "rdf-tests" / "sparql"
 PROLOGUE = re.compile(r"(?:\s|#[^\n]*|BASE\s*<[^>]*>|PREFIX\s+[^\s:]*:\s*<[^>]*>)*", re.IGNORECASE)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from kg.errors import RuleError
-from kg.rules.syntax.units import parse_rq
+from kg.syntax.parser import parse_rq
 
 CASES = sorted((Path(__file__).parent / "cases").glob("*.rq"))
 

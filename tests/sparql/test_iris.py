@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from kg.rules.syntax.iris import is_absolute, resolve
+from kg.syntax.names import is_absolute, resolve
 
 BASE = "http://a/b/c/d;p?q"
 

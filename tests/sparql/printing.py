@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pyoxigraph import NamedNode, Triple
 
 from kg.rules.form import TripleTerm, Variable
-from kg.rules.syntax import tree
-from kg.rules.syntax.tree import Span
+from kg.syntax import tree
+from kg.syntax.tree import Span
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

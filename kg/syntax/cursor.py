@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.errors import RuleError
-from kg.query.lexer import normalise, tokens
-from kg.query.position import place_at
-from kg.rules.syntax.iris import is_absolute, resolve
-from kg.rules.syntax.lexer import END, Kind, Token, token_at, unescape, unescape_local
-from kg.rules.syntax.tree import Span
 from kg.similar import did_you_mean
+from kg.syntax.lexer import END, Kind, Token, as_written, is_name, normalise, token_at, tokens, unescape, unescape_local
+from kg.syntax.names import is_absolute, resolve
+from kg.syntax.position import place_at
+from kg.syntax.tree import Span
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -36,7 +35,7 @@ class Cursor:
         self.prefixes = dict(prefixes)
         self.base = base
         self.consumed: list[Token] = []
-        self.token = token_at(self.text, 0)
+        self.token = as_written(token_at(self.text, 0))
         self._depth = 0
         self._made = 0
         self._stem = "g"
@@ -47,7 +46,7 @@ class Cursor:
         """Read one token and return it."""
         token = self.token
         self.consumed.append(token)
-        self.token = token_at(self.text, token.end)
+        self.token = as_written(token_at(self.text, token.end))
         return token
 
     def at(self, *signs: str) -> bool:
@@ -125,7 +124,7 @@ class Cursor:
 
     def at_iri(self) -> bool:
         """Tell whether the next token is an IRI or a prefixed name."""
-        return _is_iri(self.token)
+        return is_name(self.token)
 
     def iri(self, what: str = "an IRI") -> NamedNode:
         """Read an IRI or a prefixed name."""
@@ -193,14 +192,10 @@ class Cursor:
         return "".join(pieces)
 
     def _spelt(self, token: Token) -> str:
-        if _is_iri(token):
+        if is_name(token):
             return str(self.named(token))
         # The engine knows these two keywords in lower case only.
         return token.text.lower() if token.text.upper() in {"TRUE", "FALSE"} else token.text
-
-
-def _is_iri(token: Token) -> bool:
-    return token.kind is Kind.IRI or (token.kind is Kind.NAME and not token.text.startswith("_:"))
 
 
 def _apart(left: Token, right: Token) -> bool:
@@ -211,7 +206,7 @@ def _apart(left: Token, right: Token) -> bool:
         return False
     if right.text != "(":
         return True
-    return not (_is_iri(left) or (left.kind is Kind.WORD and left.text.upper() not in _OPERATORS))
+    return not (is_name(left) or (left.kind is Kind.WORD and left.text.upper() not in _OPERATORS))
 
 
 _OPERATORS: Final = frozenset({"IN", "NOT", "EXISTS", "AS", "FILTER", "BIND", "VALUES", "BY", "HAVING", "SELECT"})

@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rules.syntax.printing import group_text, plain, template_text
-from rules.syntax.trees import groups, templates
+from sparql.printing import group_text, plain, template_text
+from sparql.trees import groups, templates
 
 from kg.errors import RuleError
-from kg.rules.syntax.units import parse_rq, parse_srl
+from kg.syntax.parser import parse_rq, parse_srl
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.rules.syntax.tree import Group, RuleUnit, TriplePattern
+    from kg.syntax.tree import Group, RuleUnit, TriplePattern
 
-CASES = Path(__file__).parent.parent / "notations" / "srl"
+CASES = Path(__file__).parent.parent / "rules" / "notations" / "srl"
 SETS = [path.read_text() for path in sorted(CASES.rglob("*.srl"))]
 VOCABULARY = """
     CONSTRUCT WHERE RULE DATA NOT EXISTS SET FILTER BIND VALUES SELECT GROUP BY AS UNDEF UNION OPTIONAL COUNT STR REGEX

@@ -7,11 +7,11 @@ from typing import Any
 
 from hypothesis import strategies as st
 from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Triple
-from rules.syntax.printing import NOWHERE
+from sparql.printing import NOWHERE
 
 from kg.rules.form import TripleTerm, Variable
-from kg.rules.syntax import tree
-from kg.rules.syntax.scope import visible
+from kg.syntax import tree
+from kg.syntax.tree import visible
 
 __all__ = ["groups", "templates"]
 

@@ -1,0 +1,536 @@
+"""Expressions, sub-SELECTs, tables of values and groups (SPARQL 1.2, section 19.8, from GroupGraphPattern on).
+
+Expressions are checked and spelt anew, not made into a tree: the store's engine evaluates them from their text.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import Literal, NamedNode, Triple
+
+from kg.similar import did_you_mean
+from kg.syntax.cursor import MAX_NESTING
+from kg.syntax.functions import AGGREGATES, FUNCTIONS, Arguments
+from kg.syntax.lexer import Kind, as_operator
+from kg.syntax.terms import Variable
+from kg.syntax.tree import (
+    AggregateCall,
+    Bind,
+    Exists,
+    Expression,
+    Filter,
+    GraphBlock,
+    Group,
+    Minus,
+    Optional,
+    Projection,
+    SubSelect,
+    Union,
+    ValuesBlock,
+    visible,
+)
+from kg.syntax.triples import Mode, Triples
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from kg.syntax.terms import Term
+    from kg.syntax.tree import Node
+
+__all__ = ["Patterns"]
+
+_COMPARISONS: Final = ("=", "!=", "<", ">", "<=", ">=")
+_ARITHMETIC: Final = ("+", "-", "*", "/")
+_KEYWORDS: Final = ("FILTER", "OPTIONAL", "UNION", "MINUS", "BIND", "VALUES", "GRAPH", "SELECT", "SERVICE", "NOT")
+
+
+@dataclass(slots=True)
+class _Found:
+    """What an expression has, as far as it is read."""
+
+    functions: set[str] = field(default_factory=set)
+    exists: list[Exists] = field(default_factory=list)
+    aggregates: list[AggregateCall] = field(default_factory=list)
+
+
+class Patterns(Triples):
+    """Reads expressions, sub-SELECTs and groups."""
+
+    functions: Mapping[str, Arguments] = FUNCTIONS
+    """The built-in functions of the notation."""
+
+    patterns_in_expressions = True
+    """Whether the notation has EXISTS."""
+
+    aggregates_allowed = False
+    """Whether an aggregate may stand in what is read now."""
+
+    def __init__(self, text: str, path: str, *, prefixes: Mapping[str, str], base: str | None = None) -> None:
+        super().__init__(text, path, prefixes=prefixes, base=base)
+        self._open: list[_Found] = []
+
+    def expression(self) -> Expression:
+        """Read an expression."""
+        start, first = self.token.start, len(self.consumed)
+        self._open.append(_Found())
+        self._operations()
+        return self._closed(start, first)
+
+    def constraint(self) -> Expression:
+        """Read what FILTER and HAVING take: an expression in brackets or the call of a function."""
+        start, first = self.token.start, len(self.consumed)
+        self._open.append(_Found())
+        if self.at("("):
+            self._bracketed_expression()
+        elif self.token.kind is Kind.WORD:
+            self._called_word("`(` or a function")
+        else:
+            self._open[-1].functions.add(self.iri("`(` or a function").value)
+            self._arguments()
+        return self._closed(start, first)
+
+    def _closed(self, start: int, first: int) -> Expression:
+        found = self._open.pop()
+        tokens = self.consumed[first:]
+        grouped = [call.span for call in found.aggregates]
+        names = dict.fromkeys(
+            token.text[1:]
+            for token in tokens
+            if token.kind is Kind.VARIABLE and not any(span.start < token.start < span.end for span in grouped)
+        )
+        return Expression(
+            self.spelling(tokens),
+            tuple(names),
+            frozenset(found.functions),
+            self.span(start),
+            tuple(found.exists),
+            tuple(found.aggregates),
+        )
+
+    def _operations(self) -> None:
+        """Read operands and the operators between them; how they bind is the engine's to know."""
+        compared = False
+        self._operand()
+        while True:
+            self.token = as_operator(self.token)
+            if self.at("&&", "||"):
+                compared = False
+            elif self.at(*_COMPARISONS) or self.at_word("IN", "NOT"):
+                if compared:
+                    raise self.error("comparisons do not chain", self.token.start, hint="Join two with `&&`.")
+                compared = True
+                if self.token.kind is Kind.WORD:
+                    self._membership()
+                    continue
+            elif self.at(*_ARITHMETIC):
+                self._open[-1].functions.add(self.token.text)
+            else:
+                return
+            self.advance()
+            self._operand()
+
+    def _membership(self) -> None:
+        self.accept_word("NOT")
+        self.expect_word("IN")
+        self._arguments()
+
+    def _operand(self) -> None:
+        """Read an operand with the signs before it: any number of `!`, or one `-` or `+`."""
+        signs = 0
+        while self.accept("!"):
+            signs += 1
+            if signs > MAX_NESTING:
+                raise self.error(f"the rule nests deeper than {MAX_NESTING}", self.token.start)
+        if not self.at_signed():
+            self.accept("-", "+")
+        self._primary_expression()
+
+    def _primary_expression(self) -> None:
+        with self.nested():
+            if self.at("("):
+                self._bracketed_expression()
+            elif self.at("<<("):
+                self.triple_term(Mode.PATTERN)
+            elif self.at_iri():
+                name = self.iri()
+                if self.at("("):
+                    self._open[-1].functions.add(name.value)
+                    self._arguments()
+            elif self.token.kind is Kind.VARIABLE:
+                self.advance()
+            elif self.at_literal():
+                self.literal()
+            else:
+                self._called_word("an expression")
+
+    def _bracketed_expression(self) -> None:
+        self.expect("(")
+        self._operations()
+        self.expect(")", " or an operator")
+
+    def _called_word(self, what: str) -> None:
+        """Read the call of a built-in function, of an aggregate, or EXISTS."""
+        name = self.token.text.upper()
+        if self.token.kind is not Kind.WORD:
+            raise self.expected(what)
+        if name in {"NOT", "EXISTS"} and self.patterns_in_expressions:
+            self._existence()
+        elif name in AGGREGATES and self.aggregates_allowed:
+            self._aggregate(name)
+        elif name in self.functions:
+            self._built_in(name)
+        else:
+            raise self._unknown_function(what)
+
+    def _unknown_function(self, what: str) -> Exception:
+        name = self.token.text
+        if name.upper() in AGGREGATES and self.patterns_in_expressions:
+            hint = "Aggregates stand in a sub-SELECT, in its columns or behind HAVING."
+            return self.error(f"the aggregate {name.upper()} cannot stand here", self.token.start, hint=hint)
+        if name.upper() in FUNCTIONS or name.upper() in {"EXISTS", *AGGREGATES}:
+            return self.error(f"SPARQL RL has no {name.upper()}", self.token.start)
+        if self.text[self.token.end :].lstrip().startswith("("):
+            near = did_you_mean(name.upper(), self.functions)
+            return self.error(f"unknown function `{name}`", self.token.start, hint=near)
+        return self.expected(what, self.functions)
+
+    def _built_in(self, name: str) -> None:
+        token = self.advance()
+        self._open[-1].functions.add(name)
+        if name == "BOUND" and self.at("("):
+            self.advance()
+            self.variable()
+            self.expect(")")
+            return
+        count = self._arguments()
+        fewest, most = self.functions[name]
+        if count < fewest or (most is not None and count > most):
+            takes = f"{fewest}" if most == fewest else f"{fewest} to {most}"
+            raise self.error(f"{name} takes {takes} argument{'' if takes == '1' else 's'}, not {count}", token.start)
+
+    def _arguments(self) -> int:
+        """Read arguments in brackets and return how many there are."""
+        self.expect("(")
+        if self.accept(")"):
+            return 0
+        count = 1
+        self._operations()
+        while self.accept(","):
+            self._operations()
+            count += 1
+        self.expect(")", " or `,`")
+        return count
+
+    def _existence(self) -> None:
+        start = self.token.start
+        negated = self.accept_word("NOT")
+        self.expect_word("EXISTS")
+        group = self.group()
+        self._open[-1].exists.append(Exists(group, negated, asserted=False, span=self.span(start)))
+
+    def _aggregate(self, name: str) -> None:
+        start, first = self.token.start, len(self.consumed)
+        self.advance()
+        self.expect("(")
+        distinct = self.accept_word("DISTINCT")
+        self.aggregates_allowed = False
+        argument = None if name == "COUNT" and self.accept("*") else self.expression()
+        self.aggregates_allowed = True
+        separator = self._separator() if name == "GROUP_CONCAT" else " "
+        self.expect(")")
+        text = self.spelling(self.consumed[first:])
+        call = AggregateCall(name, argument, distinct, separator, self.span(start), text)
+        self._open[-1].aggregates.append(call)
+
+    def _separator(self) -> str:
+        if not self.accept(";"):
+            return " "
+        self.expect_word("SEPARATOR")
+        self.expect("=")
+        return self.string()
+
+    def sub_select(self) -> SubSelect:
+        """Read a sub-SELECT without its braces."""
+        first = len(self.consumed)
+        start = self.expect_word("SELECT").start
+        distinct = self.accept_word("DISTINCT")
+        if not distinct:
+            self.accept_word("REDUCED")
+        columns = self._columns()
+        self.accept_word("WHERE")
+        group = self.group()
+        keys, having, sliced = self.modifiers()
+        grouped = bool(
+            keys or having or any(column.expression and column.expression.aggregates for column, _ in columns)
+        )
+        self._check_columns(columns, keys, visible(group.nodes), grouped=grouped, start=start)
+        group = self._with_values(group, keys, grouped=grouped)
+        projections = tuple(column for column, _ in columns)
+        text = self.spelling(self.consumed[first:])
+        return SubSelect(projections, distinct, group, keys, having, sliced, self.span(start), text)
+
+    def _columns(self) -> list[tuple[Projection, int]]:
+        """Read columns, each with its offset; none is `*`."""
+        columns: list[tuple[Projection, int]] = []
+        if self.accept("*"):
+            return columns
+        while True:
+            start = self.token.start
+            if self.token.kind is Kind.VARIABLE:
+                columns.append((Projection(self.variable(), None), start))
+            elif self.accept("("):
+                self.aggregates_allowed = True
+                expression = self.expression()
+                self.aggregates_allowed = False
+                self.expect_word("AS")
+                columns.append((Projection(self.variable(), expression), start))
+                self.expect(")")
+            elif columns:
+                return columns
+            else:
+                raise self.expected("a variable, `(` or `*`")
+
+    def _check_columns(
+        self,
+        columns: list[tuple[Projection, int]],
+        keys: tuple[Projection, ...],
+        inner: set[str],
+        *,
+        grouped: bool,
+        start: int,
+    ) -> None:
+        """Refuse columns that assign to a bound variable, and those that are neither grouped nor aggregated."""
+        known = {key.variable.name for key in keys}
+        seen: set[str] = set()
+        if grouped and not columns:
+            raise self.error("`SELECT *` cannot stand with GROUP BY", start, hint="Name the columns.")
+        for column, offset in columns:
+            name, expression = column.variable.name, column.expression
+            if expression and name in inner:
+                raise self.error(f"SELECT assigns to `?{name}`, which is bound before it", offset)
+            for used in (expression.variables if expression else (name,)) if grouped else ():
+                if used not in known and not (expression and expression.exists):
+                    hint = "Group by it, or aggregate it, as in SAMPLE."
+                    raise self.error(f"`?{used}` is neither a key of GROUP BY nor aggregated", offset, hint=hint)
+            if name in seen:
+                raise self.error(f"SELECT has `?{name}` twice", offset)
+            seen.add(name)
+
+    def _with_values(self, group: Group, keys: tuple[Projection, ...], *, grouped: bool) -> Group:
+        """Read VALUES behind a sub-SELECT into its group, where that means the same."""
+        if not self.at_word("VALUES"):
+            return group
+        start = self.advance().start
+        variables, rows = self.table()
+        exact = len(set(rows)) == len(rows) and all(None not in row for row in rows)
+        if grouped and not (exact and set(variables) <= {key.variable for key in keys if key.expression is None}):
+            hint = "Put it before the sub-SELECT or into its braces."
+            message = "VALUES behind a grouped sub-SELECT is not allowed in rules"
+            raise self.error(message, start, code="KG209", hint=hint)
+        text = group.text[:-1] + self._spelt_since(start) + " }" if group.text else ""
+        return Group((*group.nodes, ValuesBlock(variables, rows, self.span(start))), group.span, text)
+
+    def _spelt_since(self, start: int) -> str:
+        return self.spelling([token for token in self.consumed if token.start >= start])
+
+    def modifiers(self) -> tuple[tuple[Projection, ...], tuple[Expression, ...], bool]:
+        """Read what may stand behind WHERE: the keys of groups, HAVING, and whether only some rows are wanted."""
+        keys: list[Projection] = []
+        having: list[Expression] = []
+        if self.accept_word("GROUP"):
+            self.expect_word("BY")
+            keys.append(self._key())
+            while self._at_condition():
+                keys.append(self._key())
+        self.aggregates_allowed = True
+        if self.accept_word("HAVING"):
+            having.append(self.constraint())
+            while self._at_condition() and self.token.kind is not Kind.VARIABLE:
+                having.append(self.constraint())
+        self._order()
+        self.aggregates_allowed = False
+        return tuple(keys), tuple(having), self._slice()
+
+    def _at_condition(self) -> bool:
+        if self.at("(") or self.at_iri() or self.token.kind is Kind.VARIABLE:
+            return True
+        return self.token.kind is Kind.WORD and not self.at_word("HAVING", "ORDER", "LIMIT", "OFFSET", "VALUES")
+
+    def _key(self) -> Projection:
+        if self.token.kind is Kind.VARIABLE:
+            return Projection(self.variable(), None)
+        if not self.at("("):
+            return Projection(Variable(f".{self.fresh()}"), self.constraint())
+        self.advance()
+        expression = self.expression()
+        variable = self.variable() if self.accept_word("AS") else Variable(f".{self.fresh()}")
+        self.expect(")", " or `AS`")
+        return Projection(variable, expression)
+
+    def _order(self) -> None:
+        """Read ORDER BY, which without LIMIT says nothing."""
+        if not self.accept_word("ORDER"):
+            return
+        self.expect_word("BY")
+        self._order_condition()
+        while self._at_condition():
+            self._order_condition()
+
+    def _order_condition(self) -> None:
+        if self.accept_word("ASC", "DESC") and not self.at("("):
+            raise self.expected("`(`")
+        if self.token.kind is Kind.VARIABLE:
+            self.advance()
+        else:
+            self.constraint()
+
+    def _slice(self) -> bool:
+        seen: set[str] = set()
+        while self.at_word("LIMIT", "OFFSET") and self.token.text.upper() not in seen:
+            seen.add(self.advance().text.upper())
+            if self.token.kind is not Kind.NUMBER or not self.token.text.isdecimal():
+                raise self.expected("a whole number")
+            self.advance()
+        return bool(seen)
+
+    def table(self) -> tuple[tuple[Variable, ...], tuple[tuple[Term | None, ...], ...]]:
+        """Read variables and rows of terms behind VALUES."""
+        single = self.token.kind is Kind.VARIABLE
+        variables = (self.variable(),) if single else self._headings()
+        rows: list[tuple[Term | None, ...]] = []
+        self.expect("{")
+        while not self.accept("}"):
+            rows.append((self._cell(),) if single else self._row(len(variables)))
+        return variables, tuple(rows)
+
+    def _headings(self) -> tuple[Variable, ...]:
+        self.expect("(", " or a variable")
+        variables: list[Variable] = []
+        while not self.accept(")"):
+            if self.token.text[1:] in {variable.name for variable in variables}:
+                raise self.error(f"`{self.token.text}` stands twice", self.token.start)
+            variables.append(self.variable())
+        return tuple(variables)
+
+    def _row(self, width: int) -> tuple[Term | None, ...]:
+        start = self.expect("(", " or `}`").start
+        cells: list[Term | None] = []
+        while not self.accept(")"):
+            cells.append(self._cell())
+        if len(cells) != width:
+            raise self.error(f"a row of {len(cells)} for {width} variables", start)
+        return tuple(cells)
+
+    def _cell(self) -> Term | None:
+        if self.accept_word("UNDEF"):
+            return None
+        if self.at_label() or self.at("["):
+            raise self.error("a blank node in VALUES", self.token.start, hint="VALUES takes IRIs, literals and UNDEF.")
+        start = self.token.start
+        term = self.triple_term(Mode.DATA) if self.at("<<(") else self.simple_term(Mode.DATA, "a term or UNDEF")
+        if not isinstance(term, NamedNode | Literal | Triple):
+            raise self.error("a triple term in VALUES has neither blank nodes nor a literal as subject", start)
+        return term
+
+    def group(self) -> Group:
+        """Read a group in braces, or a sub-SELECT in braces."""
+        outer, first = self.block, len(self.consumed)
+        start = self.expect("{").start
+        with self.nested():
+            self.new_block()
+            nodes: list[Node] = [self.sub_select()] if self.at_word("SELECT") else self._nodes()
+            self.expect("}", " or a pattern")
+        self.block = outer
+        return Group(tuple(nodes), self.span(start), self.spelling(self.consumed[first:]))
+
+    def _nodes(self) -> list[Node]:
+        nodes: list[Node] = []
+        while True:
+            nodes += self.triples(Mode.PATTERN)
+            if self.at("}") or self.at_end():
+                return nodes
+            if self.at_subject():
+                raise self.expected("`.` or `}`")
+            nodes.append(self._node_at(nodes))
+            if not isinstance(nodes[-1], Filter | Exists):
+                self.new_block()
+            self.accept(".")
+
+    def _node_at(self, before: list[Node]) -> Node:
+        if self.at("{"):
+            return self._union()
+        readers: dict[str, Callable[[], Node]] = {
+            "FILTER": self._filter,
+            "OPTIONAL": self._optional,
+            "MINUS": self._minus,
+            "VALUES": self._values,
+            "GRAPH": self._graph,
+        }
+        word = self.token.text.upper() if self.token.kind is Kind.WORD else ""
+        if word == "BIND":
+            return self._bind(before)
+        if word == "SERVICE":
+            hint = "Rules read the store alone; load what the other server has first."
+            raise self.error("SERVICE is not allowed in rules", self.token.start, code="KG209", hint=hint)
+        if word not in readers:
+            raise self.expected("a pattern or `}`", _KEYWORDS)
+        return readers[word]()
+
+    def _filter(self) -> Node:
+        start = self.advance().start
+        first = len(self.consumed)
+        expression = self.constraint()
+        node = Filter(expression, self.span(start))
+        outside = [token.text for token in self.consumed[first:] if not _within(token.start, node)]
+        return filter_of(node, outside)
+
+    def _optional(self) -> Node:
+        start = self.advance().start
+        return Optional(self.group(), self.span(start))
+
+    def _minus(self) -> Node:
+        start = self.advance().start
+        return Minus(self.group(), self.span(start))
+
+    def _values(self) -> Node:
+        start = self.advance().start
+        variables, rows = self.table()
+        return ValuesBlock(variables, rows, self.span(start))
+
+    def _graph(self) -> Node:
+        start = self.advance().start
+        name = self.variable() if self.token.kind is Kind.VARIABLE else self.iri("a variable or the IRI of a graph")
+        return GraphBlock(name, self.group(), self.span(start))
+
+    def _bind(self, before: list[Node]) -> Node:
+        start = self.advance().start
+        self.expect("(")
+        expression = self.expression()
+        self.expect_word("AS")
+        variable = self.new_variable(visible(before), "BIND")
+        self.expect(")")
+        return Bind(variable, expression, self.span(start))
+
+    def _union(self) -> Node:
+        start = self.token.start
+        groups = [self.group()]
+        while self.accept_word("UNION"):
+            groups.append(self.group())
+        only = groups[0].nodes
+        if len(groups) == len(only) == 1 and isinstance(only[0], SubSelect):
+            return only[0]
+        return Union(tuple(groups), self.span(start))
+
+
+def _within(offset: int, node: Filter) -> bool:
+    return any(exists.span.start <= offset < exists.span.end for exists in node.expression.exists)
+
+
+def filter_of(node: Filter, outside: list[str]) -> Filter | Exists:
+    """Return a filter as the EXISTS that it is, if it is nothing else; `outside` are its tokens around it."""
+    if len(node.expression.exists) != 1 or not set(outside) <= {"(", ")", "!"}:
+        return node
+    (only,) = node.expression.exists
+    return Exists(only.group, only.negated ^ (outside.count("!") % 2 == 1), asserted=False, span=node.span)

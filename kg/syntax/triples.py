@@ -1,0 +1,433 @@
+"""Terms, property paths and triples (SPARQL 1.2, section 19.8; SPARQL 1.2 RL has sequences and inverses only)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Triple
+
+from kg.syntax.cursor import Cursor
+from kg.syntax.lexer import Kind, Token, unescape
+from kg.syntax.terms import TripleTerm, Variable
+from kg.syntax.tree import Alternative, Inverse, Negated, Repeat, Sequence, TriplePattern
+
+if TYPE_CHECKING:
+    from kg.syntax.terms import Pattern
+    from kg.syntax.tree import Path
+
+__all__ = ["Block", "Mode", "Triples"]
+
+RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
+TYPE: Final = NamedNode(RDF + "type")
+_XSD: Final = "http://www.w3.org/2001/XMLSchema#"
+_DIRECTIONS: Final = {"ltr": BaseDirection.LTR, "rtl": BaseDirection.RTL}
+_LONG_QUOTES: Final = ("'''", '"""')
+_OPEN: Final = (Variable, BlankNode, TripleTerm)
+"""What makes a triple term one that is filled in for each solution."""
+
+
+_FIRST: Final = NamedNode(RDF + "first")
+_REST: Final = NamedNode(RDF + "rest")
+_NIL: Final = NamedNode(RDF + "nil")
+_REIFIES: Final = NamedNode(RDF + "reifies")
+
+
+class Mode(Enum):
+    """Where triples stand, which decides what may stand in them."""
+
+    DATA = auto()
+    """No variables; a label is a blank node."""
+    TEMPLATE = auto()
+    """A label is a new blank node in each solution."""
+    PATTERN = auto()
+    """A label is a variable that has no name outside; predicates may be paths."""
+
+
+def variable_of(token: Token) -> Variable:
+    """Return the variable that a token stands for."""
+    return Variable(token.text[1:])
+
+
+@dataclass(slots=True)
+class Block:
+    """Triples that stand together, as far as they are read."""
+
+    mode: Mode
+    triples: list[TriplePattern] = field(default_factory=list)
+
+
+class Triples(Cursor):
+    """Reads terms, paths, and triples into a `Block`; what brackets stand for comes behind the triple that has them."""
+
+    block = 0
+    """The basic graph pattern that is being read: a label means nothing outside its own."""
+
+    sequences_only = False
+    """Whether the notation lacks alternatives, repetition and negation."""
+
+    def begin_labels(self) -> None:
+        """Begin with labels that stand for other blank nodes than those before."""
+        self.labels: dict[str, int] = {}
+        self.new_block()
+
+    def new_block(self) -> None:
+        """End a basic graph pattern."""
+        self.block = len(self.consumed)
+
+    def variable(self) -> Variable:
+        """Read a variable."""
+        if self.token.kind is not Kind.VARIABLE:
+            raise self.expected("a variable")
+        return variable_of(self.advance())
+
+    def new_variable(self, known: set[str], what: str) -> Variable:
+        """Read a variable to assign to; KG201 where it is bound already."""
+        if self.token.kind is Kind.VARIABLE and self.token.text[1:] in known:
+            raise self.error(f"{what} assigns to `{self.token.text}`, which is bound before it", self.token.start)
+        return self.variable()
+
+    def blank(self, mode: Mode, label: str | None = None) -> Variable | BlankNode:
+        """Return what a blank node stands for, a new one without a label."""
+        label = label or self.fresh()
+        return Variable(f".{label}") if mode is Mode.PATTERN else BlankNode(label)
+
+    def labelled(self, mode: Mode) -> Variable | BlankNode:
+        """Read the label of a blank node; KG201 where another basic graph pattern of the rule has it."""
+        token = self.advance()
+        label = token.text[2:]
+        if mode is Mode.PATTERN and self.labels.setdefault(label, self.block) != self.block:
+            hint = "A blank node is known only among triples that stand together; use a variable."
+            raise self.error(f"`{token.text}` stands in two patterns", token.start, hint=hint)
+        return self.blank(mode, label)
+
+    def prefix(self) -> None:
+        """Read the rest of `PREFIX name: <...>`."""
+        token = self.token
+        if token.kind is not Kind.NAME or not token.text.endswith(":") or token.text.count(":") != 1:
+            raise self.expected("a prefix with its colon")
+        self.advance()
+        if self.token.kind is not Kind.IRI:
+            raise self.expected("an IRI in brackets")
+        self.prefixes[token.text[:-1]] = self.iri().value
+
+    def base_iri(self) -> None:
+        """Read the rest of `BASE <...>`."""
+        if self.token.kind is not Kind.IRI:
+            raise self.expected("an IRI in brackets")
+        self.base = self.iri().value
+
+    def version(self) -> None:
+        """Read the rest of `VERSION "1.2"`."""
+        if self.token.text.startswith(_LONG_QUOTES):
+            raise self.expected("a version in quotes")
+        self.string()
+
+    def at_label(self) -> bool:
+        """Tell whether the label of a blank node comes next."""
+        return self.token.kind is Kind.NAME and self.token.text.startswith("_:")
+
+    def at_literal(self) -> bool:
+        """Tell whether a literal comes next, signed numbers among them."""
+        if self.token.kind in {Kind.STRING, Kind.NUMBER} or self.at_word("TRUE", "FALSE"):
+            return True
+        return self.at_signed()
+
+    def at_signed(self) -> bool:
+        """Tell whether a number with its sign comes next."""
+        follows = self.text[self.token.end : self.token.end + 2]
+        return self.at("+", "-") and (follows[:1].isdecimal() or (follows[:1] == "." and follows[1:].isdecimal()))
+
+    def literal(self) -> Literal:
+        """Read a literal."""
+        if self.token.kind is Kind.STRING:
+            return self._string_literal()
+        if self.at_word("TRUE", "FALSE"):
+            return Literal(self.advance().text.lower(), datatype=NamedNode(_XSD + "boolean"))
+        sign = self.advance().text if self.at("+", "-") else ""
+        number = self.advance().text
+        kind = "double" if "e" in number.lower() else "decimal" if "." in number else "integer"
+        return Literal(sign + number, datatype=NamedNode(_XSD + kind))
+
+    def string(self) -> str:
+        """Read a string without a tag and return its characters."""
+        if self.token.kind is not Kind.STRING:
+            raise self.expected("a string")
+        token = self.advance()
+        quotes = 3 if token.text.startswith(_LONG_QUOTES) else 1
+        try:
+            return unescape(token.text[quotes:-quotes])
+        except ValueError:
+            raise self.error("an escape in the string is no character", token.start) from None
+
+    def _string_literal(self) -> Literal:
+        value = self.string()
+        if self.accept("^^"):
+            return Literal(value, datatype=self.iri("the IRI of a datatype"))
+        if self.token.kind is not Kind.TAG:
+            return Literal(value)
+        token = self.advance()
+        language, _, direction = token.text[1:].partition("--")
+        if direction and direction not in _DIRECTIONS:
+            hint = "The directions are `ltr` and `rtl`, in lower case."
+            raise self.error(f"`{direction}` is not a direction of text", token.start, hint=hint)
+        try:
+            return Literal(value, language=language, direction=_DIRECTIONS.get(direction))
+        except ValueError as error:
+            raise self.error(f"`{language}` is not a language: {error}", token.start) from None
+
+    def simple_term(self, mode: Mode, what: str) -> Pattern:
+        """Read a variable, IRI, literal or blank node without properties; `what` names the position."""
+        if self.token.kind is Kind.VARIABLE:
+            if mode is Mode.DATA:
+                raise self.error(
+                    f"variable `{self.token.text}` in DATA", self.token.start, hint="Data has no variables."
+                )
+            return self.variable()
+        if self.at_label():
+            return self.labelled(mode)
+        if self.at_literal():
+            return self.literal()
+        if self.at("["):
+            return self.anonymous(mode)
+        return self.iri(what)
+
+    def anonymous(self, mode: Mode) -> Variable | BlankNode:
+        """Read `[]`."""
+        self.expect("[")
+        self.expect("]")
+        return self.blank(mode)
+
+    def verb(self, mode: Mode) -> NamedNode | Variable:
+        """Read a predicate that is no path."""
+        if self.token.kind is Kind.WORD and self.token.text == "a":
+            self.advance()
+            return TYPE
+        if self.token.kind is Kind.VARIABLE and mode is not Mode.DATA:
+            return self.variable()
+        return self.iri("a predicate")
+
+    def triple_term(self, mode: Mode) -> Pattern:
+        """Read `<<( subject predicate object )>>`."""
+        with self.nested():
+            self.expect("<<(")
+            parts = self._inner(mode), self.verb(mode), self._inner(mode)
+            self.expect(")>>")
+        return triple_of(*parts)
+
+    def _inner(self, mode: Mode) -> Pattern:
+        return self.triple_term(mode) if self.at("<<(") else self.simple_term(mode, "a term")
+
+    def path_or_variable(self) -> Path | Variable:
+        """Read the predicate of a pattern."""
+        return self.variable() if self.token.kind is Kind.VARIABLE else self._path()
+
+    def _path(self) -> Path:
+        parts = [self._sequence()]
+        while self.at("|") and self._full("`|`"):
+            self.advance()
+            parts.append(self._sequence())
+        return parts[0] if len(parts) == 1 else Alternative(tuple(parts))
+
+    def _sequence(self) -> Path:
+        parts = [self._inverse()]
+        while self.accept("/"):
+            parts.append(self._inverse())
+        return parts[0] if len(parts) == 1 else Sequence(tuple(parts))
+
+    def _inverse(self) -> Path:
+        return Inverse(self._repeated()) if self.accept("^") else self._repeated()
+
+    def _repeated(self) -> Path:
+        path = self._primary()
+        if self.at("*", "+", "?") and self._full(f"`{self.token.text}`"):
+            sign = self.advance().text
+            return Repeat(path, 1 if sign == "+" else 0, many=sign != "?")
+        return path
+
+    def _primary(self) -> Path:
+        if self.at("("):
+            with self.nested():
+                self.advance()
+                path = self._path()
+                self.expect(")")
+            return path
+        if self.at("!") and self._full("`!`"):
+            self.advance()
+            return self._negated()
+        return self._step("a predicate")
+
+    def _step(self, what: str) -> NamedNode:
+        if self.token.kind is Kind.WORD and self.token.text == "a":
+            self.advance()
+            return TYPE
+        return self.iri(what)
+
+    def _negated(self) -> Path:
+        forward: list[NamedNode] = []
+        backward: list[NamedNode] = []
+        several = self.accept("(")
+        while True:
+            (backward if self.accept("^") else forward).append(self._step("a predicate behind `!`"))
+            if not several:
+                break
+            if not self.accept("|"):
+                self.expect(")", " or `|`")
+                break
+        return Negated(tuple(forward), tuple(backward))
+
+    def _full(self, what: str) -> bool:
+        """Refuse what the notation lacks; the truth otherwise."""
+        if self.sequences_only:
+            hint = "Paths of SPARQL RL are sequences `/` and inverses `^`; write several rules."
+            raise self.error(f"{what} is not a path of SPARQL RL", self.token.start, hint=hint)
+        return True
+
+    def triples(self, mode: Mode) -> list[TriplePattern]:
+        """Read triples with full stops between them, as many as there are."""
+        block = Block(mode)
+        while self.at_subject():
+            self._same_subject(block)
+            if not self.accept("."):
+                break
+        return block.triples
+
+    def at_subject(self) -> bool:
+        """Tell whether triples come next."""
+        if self.token.kind in {Kind.VARIABLE, Kind.IRI, Kind.NAME}:
+            return True
+        return self.at("(", "[", "<<", "<<(") or self.at_literal()
+
+    def _same_subject(self, block: Block) -> None:
+        start = self.token.start
+        subject, alone = self._subject(block)
+        if self._at_verb() or not alone:
+            self._property_list(block, subject, start)
+
+    def _subject(self, block: Block) -> tuple[Pattern, bool]:
+        """Return a subject and whether it says something without properties."""
+        if self.at("<<"):
+            return self._reified(block), True
+        before = len(block.triples)
+        subject = self._node(block, "a subject")
+        return subject, len(block.triples) > before
+
+    def _at_verb(self) -> bool:
+        if self.token.kind in {Kind.VARIABLE, Kind.IRI, Kind.NAME}:
+            return True
+        return (self.token.kind is Kind.WORD and self.token.text == "a") or self.at("^", "!", "(")
+
+    def _property_list(self, block: Block, subject: Pattern, start: int) -> None:
+        while True:
+            predicate = self.path_or_variable() if block.mode is Mode.PATTERN else self.verb(block.mode)
+            self._object(block, subject, predicate, start)
+            while self.accept(","):
+                self._object(block, subject, predicate, self.token.start)
+            if not self.at(";"):
+                return
+            while self.accept(";"):
+                pass
+            if not self._at_verb():
+                return
+            start = self.token.start
+
+    def _object(self, block: Block, subject: Pattern, predicate: Path, start: int) -> None:
+        index = len(block.triples)
+        obj = self._node(block, "an object")
+        block.triples.insert(index, TriplePattern(subject, predicate, obj, self.span(start)))
+        self._annotations(block, subject, predicate, obj)
+
+    def _node(self, block: Block, what: str) -> Pattern:
+        """Read a term, a collection or a blank node with properties."""
+        if self.at("<<"):
+            return self._reified(block)
+        if self.at("<<("):
+            return self.triple_term(block.mode)
+        if self.at("("):
+            return self._collection(block)
+        return self._bracketed(block) if self.at("[") else self.simple_term(block.mode, what)
+
+    def _bracketed(self, block: Block) -> Pattern:
+        with self.nested():
+            self.expect("[")
+            node = self.blank(block.mode)
+            if not self.accept("]"):
+                self._property_list(block, node, self.token.start)
+                self.expect("]", " or `;`")
+        return node
+
+    def _collection(self, block: Block) -> Pattern:
+        start = self.expect("(").start
+        if self.accept(")"):
+            return _NIL
+        first = cell = self.blank(block.mode)
+        with self.nested():
+            while True:
+                index = len(block.triples)
+                member = self._node(block, "a member of the collection or `)`")
+                block.triples.insert(index, TriplePattern(cell, _FIRST, member, self.span(start)))
+                last = self.at(")")
+                rest = _NIL if last else self.blank(block.mode)
+                block.triples.append(TriplePattern(cell, _REST, rest, self.span(start)))
+                if last or isinstance(rest, NamedNode):
+                    break
+                cell = rest
+            self.expect(")")
+        return first
+
+    def _reified(self, block: Block) -> Pattern:
+        """Read `<< s p o ~ name >>` and return its name."""
+        start = self.token.start
+        with self.nested():
+            self.expect("<<")
+            subject = self._reified_part(block, "a subject")
+            predicate = self.verb(block.mode)
+            obj = self._reified_part(block, "an object")
+            index = len(block.triples)
+            name = self._reifier(block) if self.at("~") else self.blank(block.mode)
+            self.expect(">>")
+        term = triple_of(subject, predicate, obj)
+        block.triples.insert(index, TriplePattern(name, _REIFIES, term, self.span(start)))
+        return name
+
+    def _reified_part(self, block: Block, what: str) -> Pattern:
+        if self.at("<<"):
+            return self._reified(block)
+        return self.triple_term(block.mode) if self.at("<<(") else self.simple_term(block.mode, what)
+
+    def _reifier(self, block: Block) -> Pattern:
+        """Read `~ name`, whose name may be missing."""
+        self.expect("~")
+        if self.token.kind is Kind.VARIABLE or self.at_iri() or self.at_label() or self.at("["):
+            return self.simple_term(block.mode, "a name")
+        return self.blank(block.mode)
+
+    def _annotations(self, block: Block, subject: Pattern, predicate: Path, obj: Pattern) -> None:
+        name: Pattern | None = None
+        while self.at("~", "{|"):
+            start = self.token.start
+            if not isinstance(predicate, NamedNode | Variable):
+                raise self.error("a path cannot be annotated", start, hint="Only a triple has a name or annotations.")
+            if self.at("~"):
+                name = self._reifier(block)
+                self._reifies(block, name, triple_of(subject, predicate, obj), start)
+                continue
+            if name is None:
+                name = self.blank(block.mode)
+                self._reifies(block, name, triple_of(subject, predicate, obj), start)
+            with self.nested():
+                self.expect("{|")
+                self._property_list(block, name, self.token.start)
+                self.expect("|}")
+            name = None
+
+    def _reifies(self, block: Block, name: Pattern, term: Pattern, start: int) -> None:
+        block.triples.append(TriplePattern(name, _REIFIES, term, self.span(start)))
+
+
+def triple_of(subject: Pattern, predicate: NamedNode | Variable, obj: Pattern) -> Pattern:
+    """Return a triple term: the engine's own where it can hold it, which it cannot with a literal as subject."""
+    if isinstance(subject, NamedNode) and isinstance(predicate, NamedNode) and not isinstance(obj, _OPEN):
+        return Triple(subject, predicate, obj)
+    return TripleTerm(subject, predicate, obj)
