@@ -236,8 +236,8 @@ def rdflib_dataset(store: str | Path | None = None) -> SnapshotDataset:
     Raises:
         StoreError: KG301 when there is no store.
     """
-    from kg.query.prefixes import PREFIXES  # noqa: PLC0415 - rdflib takes a quarter of a second to load
     from kg.store.rdflib_view import SnapshotDataset as View  # noqa: PLC0415 - the same
+    from kg.syntax.names import PREFIXES  # noqa: PLC0415 - rdflib takes a quarter of a second to load
 
     return View(open_store(store).read(), PREFIXES)
 

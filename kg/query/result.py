@@ -13,7 +13,7 @@ from kg.query.writing.values import display, plain
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from pandas import DataFrame  # type: ignore[import-not-found, import-untyped, unused-ignore]
+    from pandas import DataFrame  # type: ignore[import-not-found, import-untyped, unused-ignore]  # it is optional
     from pyoxigraph import Triple
 
     from kg.store.terms import Term

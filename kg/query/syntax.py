@@ -15,7 +15,7 @@ from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS, WELL
 from kg.similar import asked, did_you_mean
 from kg.syntax.lexer import Kind, tokens
 from kg.syntax.names import PREFIXES
-from kg.syntax.position import place_at, place_of
+from kg.syntax.position import offset_of, place_at, place_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -64,10 +64,10 @@ def syntax_error(error: SyntaxError, text: str, path: str, parse_update: Parse |
             place = place_at(text, ungrouped.start, path, ungrouped.end)
             message = f"{ungrouped.text} is neither grouped by nor in an aggregate"
             return QueryError("KG501", message, place=place)
-        offset = _offset(text, line, column)
+        offset = offset_of(text, line, column)
         end = next((token.end for token in found if token.start <= offset < token.end), offset)
         return QueryError("KG501", message, place=place_at(text, offset, path, end))
-    culprit = _first_misfit(found, text, _offset(text, line, column), parse_update or _parse_query)
+    culprit = _first_misfit(found, text, offset_of(text, line, column), parse_update or _parse_query)
     if culprit is None:
         what = "update" if parse_update else "query"
         return QueryError("KG501", f"the {what} ends too early", place=_behind(text, path))
@@ -88,13 +88,6 @@ def _ungrouped(found: list[Token]) -> Token | None:
     grouped = {use.name for use in uses if use.slot is Slot.ORDER}
     projected = (use.token for use in uses if use.slot is Slot.PROJECTION and use.name not in grouped)
     return next(projected, None)
-
-
-def _offset(text: str, line: int, column: int) -> int:
-    offset = 0
-    for _ in range(line - 1):
-        offset = text.index("\n", offset) + 1
-    return offset + column - 1
 
 
 def _parse_query(text: str) -> object:
@@ -122,7 +115,7 @@ def _reaches_end(beginning: str, parse: Parse) -> bool:
         parse(beginning + " " * _BLANKS + "\0")
     except SyntaxError as error:
         match = _POSITION.match(error.msg)
-        return match is None or _offset(beginning, int(match[1]), int(match[2])) >= len(beginning) + _BLANKS
+        return match is None or offset_of(beginning, int(match[1]), int(match[2])) >= len(beginning) + _BLANKS
     return True
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from kg.errors import Place
 
-__all__ = ["place_at", "place_of"]
+__all__ = ["offset_of", "place_at", "place_of"]
 
 
 def place_at(text: str, offset: int, path: str, end: int | None = None) -> Place:
@@ -24,3 +24,11 @@ def place_of(text: str, line: int, column: int, path: str) -> Place:
     """Return the place of `line` and `column` with the text of that line."""
     lines = text.split("\n")
     return Place(path, line, column, lines[line - 1] if line <= len(lines) else None)
+
+
+def offset_of(text: str, line: int, column: int) -> int:
+    """Return the offset of a line and a column, both counted from one."""
+    offset = 0
+    for _ in range(line - 1):
+        offset = text.index("\n", offset) + 1
+    return offset + column - 1

@@ -17,7 +17,7 @@ from kg.query.terms import unknown
 from kg.similar import asked
 from kg.syntax.lexer import Token, normalise, tokens
 from kg.syntax.names import PREFIXES
-from kg.syntax.position import place_at
+from kg.syntax.position import offset_of, place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -70,8 +70,8 @@ def _error(text: str) -> QueryError | None:
 def _of_error(error: QueryError, text: str, found: list[Token], declared: Mapping[str, str]) -> dict[str, Any]:
     place = error.place
     assert place is not None  # noqa: S101 - errors about a text have one
-    start = _offset(text, place.line or 1, place.column or 1)
-    end = start if place.end_line is None else _offset(text, place.end_line, place.end_column or 1)
+    start = offset_of(text, place.line or 1, place.column or 1)
+    end = start if place.end_line is None else offset_of(text, place.end_line, place.end_column or 1)
     known = outline(found)
     culprit = next((token for token in found if token.start == start), None)
     mended = fixes.of_token(text, culprit, known, declared) if culprit else fixes.closing(text, known)
@@ -121,13 +121,6 @@ def _problem(
         "end": end,
         "fixes": mended,
     }
-
-
-def _offset(text: str, line: int, column: int) -> int:
-    offset = 0
-    for _ in range(line - 1):
-        offset = text.index("\n", offset) + 1
-    return offset + column - 1
 
 
 def _moved(problem: dict[str, Any], text: str) -> dict[str, Any]:

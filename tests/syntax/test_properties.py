@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sparql.printing import group_text, plain, template_text
-from sparql.trees import groups, templates
+from syntax.printing import group_text, plain, template_text
+from syntax.trees import groups, templates
 
 from kg.errors import RuleError
 from kg.syntax.parser import parse_rq, parse_srl

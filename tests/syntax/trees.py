@@ -7,7 +7,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Triple
-from sparql.printing import NOWHERE
+from syntax.printing import NOWHERE
 
 from kg.rules.form import TripleTerm, Variable
 from kg.syntax import tree

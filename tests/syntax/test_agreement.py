@@ -7,7 +7,7 @@ import re
 import pytest
 from pyoxigraph import Store
 from repository import ROOT
-from sparql.printing import plain
+from syntax.printing import plain
 
 from kg.errors import RuleError
 from kg.syntax.names import PREFIXES
