@@ -267,6 +267,12 @@ ONTOLOGY_COMMANDS: Final = (
     ),
     Later(
         "Commands",
+        "classify",
+        "ontology:classify",
+        "Print what follows from ontologies by OWL 2 DL, as Turtle.",
+    ),
+    Later(
+        "Commands",
         "validate",
         "ontology:validate",
         "Validate the data of the store against SHACL shapes.",
@@ -388,7 +394,7 @@ for _name, _commands, _panel, _help in (
     ("corpus", CORPUS_COMMANDS, "Start", "Select repositories from a table of projects and fetch them."),
     ("eval", EVALUATIONS, "Ask", "Measure the graph and the search against references and the code."),
     ("extract", EXTRACT_COMMANDS, "Maintain", "Check descriptions of framework calls."),
-    ("ontology", ONTOLOGY_COMMANDS, "Maintain", "Check ontologies, and validate data against shapes."),
+    ("ontology", ONTOLOGY_COMMANDS, "Maintain", "Check and classify ontologies, and validate data."),
 ):
     _below = typer.Typer(cls=_group(_commands), rich_markup_mode=None, help=_help)
     app.add_typer(_below, name=_name, rich_help_panel=_panel)

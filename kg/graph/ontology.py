@@ -15,12 +15,14 @@ from typing import TYPE_CHECKING
 from kg.errors import GraphError
 from kg.graph.findings import OntologyCheck, ShapeFinding
 from kg.graph.ontology_files import default_ontologies, ontology_triples, shapes_file
-from kg.graph.reasoner import hermit, reason
+from kg.graph.reasoner import entailments, hermit, reason
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["OntologyCheck", "ShapeFinding", "check", "default_ontologies", "ontology_triples", "validate"]
+    from pyoxigraph import Triple
+
+__all__ = ["OntologyCheck", "ShapeFinding", "check", "classify", "default_ontologies", "ontology_triples", "validate"]
 
 
 def check(paths: Iterable[Path] | None = None) -> tuple[OntologyCheck, ...]:
@@ -30,14 +32,44 @@ def check(paths: Iterable[Path] | None = None) -> tuple[OntologyCheck, ...]:
     together with those that `kg` brings along, which they may build on. Raise `GraphError`: KG601 for a file that
     does not parse, KG603 without Java, KG605 without owlready2.
     """
-    archive = hermit()
-    if archive is None:
-        raise _missing("owlready2")
-    java = _java()
+    java, archive = _reasoner()
     ours = default_ontologies()
     alone = ours if paths is None else tuple(paths)
     together = ours + tuple(path for path in alone if path not in ours)
     return tuple(_check(files, java, archive) for files in [*((path,) for path in alone), together])
+
+
+def classify(paths: Iterable[Path] | None = None) -> tuple[Triple, ...]:
+    """Return what follows from ontologies: classes and properties in order, and the classes of individuals.
+
+    Without `paths` it is about the ontologies that `kg` brings along; with them about the files given together with
+    those, without what follows from those alone. Raise `GraphError`: KG601 for a file that does not parse, KG602 for
+    a contradiction, KG603 without Java, KG605 without owlready2.
+    """
+    java, archive = _reasoner()
+    ours = default_ontologies()
+    further = [path for path in paths or () if path not in ours]
+    found = _entailed((*ours, *further), java, archive)
+    return tuple(sorted(found - _entailed(ours, java, archive), key=str)) if further else tuple(sorted(found, key=str))
+
+
+def _entailed(files: tuple[Path, ...], java: str, archive: Path) -> set[Triple]:
+    found = entailments(ontology_triples(files), java, archive)
+    if found is None:
+        raise GraphError(
+            "KG602",
+            "the axioms contradict each other, so that everything follows from them",
+            hint="`kg ontology check FILE` says which file does.",
+        )
+    return set(found)
+
+
+def _reasoner() -> tuple[str, Path]:
+    """Return the paths of Java and of HermiT."""
+    archive = hermit()
+    if archive is None:
+        raise _missing("owlready2")
+    return _java(), archive
 
 
 def _check(files: tuple[Path, ...], java: str, archive: Path) -> OntologyCheck:

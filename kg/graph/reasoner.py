@@ -2,18 +2,40 @@
 
 from __future__ import annotations
 
+import os
+import re
 import subprocess
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Final
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 
 from kg.errors import GraphError
 
-__all__ = ["hermit", "reason"]
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["entailments", "hermit", "reason"]
 
 _IMPORTS: Final = b"<http://www.w3.org/2002/07/owl#imports>"
-_NOTHING: Final = "http://www.w3.org/2002/07/owl#Nothing"
+_OWL: Final = "http://www.w3.org/2002/07/owl#"
+_RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
+_NOTHING: Final = _OWL + "Nothing"
+_TRIVIAL: Final = frozenset(_OWL + name for name in ("Thing", "Nothing"))
+_AXIOM: Final = re.compile(r"(\w+)\( (<[^>]+>(?: <[^>]+>)+) \)")
+_PROPERTIES: Final = {
+    "SubClassOf": NamedNode(_RDFS + "subClassOf"),
+    "EquivalentClasses": NamedNode(_OWL + "equivalentClass"),
+    "SubObjectPropertyOf": NamedNode(_RDFS + "subPropertyOf"),
+    "SubDataPropertyOf": NamedNode(_RDFS + "subPropertyOf"),
+    "EquivalentObjectProperties": NamedNode(_OWL + "equivalentProperty"),
+    "EquivalentDataProperties": NamedNode(_OWL + "equivalentProperty"),
+    "Type": NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type"),
+}
+"""What each kind of axiom that the reasoner prints is in RDF (OWL 2 Mapping to RDF Graphs, section 2.1)."""
+_EQUIVALENCES: Final = frozenset({_PROPERTIES["EquivalentClasses"], _PROPERTIES["EquivalentObjectProperties"]})
 _PROGRAM: Final = "org.semanticweb.HermiT.cli.CommandLine"
 _INCONSISTENT: Final = "InconsistentOntologyException"
 _MEMORY: Final = "-Xmx2000M"
@@ -34,18 +56,52 @@ def reason(triples: bytes, java: str, archive: Path) -> tuple[str, ...] | None:
     used. `java` is the path of the Java program, `archive` that of HermiT. Raise `GraphError` KG602 for what the
     reasoner cannot work with (a malformed value, a data type outside the OWL 2 datatype map).
     """
-    lines = triples.splitlines(keepends=True)
-    with TemporaryDirectory(prefix="kg-") as folder:
-        checked = Path(folder) / "checked.nt"
-        checked.write_bytes(b"".join(line for line in lines if _IMPORTS not in line))
-        command = [java, _MEMORY, "-cp", str(archive), _PROGRAM, "--no-prefixes", "--unsatisfiable", checked.as_uri()]
-        outcome = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - no shell, our file
+    outcome = _run(triples, java, archive, "--no-prefixes", "--unsatisfiable")
     impossible = {line.strip() for line in outcome.stdout.splitlines() if line.startswith("\t")}
     if outcome.returncode == 0 and _NOTHING in impossible:
         return tuple(sorted(impossible - {_NOTHING}))
     if _INCONSISTENT in outcome.stderr:
         return None
     raise GraphError("KG602", f"the reasoner cannot work with it: {_gist(outcome.stderr)}")
+
+
+def entailments(triples: bytes, java: str, archive: Path) -> tuple[Triple, ...] | None:
+    """Return what follows about classes, properties and individuals beyond `triples`; None for a contradiction.
+
+    These are the direct super-classes and super-properties, equivalent ones, and the direct classes of individuals,
+    sorted. What a reader knows anyway, such as subclasses of owl:Thing, is left out. The parameters and errors are
+    those of `reason`.
+    """
+    outcome = _run(triples, java, archive, "-c", "-O", "-D", "-I")
+    if _INCONSISTENT in outcome.stderr:
+        return None
+    if outcome.returncode or "Exception" in outcome.stderr:
+        raise GraphError("KG602", f"the reasoner cannot work with it: {_gist(outcome.stderr)}")
+    known = {quad.triple for quad in parse(triples, RdfFormat.N_TRIPLES)}
+    # An equivalence that a file has the other way round is known as well.
+    known |= {Triple(one.object, one.predicate, one.subject) for one in known if one.predicate in _EQUIVALENCES}
+    return tuple(sorted(set(_triples(outcome.stdout)) - known, key=str))
+
+
+def _triples(printed: str) -> Iterator[Triple]:
+    """Yield the triples of the axioms that the reasoner printed; equivalent terms are linked to the first of them."""
+    for kind, terms in _AXIOM.findall(printed):
+        first, *others = (term.strip("<>") for term in terms.split())
+        for other in others:
+            if kind in _PROPERTIES and not _TRIVIAL & {first, other}:
+                yield Triple(NamedNode(first), _PROPERTIES[kind], NamedNode(other))
+
+
+def _run(triples: bytes, java: str, archive: Path, *options: str) -> subprocess.CompletedProcess[str]:
+    """Return what HermiT prints about triples with options; imports are left out."""
+    lines = triples.splitlines(keepends=True)
+    # owlready2 adds classes to HermiT, which it keeps in folders beside the archive: they know `-I`.
+    path = os.pathsep.join([str(archive.parent), str(archive)])
+    with TemporaryDirectory(prefix="kg-") as folder:
+        checked = Path(folder) / "checked.nt"
+        checked.write_bytes(b"".join(line for line in lines if _IMPORTS not in line))
+        command = [java, _MEMORY, "-cp", path, _PROGRAM, *options, checked.as_uri()]
+        return subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - no shell, our file
 
 
 def _gist(report: str) -> str:

@@ -8,7 +8,7 @@ from graph.samples import BUILD, FACTS, IRIS, REPOSITORY, loaded, rows
 
 from kg.errors import GraphError
 from kg.graph.builds import build_triples
-from kg.graph.ontology import check, ontology_triples, validate
+from kg.graph.ontology import check, classify, ontology_triples, validate
 from kg.graph.ontology_files import ONTOLOGIES, shapes_file
 from kg.graph.sources import source_triples
 
@@ -49,6 +49,36 @@ def test_the_ontologies_are_consistent_alone_and_together() -> None:
     checks = check()
     assert [[path.name for path in each.files] for each in checks] == [*([name] for name in ONTOLOGIES), [*ONTOLOGIES]]
     assert [each.error() for each in checks] == [None] * len(checks)
+
+
+@needs_java
+@pytest.mark.usefixtures("reasoner")
+def test_classes_properties_and_individuals_are_classified(tmp_path: Path) -> None:
+    """What follows from a file is given, without what it says and without what follows from ours alone."""
+    path = written(
+        tmp_path,
+        "mine.ttl",
+        """
+        :drives a owl:ObjectProperty . :steers a owl:ObjectProperty ; owl:equivalentProperty :drives .
+        :Wheeled a owl:Class . :Base a owl:Class . :Rover a owl:Class ; rdfs:subClassOf :Wheeled .
+        :Wheeled owl:equivalentClass [ a owl:Restriction ; owl:onProperty :drives ; owl:someValuesFrom :Base ] .
+        :spirit a owl:NamedIndividual ; :steers :ground . :ground a owl:NamedIndividual , :Base .
+        """,
+    )
+    assert {str(each) for each in classify([path])} == {
+        "<urn:test:spirit> <http://www.w3.org/1999/02/22-rdf-syntax-ns#type> <urn:test:Wheeled>"
+    }
+
+
+@needs_java
+@pytest.mark.usefixtures("reasoner")
+def test_nothing_follows_from_a_contradiction(tmp_path: Path) -> None:
+    """Everything would: the error says so, and how to find the file."""
+    path = written(tmp_path, "odd.ttl", ":A a owl:Class . :B a owl:Class ; owl:disjointWith :A . :x a :A , :B .")
+    with pytest.raises(GraphError) as caught:
+        classify([path])
+    assert caught.value.code == "KG602"
+    assert "kg ontology check" in (caught.value.hint or "")
 
 
 @needs_java

@@ -1,4 +1,4 @@
-"""`kg ontology`: are the ontologies free of contradictions, and does the data conform to their shapes?"""
+"""`kg ontology`: contradictions in ontologies, what follows from them, and whether data conforms to their shapes."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -8,18 +8,20 @@ import typer
 
 from kg.cli.diagnostics import report, say
 from kg.cli.options import Json, Store
-from kg.cli.output import Column, json_lines, listing, terminal, write
+from kg.cli.output import Column, json_lines, listing, terminal, write, write_bytes
 from kg.cli.session import session
-from kg.errors import Exit
+from kg.errors import Exit, Place, UsageError
 from kg.render.text import count
+from kg.store.layout import write_atomically
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.graph.findings import OntologyCheck
 
-__all__ = ["check", "validate"]
+__all__ = ["check", "classify", "validate"]
 
 Files = Annotated[list[str] | None, typer.Argument(metavar="FILE", help="Ontologies; by default those that kg ships.")]
+Entailed = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
 Shapes = Annotated[
     str | None, typer.Option("--shapes", metavar="FILE", help="SHACL shapes; by default those that kg ships.")
 ]
@@ -49,6 +51,33 @@ def check(files: Files = None, *, json: Json = False) -> None:
         report(error)
     if errors:
         raise typer.Exit(Exit.FOUND)
+
+
+def classify(files: Files = None, *, output: Entailed = None) -> None:
+    """Print what follows from ontologies by OWL 2 DL, as Turtle.
+
+    This is the hierarchy of classes and properties, equivalent ones, and the classes of individuals. Your FILEs are
+    read together with the ontologies that kg ships; what follows from these alone is left out. `kg import` loads the
+    result into a store. Needs Java and `pip install 'kg-ros[ontology]'`. For example:
+
+        kg ontology classify my-robot.ttl -o entailed.ttl
+        kg import entailed.ttl
+    """
+    from pyoxigraph import RdfFormat, serialize  # noqa: PLC0415 - start-up time
+
+    from kg.graph import ontology  # noqa: PLC0415 - start-up time
+    from kg.syntax.names import PREFIXES  # noqa: PLC0415 - start-up time
+
+    found = ontology.classify([Path(file) for file in files] if files else None)
+    text = (serialize(found, format=RdfFormat.TURTLE, prefixes=dict(PREFIXES)) or b"") + b"\n"
+    if output is None:
+        write_bytes(text)
+    else:
+        try:
+            write_atomically(Path(output), text)
+        except OSError as error:
+            raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(output)) from error
+    say(f"{count(len(found), 'triple')} inferred")
 
 
 def validate(context: typer.Context, *, shapes: Shapes = None, json: Json = False, store: Store = None) -> None:
