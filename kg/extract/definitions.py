@@ -46,7 +46,7 @@ def read_idl(reader: Reader, package: str, path: str) -> tuple[InterfaceDefiniti
     try:
         messages = _parse(text)
     except ValueError as error:
-        reader.problem("KG118", f"no IDL that is known: {error}", path, 1)
+        reader.problem("KG118", f"not valid IDL: {error}", path, 1)
         return ()
     fields = tuple(_idl_fields(messages, place, text.splitlines()))
     return (InterfaceDefinition(place.parent.name, package, place.stem, fields, Location(path, 1)),)

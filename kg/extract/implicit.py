@@ -119,7 +119,7 @@ def _name(pattern: str, mark: Mark) -> str | None:
     if "{detail}" in pattern and not mark.detail:
         return None
     if not mark.namespace:
-        pattern = pattern.removeprefix("{namespace}/")  # of the node's own namespace, which is no root
+        pattern = pattern.removeprefix("{namespace}/")  # of the node's own namespace, which is not a root
     return normalise(pattern.replace("{namespace}", mark.namespace).replace("{detail}", mark.detail or ""))
 
 

@@ -372,7 +372,7 @@ class Repository:
     """A source: a git checkout or a plain folder.
 
     `name` is `host/owner/name` from the remote (`github.com/husky/husky`), or `local/NAME` for a folder
-    without one. `commit` is None where the folder is no git checkout; `dirty` tells of changes on top of it.
+    without one. `commit` is None where the folder is not a git checkout; `dirty` tells of changes on top of it.
     """
 
     name: str

@@ -69,7 +69,7 @@ class LaunchProblemKind(StrEnum):
     CYCLE = "cycle"
     """A file includes itself, by way of others or not."""
     MALFORMED = "malformed"
-    """What is written is no valid launch file."""
+    """What is written is not a valid launch file."""
     OTHER_VERSION = "other-version"
     """The file is written for ROS 1, and its package is of ROS 2; it is not evaluated."""
     UNRESOLVED = "unresolved"

@@ -94,7 +94,7 @@ def _java() -> str:
     home = os.environ.get("JAVA_HOME")
     found = (shutil.which("java", path=str(Path(home) / "bin")) if home else None) or shutil.which("java")
     if found is None:
-        raise GraphError("KG603", "there is no `java` on the PATH and none in JAVA_HOME")
+        raise GraphError("KG603", "no `java` on the PATH or in JAVA_HOME")
     return found
 
 

@@ -150,7 +150,7 @@ class Queryable(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class NodeRecord:
-    """A node type and where it belongs; `commit` is None where the source is no git checkout."""
+    """A node type and where it belongs; `commit` is None where the source is not a git checkout."""
 
     repository: str
     commit: str | None

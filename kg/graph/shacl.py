@@ -18,7 +18,7 @@ _SHACL: Final = "http://www.w3.org/ns/shacl#"
 def findings(triples: bytes, shapes: bytes) -> tuple[ShapeFinding, ...]:
     """Return where the data `triples` does not conform to `shapes`, both N-Triples, sorted by place and message.
 
-    Raise `GraphError` KG601 when either does not parse or the shapes are no valid SHACL.
+    Raise `GraphError` KG601 when either does not parse or the shapes are not valid SHACL.
     """
     _conforms, report, _text = pyshacl.validate(_graph(triples), shacl_graph=_graph(shapes), inference="none")
     if not isinstance(report, Graph):

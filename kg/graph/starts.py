@@ -84,7 +84,7 @@ class Start:
         return part
 
     def entry(self, fact: LaunchParameter, order: int) -> str:
-        """Add what names an end and is no parameter, as a node of a behavior tree; return as `remap` does."""
+        """Add what names an end and is not a parameter, as a node of a behavior tree; return as `remap` does."""
         part = self._part("entry", fact.name, v.READS_ENTRY)
         self._set(part, fact.name, fact)
         self._finish(part, order, (), fact.location, fact.chain)

@@ -56,7 +56,7 @@ def scheme_of(address: str) -> str:
     scheme = address.partition(":")[0]
     if scheme not in SCHEMES:
         known = ", ".join(f"{one}://" for one in SCHEMES if one != "memory")
-        raise RobotError("KG801", f"`{address}` is no address of a robot", hint=_meant(address, known))
+        raise RobotError("KG801", f"`{address}` is not an address of a robot", hint=_meant(address, known))
     return scheme
 
 

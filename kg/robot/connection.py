@@ -238,5 +238,5 @@ class Accepted(Protocol):
 
 def goal_lost(action: str, what: str) -> RobotError:
     """Return the error of a goal of `action` whose server, or the robot, was lost while it was carried out (KG803)."""
-    message = f"{what} was lost while it carried out `{action}`; whether it stopped is not known"
-    return RobotError("KG803", message, hint="Go and look whether the robot moves; then see that the node runs.")
+    message = f"{what} was lost while executing `{action}`; the robot may still be moving"
+    return RobotError("KG803", message, hint="Check whether the robot is moving, then restart the node.")

@@ -203,7 +203,7 @@ def as_error(request: HTTPConnection, error: HTTPException) -> KgError:
     """Return the error of `kg` that says what Starlette raised about a request."""
     code = _OF_STATUS.get(error.status_code, "KG520")
     said = {
-        "KG521": f"there is nothing at {request.url.path}",
+        "KG521": f"no page or endpoint at {request.url.path}",
         "KG522": f"{request.scope['method']} is not allowed at {request.url.path}",
     }
     return RequestError(code, said.get(code, error.detail), headers=error.headers)
@@ -234,7 +234,7 @@ HANDLERS: Final[dict[type[Exception], Callable[[Request, Exception], Awaitable[R
 async def _explained(request: Request) -> Response:
     entry = CATALOGUE.get(request.path_params["code"])
     if entry is None:
-        raise RequestError("KG521", f"there is no error {request.path_params['code']}")
+        raise RequestError("KG521", f"no error has the code {request.path_params['code']}")
     members = {
         "code": request.path_params["code"],
         "title": entry.title,

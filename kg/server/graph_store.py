@@ -44,7 +44,7 @@ def _graph(request: Request, parameters: Parameters) -> NamedNode | None:
     """Return the graph that a request is about; None for the unnamed one.
 
     Raises:
-        RequestError: KG520 for none, more than one, or what is no IRI.
+        RequestError: KG520 for none, more than one, or what is not an IRI.
     """
     path = _raw_path(request)
     below = path.partition(_ROOT)[2] not in {"", "/"}
@@ -58,7 +58,7 @@ def _graph(request: Request, parameters: Parameters) -> NamedNode | None:
     try:
         return NamedNode(name)
     except ValueError as error:
-        raise RequestError("KG520", f"`{name}` is no IRI: {error}") from error
+        raise RequestError("KG520", f"`{name}` is not an IRI: {error}") from error
 
 
 def _origin(request: Request) -> str:
@@ -182,7 +182,7 @@ async def _parts(request: Request) -> list[tuple[bytes, str]]:
     async with request.form() as form:
         for name, file in form.multi_items():
             if not isinstance(file, UploadFile):
-                raise RequestError("KG520", f"the field `{name}` of the form is no file")
+                raise RequestError("KG520", f"the field `{name}` of the form is not a file")
             told = (file.content_type or "").partition(";")[0].strip().lower()
             parts.append((await file.read(), _known(told or _by_name(file.filename or ""))))
     if not parts:

@@ -27,7 +27,7 @@ async def _health(request: Request) -> Response:
     layout = shared.readers.layout
     generation = layout.in_force()
     if generation is None:
-        raise StoreError("KG301", "the data of the store is gone")
+        raise StoreError("KG301", "the store's data has been deleted")
     jobs = sum(not job.own for job in shared.readers.jobs.values())
     waiting = shared.readers.stats().waiting
     return JSONResponse(

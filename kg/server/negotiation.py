@@ -142,7 +142,7 @@ def _range(element: str) -> Range | None:
 
 
 def _parameters(text: str) -> dict[str, str] | None:
-    """Return what stands behind a media range by name; None for what are no parameters."""
+    """Return what stands behind a media range by name; None for what are not parameters."""
     found: dict[str, str] = {}
     position = 0
     while position < len(text):

@@ -42,7 +42,7 @@ def describe(routes: list[BaseRoute]) -> dict[str, Any]:
         "info": {
             "title": "kg",
             "version": kg.__version__,
-            "summary": "A SPARQL endpoint that knows ROS nodes.",
+            "summary": "A SPARQL endpoint about ROS nodes.",
         },
         "paths": dict(sorted(paths.items())),
         "components": {

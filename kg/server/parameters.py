@@ -37,7 +37,7 @@ class Parameters:
         except UnicodeDecodeError as error:
             raise RequestError("KG520", "the parameters are not in UTF-8") from error
         except ValueError as error:
-            raise RequestError("KG520", f"there are more than {_MOST} parameters") from error
+            raise RequestError("KG520", f"the request has more than {_MOST} parameters") from error
         for name, value in pairs:
             self._values.setdefault(name, []).append(value)
 
@@ -56,7 +56,7 @@ class Parameters:
         """Return the value of a parameter; RequestError KG520 when it stands more than once."""
         values = self._values.get(name)
         if values and len(values) > 1:
-            raise RequestError("KG520", f"the parameter `{name}` stands {len(values)} times; once is allowed")
+            raise RequestError("KG520", f"the parameter `{name}` is given {len(values)} times; give it once")
         return values[0] if values else None
 
     @property
@@ -78,7 +78,7 @@ class Parameters:
         except ValueError:
             number = float("nan")
         if not least <= number < float("inf"):
-            raise RequestError("KG520", f"`{name}={text}` is no number of at least {least:g}")
+            raise RequestError("KG520", f"`{name}={text}` is not a number of at least {least:g}")
         return number
 
     def whole(self, name: str, *, most: int = 1 << 62) -> int | None:
@@ -87,7 +87,7 @@ class Parameters:
         if text is None:
             return None
         if not (text.isascii() and text.isdigit() and len(text) < len(str(most)) + 1 and int(text) <= most):
-            raise RequestError("KG520", f"`{name}={text}` is no whole number from 0 to {most}")
+            raise RequestError("KG520", f"`{name}={text}` is not a whole number from 0 to {most}")
         return int(text)
 
     def flag(self, name: str) -> bool:

@@ -76,7 +76,7 @@ def _snapshots(name: str, value: str) -> set[str]:
     """
     tags = re.findall(_TAG, value) if _LIST.fullmatch(value) else []
     if not tags:
-        raise RequestError("KG520", f"`{name}` is no list of entity tags", hint='Send `*`, or tags such as "7".')
+        raise RequestError("KG520", f"`{name}` is not a list of entity tags", hint='Send `*`, or tags such as "7".')
     return {tag.partition("-")[0] for weak, tag in tags if not weak or name == _NONE_MATCH}
 
 

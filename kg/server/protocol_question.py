@@ -103,7 +103,7 @@ async def _asked(request: Request) -> Asked | None:
         raise RequestError("KG520", "the parameter `query` is missing")
     job = parameters.one("job")
     if job is not None and not _JOB.fullmatch(job):
-        raise RequestError("KG520", "`job` takes 16 to 128 letters, digits, _ and -, which nobody can guess")
+        raise RequestError("KG520", "`job` must be 16 to 128 letters, digits, `_` and `-`, and hard to guess")
     choices = choose(request.headers.get("accept"), parameters.formats)
     question = _question(request, parameters, text, choices)
     return Asked(
@@ -126,7 +126,7 @@ async def _said(request: Request) -> tuple[Parameters, str | None]:
     if kind == QUERY:
         parameters = Parameters(said)
         if "query" in parameters:
-            raise RequestError("KG520", "there is a query in the address and another in the body")
+            raise RequestError("KG520", "the address and the body each contain a query")
         return parameters, await body_text(request)
     if kind == FORM:
         in_utf8(request)

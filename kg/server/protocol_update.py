@@ -71,7 +71,7 @@ async def _said(request: Request) -> tuple[Parameters, str | None]:
     said = request.scope["query_string"]
     kind = media_type(request)
     if "update" in Parameters(said):
-        raise RequestError("KG520", "an update stands in the body of a request, not in its address")
+        raise RequestError("KG520", "an update must be in the request body, not in the address")
     if kind == _UPDATE:
         return Parameters(said), await body_text(request)
     if kind == FORM:

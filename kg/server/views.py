@@ -43,7 +43,7 @@ async def _view(request: Request) -> Response:
 
 
 async def _posted(request: Request) -> dict[str, Any]:
-    """Return the arguments in the body of a request; KG520 when it is no JSON object, KG524 for another type."""
+    """Return the arguments in the body of a request; KG520 when it is not a JSON object, KG524 for another type."""
     if media_type(request) != "application/json":
         raise RequestError("KG524", "the body is not application/json")
     try:
@@ -52,7 +52,7 @@ async def _posted(request: Request) -> dict[str, Any]:
     except (ValueError, RecursionError, OverflowError):  # no JSON, too deep, or a number that no reader could be told
         found = None
     if not isinstance(found, dict):
-        raise RequestError("KG520", "the body is no JSON object of arguments")
+        raise RequestError("KG520", "the body is not a JSON object of arguments")
     return found
 
 

@@ -122,7 +122,7 @@ class Shell(App[None]):
         elif self.is_running and not self._exit and not is_late(error, place):
             self.failures.append(error)
             path = self.state.keep_failure("".join(traceback.format_exception(error)))
-            hint = f"The shell goes on. Please report it with {path}."
+            hint = f"The shell keeps running. Please report this with {path}."
             self.report(KgError("KG900", f"{type(error).__name__}: {error}".partition("\n")[0], hint=hint))
 
     @property
@@ -140,7 +140,7 @@ class Shell(App[None]):
     def edit(self, place: Mapping[str, Any] | None) -> None:
         """Open the place of a view in the editor, with this application suspended."""
         if not place or not (place.get("file") or place.get("path")):
-            self.notify("There is no line of code here.", severity="warning")
+            self.notify("This line has no source location.", severity="warning")
             return
         try:
             command = command_for(Path(place.get("file") or place["path"]), place.get("line"))

@@ -73,7 +73,7 @@ class Buffer(TabPane):
         editor, line = self.editor, self.query_one(".problem", Static)
         problem = editor.problem_at_cursor()
         others = len(editor.problems)
-        words = f"{count(others, 'problem')} marked (Ctrl+G goes there)"
+        words = f"{count(others, 'problem')} marked (Ctrl+G: next problem)"
         if problem:
             fix = f" (Ctrl+F: {problem.fix})" if problem.fix else ""
             words = f"{problem.severity}: {problem.message}{fix}"

@@ -72,15 +72,15 @@ def _pairs(given: Mapping[str, Any], path: Path) -> Iterator[tuple[str, tuple[st
     for context, table in given.items():
         if context not in CONTEXTS or not isinstance(table, dict):
             hint = did_you_mean(context, CONTEXTS) or f"The tables are {', '.join(CONTEXTS)}."
-            raise _wrong(path, f"`{context}` is no table of keys", hint)
+            raise _wrong(path, f"`{context}` is not a table of keys", hint)
         for name, words in table.items():
             identity = f"{context}.{name}"
             if identity not in known:
                 ours = ", ".join(one.name for one in ACTIONS if one.context == context)
-                raise _wrong(path, f"`{identity}` is no action", did_you_mean(identity, known) or f"It has {ours}.")
+                raise _wrong(path, f"`{identity}` is not an action", did_you_mean(identity, known) or f"It has {ours}.")
             if not isinstance(words, str) or not words.split():
                 raise _wrong(
-                    path, f"the keys of `{identity}` are no text", 'Write them with blanks between: "F5 Ctrl+J".'
+                    path, f"the keys of `{identity}` are not text", 'Write them with blanks between: "F5 Ctrl+J".'
                 )
             yield identity, tuple(_key(one, context, path) for one in words.split())
 
@@ -89,14 +89,14 @@ def _key(words: str, context: str, path: Path) -> str:
     key = key_named(words)
     *modifiers, last = key.split("+")
     if not _MODIFIERS.issuperset(modifiers) or not (len(last) == 1 or last in _NAMES or _is_character(last)):
-        raise _wrong(path, f"`{words}` is no key", "Keys are written as F1 in the shell shows them: F5, Ctrl+J, n.")
+        raise _wrong(path, f"`{words}` is not a key", "Keys are written as F1 in the shell shows them: F5, Ctrl+J, n.")
     if context in _TYPING and not set(modifiers) - {"shift"} and (len(last) == 1 or _is_character(last)):
         raise _wrong(path, f"`{words}` is text where something is typed", "Take it with Ctrl or Alt, or a key as F6.")
     return key
 
 
 def _is_character(name: str) -> bool:
-    """Tell whether a name is that of a character, as textual writes those that are no letters or digits."""
+    """Tell whether a name is that of a character, as textual writes those that are not letters or digits."""
     try:
         unicodedata.lookup(name.replace("_", " "))
     except KeyError:

@@ -37,7 +37,7 @@ def command_for(path: Path, line: int | None) -> list[str]:
         UsageError: KG551 when there is no editor, KG552 when the file is not on this machine.
     """
     if not path.is_file():
-        hint = "The commit that was read may stand elsewhere; `kg status` lists the sources."
+        hint = "The source may have moved; `kg status` lists the sources."
         raise UsageError("KG552", f"the file is not here: {path}", hint=hint)
     words = editor_words()
     program = Path(words[0]).name

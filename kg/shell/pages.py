@@ -175,7 +175,7 @@ def lines_of_system(
     return (
         Line(f"{system['name']}, ROS {system['ros']}", iri=system["iri"], note=system["repository"]),
         *_section("Findings", found),
-        *([] if found else [Line("Nothing is wrong that kg lint knows of.")]),
+        *([] if found else [Line("kg lint found no problems.")]),
         *allowed,
         *_section("Starts", nodes),
     )

@@ -26,7 +26,7 @@ def run(settings: Settings) -> int:
         raise StoreError("KG301", f"the store {layout.root} is empty", hint="Run `kg build FOLDER` first.")
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         hint = "In scripts ask with `kg shell --once 'QUERY'`, or with `kg query`."
-        raise UsageError("KG550", "the shell needs a terminal, and standard input or output is none", hint=hint)
+        raise UsageError("KG550", "the shell needs a terminal, but standard input or output is not one", hint=hint)
     from kg.shell.app import Shell  # noqa: PLC0415 - what was checked above needs no textual
     from kg.shell.keys import chosen_actions, keys_file  # noqa: PLC0415 - as above
 

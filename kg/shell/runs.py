@@ -43,7 +43,7 @@ class Runs:
             return
         found = statement_at(buffer.text, editor.offset_of_cursor)
         if found is None:
-            self._screen.notify("There is no query in this buffer.", severity="warning", timeout=3)
+            self._screen.notify("This buffer has no query.", severity="warning", timeout=3)
         else:
             self.start(buffer, found.text, found.start)
 

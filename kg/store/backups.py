@@ -132,7 +132,7 @@ def restore(transaction: EmbeddedTransaction, source: Path) -> Backup | None:
     Returns what its manifest says, None for a file.
 
     Raises:
-        StoreError: KG567 for what is no backup, or not whole.
+        StoreError: KG567 for what is not a backup, or not whole.
         GraphError: KG601 for a file that is not valid N-Quads.
     """
     if not source.exists():

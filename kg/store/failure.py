@@ -34,7 +34,7 @@ def is_of_store(error: Exception) -> TypeGuard[OSError | RuntimeError]:
 def store_error(error: OSError | RuntimeError, path: str) -> StoreError:
     """Return the error of `kg` for a failure at the store `path`.
 
-    KG304 is a full disk, KG306 what cannot be written or is no folder, KG303 all else.
+    KG304 is a full disk, KG306 what cannot be written or is not a folder, KG303 all else.
     """
     text = str(error)
     number = error.errno if isinstance(error, OSError) else None

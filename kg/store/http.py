@@ -64,7 +64,7 @@ class Endpoint:
         """The address as messages have it: without credentials and without parameters, which may hold keys."""
         if parts.scheme not in {"http", "https"} or not host:
             hint = "Give an address such as http://localhost:7878/query."
-            raise StoreError("KG225", "this is no address of a server", place=Place(self.shown), hint=hint)
+            raise StoreError("KG225", "this is not the address of a server", place=Place(self.shown), hint=hint)
         self._url = urlunsplit((parts.scheme, host, parts.path, parts.query, ""))
         self._headers = {"User-Agent": "kg"}
         if parts.username is not None:
@@ -113,7 +113,7 @@ class Endpoint:
         elif error.code in {404, 405}:
             hint = "Check the address: servers have one for queries and one for updates."
         else:
-            hint = "The words after the status are the server's; its log may say more."
+            hint = "The server sent this text; see its log for details."
         message = f"the server answered {error.code} {error.reason}" + (f": {line}" if line else "")
         return StoreError("KG225", message, place=Place(self.shown), hint=hint)
 
@@ -123,7 +123,7 @@ class Endpoint:
             message = f"the server did not answer within {seconds:g} s"
             hint = "It may still be at work; allow more time, or give it less to do at once."
         else:
-            message = f"there is no connection to the server: {reason or type(reason).__name__}"
+            message = f"cannot connect to the server: {reason or type(reason).__name__}"
             hint = "Check that the server runs and that the address is right."
         return StoreError("KG225", message, place=Place(self.shown), hint=hint)
 

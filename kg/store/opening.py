@@ -29,7 +29,7 @@ def layout_of(settings: Settings) -> Layout:
     if not root.is_dir():
         from kg.errors import StoreError  # noqa: PLC0415 - with the branch that needs it
 
-        raise StoreError("KG301", f"there is no store at {settings.store} ({settings.origin('store')})")
+        raise StoreError("KG301", f"no store at {settings.store} ({settings.origin('store')})")
     return Layout(root.absolute())
 
 

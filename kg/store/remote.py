@@ -170,7 +170,7 @@ class RemoteSnapshot:
                 return _triples(answer.body, triples)
         except (SyntaxError, ValueError) as error:
             raise StoreError("KG225", f"the answer of the server cannot be read: {error}", place=place) from error
-        message = f"the server answered with `{answer.media_type}`, which is no result of a query"
+        message = f"the server answered with `{answer.media_type}`, which is not a result of a query"
         raise StoreError("KG225", message, place=place, hint="Check that the address is the one for SPARQL queries.")
 
 

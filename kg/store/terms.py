@@ -86,7 +86,7 @@ def of_spelling(text: str | bytes) -> Term:
 
 
 def literal(text: str) -> str:
-    """Return the spelling of a string literal; surrogates (bytes that are no UTF-8) become U+FFFD."""
+    """Return the spelling of a string literal; surrogates (bytes that are not UTF-8) become U+FFFD."""
     return f'"{_SPECIAL.sub(_escape, text)}"' if _SPECIAL.search(text) else f'"{text}"'
 
 

@@ -207,7 +207,7 @@ def _number_errors(row: _Row, value: int, place: Place, *, least: bool = False) 
     if value >= (fewest if least else most):
         limit = f"can have only {fewest}" if least else f"has at most {most}"
         hint = "Arguments count from 0. Correct the number or `arguments`."
-        message = f"there is no argument {value}: the call {limit} {'argument' if limit[-1] == '1' else 'arguments'}"
+        message = f"no argument {value}: the call {limit} {'argument' if limit[-1] == '1' else 'arguments'}"
         yield _error(place, message, hint)
 
 

@@ -156,7 +156,7 @@ def _number(value: float, of: list[Number], *, whole: bool) -> Number:
 
 
 def is_floating(value: Number) -> bool:
-    """Check whether a number is no whole number by its type."""
+    """Check whether a number is not a whole number by its type."""
     written = value.written
     return not written.startswith(("0x", "0X")) and any(mark in written for mark in ".eEin")
 

@@ -192,7 +192,7 @@ def _is_dynamic(descriptor: Value | None) -> bool:
 
 
 def _is_blank(of: Object) -> bool:
-    """Return whether an object of a class outside was made of nothing, so that it is no default."""
+    """Return whether an object of a class outside was made of nothing, so that it is not a default."""
     return of.kind.cls is None and of.native.get("empty") == Truth(True)
 
 

@@ -137,7 +137,7 @@ def test_a_body_that_nobody_reads() -> None:
     """What is wrong with the body of a request is told also where the request needs none."""
 
     async def receive() -> NoReturn:
-        raise RequestError("KG532", "the body came too slowly")
+        raise RequestError("KG532", "the request body arrived too slowly")
 
     with pytest.raises(RequestError):
         asyncio.run(while_connected(receive, asyncio.sleep(10)))

@@ -39,14 +39,14 @@ def test_not_in_utf8() -> None:
 
 @pytest.mark.parametrize("text", ["", "x", "-1", "nan", "inf", "1e999"])
 def test_no_number(text: str) -> None:
-    """What is no number within the bounds is refused."""
+    """What is not a number within the bounds is refused."""
     with pytest.raises(RequestError, match="timeout"):
         Parameters(urlencode({"timeout": text}).encode()).number("timeout")
 
 
 @pytest.mark.parametrize("text", ["", "x", "-1", "1.5", "٣", "9" * 30, "0x10"])
 def test_no_whole_number(text: str) -> None:
-    """What is no whole number within the bounds is refused."""
+    """What is not a whole number within the bounds is refused."""
     with pytest.raises(RequestError, match="limit"):
         Parameters(urlencode({"limit": text}).encode()).whole("limit")
 

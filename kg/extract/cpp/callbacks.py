@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["Callbacks", "closure_frame"]
 
 _WITHOUT: Final = frozenset({Text, Number, Truth, Unknown, Sequence, Mapping, TypeValue})
-"""Values that are no functions, nor objects with methods."""
+"""Values that are not functions, nor objects with methods."""
 _MOST_PARTS: Final = 64
 """How many objects that belong to one are looked through for what a callback changes."""
 _MOST_SITES: Final = 12
@@ -47,7 +47,7 @@ def closure_frame(called: Closure) -> Frame:
 
 
 def _decides(value: Value) -> bool:
-    """Check whether a value decides conditions and is no part of a name: a number, null, an empty container."""
+    """Check whether a value decides conditions and is not part of a name: a number, null, an empty container."""
     if isinstance(value, Sequence | Mapping):
         return not value.items
     return isinstance(value, Truth | Number | Enumerator) or value in (NULL, UNSET)

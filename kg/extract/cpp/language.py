@@ -136,7 +136,7 @@ class Cpp:
             return None
         return self._static((*kind.names, name), (), Frame(kind.cls.unit, kind.cls.scope))
 
-    def static_fields(self, of: Value) -> dict[str, Value] | None:  # noqa: ARG002 - a class is no value in C++
+    def static_fields(self, of: Value) -> dict[str, Value] | None:  # noqa: ARG002 - a class is not a value in C++
         """Return None: static members are written by their names."""
         return None
 

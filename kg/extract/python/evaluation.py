@@ -129,7 +129,7 @@ def evaluate_text(source: str, dialect: Dialect) -> object:
     """Return the value of an expression; texts in it have holes for unknown parts.
 
     Raises:
-        ExpressionError: if the text is no expression, or Python raises an error.
+        ExpressionError: if the text is not an expression, or Python raises an error.
         UnsupportedError: if the expression uses what is not evaluated here, or grows too large.
         NotKnownError: if the value depends on what is not known.
     """
@@ -214,7 +214,7 @@ class _Evaluation:
         return known
 
     def _is_container(self, value: object) -> bool:
-        """Check whether the items of a value are at hand, known or not, or it is no container at all."""
+        """Check whether the items of a value are at hand, known or not, or it is not a container at all."""
         known = not isinstance(value, str) or HOLE not in value
         return known if isinstance(value, str | list | tuple | dict) else self.is_known(value)
 
@@ -228,7 +228,7 @@ class _Evaluation:
         if isinstance(value, str):
             refuse_over(len(value))
             if "\0" in value or (not value.isascii() and any("\ud800" <= one <= "\udfff" for one in value)):
-                raise UnsupportedError("a value has characters that are no text")
+                raise UnsupportedError("a value has characters that are not text")
         elif isinstance(value, list | tuple | dict):
             refuse_over(len(value), MOST_ITEMS)
         elif isinstance(value, int):

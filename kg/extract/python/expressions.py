@@ -280,7 +280,7 @@ class Expressions:
         return Call(line, Lambda(line, self._function(line, (), Block(line, filled))), ())
 
     def loop(self, line: int, target: Node | None, over: Expression, body: tuple[Statement, ...]) -> Loop:
-        """Return a loop over a collection; targets that are no plain names are assigned in its body."""
+        """Return a loop over a collection; targets that are not plain names are assigned in its body."""
         names = [target] if target is not None and target.type not in _LISTS else list(_children(target))
         if names and all(name.type == "identifier" for name in names):
             made = Loop(line, Block(line, body, open=True), tuple(code(name) for name in names), over)

@@ -151,7 +151,7 @@ def _converted(values: list[Value], convert: Callable[[str | float], Value]) -> 
     try:
         return convert(known)
     except (ValueError, OverflowError):
-        return Unknown(f"`{known}` is no number")
+        return Unknown(f"`{known}` is not a number")
 
 
 def _truth(values: list[Value]) -> Value:

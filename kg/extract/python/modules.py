@@ -127,9 +127,7 @@ class Modules:
         """Report the files that are nested too deep, after they were lowered."""
         for file, unit in self._units.items():
             if unit is not None and unit.too_deep is not None:
-                self.reader.problem(
-                    "KG114", "functions and classes stand too deep in each other", file.path, unit.too_deep
-                )
+                self.reader.problem("KG114", "functions and classes are nested too deeply", file.path, unit.too_deep)
 
     def find(self, dotted: str, unit: PythonUnit) -> PythonUnit | None:
         """Return the module of a name as imported in a file; None if it is of a framework or not in the build."""

@@ -137,7 +137,7 @@ def _without_ending(token: str) -> str:
 
 
 def _is_distinct(name: str) -> bool:
-    """Tell whether a name is no word of a language: it has an underscore, a digit or a capital within."""
+    """Tell whether a name is not a word of a language: it has an underscore, a digit or a capital within."""
     inner = "_" in name or "::" in name or any(map(str.isdigit, name)) or any(map(str.isupper, name[1:]))
     return inner and len(name) >= _SHORTEST_DISTINCT and not name.isupper()
 

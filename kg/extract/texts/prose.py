@@ -89,14 +89,14 @@ LONGEST_TEXT: Final = 1000
 """Characters of a description: the longest paragraphs that say what a node is for have about 800."""
 
 _JUDGED: Final = 4 * LONGEST_TEXT
-"""Characters that are judged; a longer paragraph is no paragraph."""
+"""Characters that are judged; a longer paragraph is not a paragraph."""
 _REMEMBERED: Final = 4096
 """Judgements that are kept: the files of a package begin with the same licence."""
 _FEWEST_WORDS: Final = 3
 """`Laser scan merger` says something; two words are a label."""
 _FEWEST_LETTERS: Final = 10
 _LETTERS_SHARE: Final = 0.72
-"""Of the signs that are no space; English prose has 0.95, tables and formulas less than 0.6."""
+"""Of the signs that are not space; English prose has 0.95, tables and formulas less than 0.6."""
 _ADDRESSES_SHARE: Final = 0.6
 """So much of a text may addresses and paths take."""
 
@@ -117,7 +117,7 @@ _PLACE: Final = re.compile(
 _WORD: Final = re.compile(r"[^\W\d_]{2,}")
 _FIELD: Final = re.compile(r"(?:^| )[\w-]+: \S")
 _MOST_FIELDS: Final = 3
-"""So many `key: value` in what is no sentence are data."""
+"""So many `key: value` in what is not a sentence are data."""
 _PERSON: Final = r"(?:[A-Z][\w.'-]*\s+){1,3}[A-Z][\w'-]+"
 _PEOPLE: Final = re.compile(rf"^{_PERSON}(?:(?:\s*[,;]|\s+and)\s+{_PERSON})+\W*$")
 _SENTENCE_END: Final = re.compile(r"[.!?。]\s")

@@ -102,12 +102,12 @@ class Files:
         if file is not None and self.exists(file):
             return Found(file)
         if file is not None:
-            return Found(None, LaunchProblemKind.MISSING_FILE, f"there is no file {text}", text)
+            return Found(None, LaunchProblemKind.MISSING_FILE, f"file not found: {text}", text)
         package = text.removeprefix(SCHEME).partition("/")[0]
         if text.startswith(SCHEME) and self.share(package) is None:
             reason = f"the package '{package}' is neither in the build nor installed"
             return Found(None, LaunchProblemKind.UNKNOWN_PACKAGE, reason, package)
-        return Found(None, reason=f"the file {text} stands outside of the build", subject=text)
+        return Found(None, reason=f"the file {text} is outside the build", subject=text)
 
     def exists(self, file: FilePath) -> bool:
         """Tell whether a file can be read."""

@@ -91,7 +91,7 @@ class _Builder(Generic[_Element]):
         try:
             self._parser.Parse(text, True)
         except expat.ExpatError as error:
-            return f"the file is no well-formed XML: {expat.ErrorString(error.code)}", error.lineno
+            return f"the file is not well-formed XML: {expat.ErrorString(error.code)}", error.lineno
         except _RefusedError as error:
             return str(error), self._parser.CurrentLineNumber
         return None

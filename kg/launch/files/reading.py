@@ -60,7 +60,7 @@ def read_configuration(
 ) -> LaunchConfiguration | None:
     """Return the launch file at `path` of the reader's source, evaluated with arguments and environment variables.
 
-    None for a file that is no launch file after all. What is wrong stands in `problems` of the result.
+    None for a file that is not a launch file after all. What is wrong stands in `problems` of the result.
     """
     file = FilePath(reader.repository, path)
     text = reader.read(file)

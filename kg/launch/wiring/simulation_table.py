@@ -109,7 +109,7 @@ def read_end(text: str) -> End:
     """Return the end that a text of the table says; `ValueError` for one that says none."""
     found = _END.fullmatch(text)
     if found is None:
-        raise ValueError(f"`{text}` says no end of a plugin")
+        raise ValueError(f"`{text}` names no endpoint of a plugin")
     negated = found["ask"] == "unless"
     return End(Role(found["role"]), found["type"], found["name"], found["element"], found["value"], negated)
 

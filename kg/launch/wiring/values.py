@@ -40,7 +40,7 @@ _LONGEST: Final = 100_000
 
 
 def parsed(value: str | None) -> Any:
-    """Return what a value written as YAML is; a text that is no YAML is itself, None what is not known."""
+    """Return what a value written as YAML is; a text that is not YAML is itself, None what is not known."""
     if value is None:
         return None
     text = value.strip()

@@ -95,7 +95,7 @@ class Discovery:
         if end is None:
             return None, None
         if not is_name(end[1]):
-            return None, GraphProblem("KG816", topic[:80], f"`{end[1][:80]}` is no name of ROS 2")
+            return None, GraphProblem("KG816", topic[:80], f"`{end[1][:80]}` is not a ROS 2 name")
         return end, None
 
     def gone(self, key: bytes) -> None:
@@ -158,7 +158,7 @@ class Discovery:
                 nameless[name] = self._participants.get(endpoint.participant[:PREFIX])
             ends.append(LiveEnd(name, *endpoint.end, endpoint.qos))
         nodes += [
-            LiveNode(name, one.address if one else None, "it says no name of a node: a participant without ROS 2")
+            LiveNode(name, one.address if one else None, "no node name reported: a participant without ROS 2")
             for name, one in nameless.items()
         ]
         return Neighbourhood(tuple(nodes), tuple(ends), tuple(problems))
@@ -170,9 +170,9 @@ def _nodes(told: Iterable[Any], address: str) -> tuple[dict[str, Ends], tuple[Gr
     for one in told:
         name = f"{one['node_namespace'].rstrip('/')}/{one['node_name']}"
         if not is_name(name):
-            problems.append(GraphProblem("KG816", address, f"`{name[:80]}` is no name of a node"))
+            problems.append(GraphProblem("KG816", address, f"`{name[:80]}` is not a node name"))
         elif name in nodes:
-            problems.append(GraphProblem("KG816", address, f"it tells the node `{name}` twice"))
+            problems.append(GraphProblem("KG816", address, f"it reports the node `{name}` twice"))
         else:
             nodes[name] = tuple(frozenset(map(gid, one[f"{side}_gid_seq"])) for side in ("reader", "writer"))
     return nodes, tuple(problems)

@@ -141,7 +141,9 @@ class DdsMiddleware:
         try:
             value, length = decode(self.types, content)
         except RobotError as error:
-            self._watch.report(GraphProblem("KG816", _TOPIC, f"what a participant tells is broken: {error.message}"))
+            self._watch.report(
+                GraphProblem("KG816", _TOPIC, f"a participant sent invalid discovery data: {error.message}")
+            )
             return
         self._discovery.told(value, length)
         self._suit()

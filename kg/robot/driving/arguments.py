@@ -35,7 +35,7 @@ def given(capability: Capability, arguments: Mapping[str, Any]) -> dict[str, Giv
     A number without a unit is in the unit of the parameter. A parameter that is not given and has no default is absent.
 
     Raises:
-        RobotError: KG823 for a name that is no parameter, a value of another kind or unit, one that is out of the
+        RobotError: KG823 for a name that is not a parameter, a value of another kind or unit, one that is out of the
             limits (it is never moved into them), or none of the choices.
     """
     known = {one.name: one for one in capability.parameters}
@@ -66,7 +66,7 @@ def _value(parameter: Parameter, value: Any) -> Given:
     if parameter.type == "number":
         return number
     if number != int(number):
-        raise _refused(parameter, f"{number:g} is no whole number")
+        raise _refused(parameter, f"{number:g} is not a whole number")
     return int(number)
 
 
@@ -74,7 +74,7 @@ def _elements(parameter: Parameter, value: Any) -> list[Any]:
     if isinstance(value, str):
         return [_scalar(one.strip()) for one in value.split(",")]
     if not isinstance(value, list | tuple):
-        raise _refused(parameter, f"{value!r} is no list")
+        raise _refused(parameter, f"{value!r} is not a list")
     return list(value)
 
 
@@ -94,17 +94,17 @@ def _truth(parameter: Parameter, value: Any) -> bool:
 
 def _text(parameter: Parameter, value: Any) -> str:
     if not isinstance(value, str):
-        raise _refused(parameter, f"{value!r} is no text")
+        raise _refused(parameter, f"{value!r} is not text")
     if parameter.choices and value not in parameter.choices:
         hint = did_you_mean(value, parameter.choices) or f"It is one of: {', '.join(parameter.choices)}."
-        raise _refused(parameter, f"`{value}` is none of its choices", hint=hint)
+        raise _refused(parameter, f"`{value}` is not one of its choices", hint=hint)
     return value
 
 
 def _number(parameter: Parameter, value: Any) -> float:
     number = _quantity(parameter, value) if isinstance(value, str) else value
     if isinstance(number, bool) or not isinstance(number, int | float) or not abs(number) <= _MOST:
-        raise _refused(parameter, f"`{value}` is no number")
+        raise _refused(parameter, f"`{value}` is not a number")
     slack = _SLACK * max(1, abs(number))
     unit = f" {parameter.unit}" if parameter.unit else ""
     if parameter.minimum is not None and number < parameter.minimum - slack:
@@ -117,14 +117,14 @@ def _number(parameter: Parameter, value: Any) -> float:
 def _quantity(parameter: Parameter, text: str) -> float:
     found = _QUANTITY.fullmatch(text)
     if found is None:
-        raise _refused(parameter, f"`{text}` is no number")
+        raise _refused(parameter, f"`{text}` is not a number")
     number, unit = float(found[1]), found[2]
     if unit is None:
         return number
     try:
         return convert(number, unit, parameter.unit)
     except LookupError:
-        raise _refused(parameter, f"`{unit}` is no unit that is known") from None
+        raise _refused(parameter, f"unknown unit `{unit}`") from None
     except ValueError as error:
         raise _refused(parameter, f"`{text}`: {error}") from None
 

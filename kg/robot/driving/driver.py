@@ -195,7 +195,7 @@ class Driver:
                 following = await self._newest.of(found.way.name, found.way.type)
                 newest = await following.first()
         except TimeoutError:
-            raise RobotError("KG825", f"nothing came from `{found.way.name}` within {seconds:g} s") from None
+            raise RobotError("KG825", f"no message from `{found.way.name}` within {seconds:g} s") from None
         if newest is None or following.ended:
             raise await self._ended(found)
         return found.values(newest.value)
@@ -399,7 +399,7 @@ class Driver:
             if modality == "read":
                 ways = [one for one in ways if one.kind != "action"]
                 if not ways:
-                    raise RobotError("KG822", f"`{capability.name}` is told by an action alone, while that is done")
+                    raise RobotError("KG822", f"`{capability.name}` is only reported while its action runs")
             graph = await self._seen() if len(ways) > 1 else None
         return self._ready(capability, choose(ways, arguments, graph, reads=modality == "read"))
 
@@ -431,6 +431,6 @@ def _key(capability: Capability, way: Way) -> _Key:
 
 def _vanished(found: Route) -> RobotError:
     """Return the error KG822 for what was done, or read, in a way that is there no more."""
-    does = "does" if found.capability.modality == "write" else "tells"
-    message = f"nothing of the robot {does} `{found.capability.name}` through `{found.way.name}` any more"
+    does = "provides" if found.capability.modality == "write" else "reports"
+    message = f"no node of the robot {does} `{found.capability.name}` through `{found.way.name}` any more"
     return RobotError("KG822", message, hint=f"`{found.way.node}` did; start it again.")

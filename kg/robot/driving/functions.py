@@ -1,7 +1,7 @@
 """The functions that may stand before paths, by name: what they are of values, and what they do to a field.
 
 Those that look at a scan (`at`, `minimum`) use the fields beside its list: `angle_min` and `angle_increment` say where
-a beam points, `range_min` and `range_max` which readings count (REP 117: +inf is free, NaN is no reading).
+a beam points, `range_min` and `range_max` which readings count (REP 117: +inf is free, NaN is not a reading).
 """
 
 from __future__ import annotations

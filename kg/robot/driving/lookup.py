@@ -48,5 +48,5 @@ def _unknown(capabilities: Capabilities, name: str, modality: str | None) -> Rob
     hint = did_you_mean(name, words)
     if hint is None:
         listed = ", ".join(f"`{one.name}`" for one in known)
-        hint = f"It can: {listed}." if listed else "It has no capability that is known."
+        hint = f"It can: {listed}." if listed else "No capabilities of it are known."
     return RobotError("KG821", f"{capabilities.of} has no capability `{name}`", hint=hint)

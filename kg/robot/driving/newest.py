@@ -96,7 +96,7 @@ class NewestMessages:
             known = self._by_topic[topic] = asyncio.ensure_future(self._subscribe(topic, kind))
         await asyncio.wait((known,))  # others may wait for it who are not cancelled
         if known.cancelled():
-            raise RobotError("KG803", f"`{topic}` is listened to no more")
+            raise RobotError("KG803", f"the subscription to `{topic}` was closed")
         return known.result()
 
     async def _subscribe(self, topic: str, kind: str) -> Newest:

@@ -88,7 +88,7 @@ class Observation:
 def other_controllers(topic: str, graph: ComputationGraph) -> Iterator[GraphProblem]:
     """Yield a problem KG829 for each other node that publishes to a topic that moves a robot.
 
-    A node that carries out goals, as navigation does, publishes while it has one, and is no controller of its own.
+    A node that carries out goals, as navigation does, publishes while it has one, and is not a controller of its own.
     """
     left_out = {one.name for one in graph.nodes if one.problem is not None}
     left_out |= {one.node for one in graph.ends if one.role is Role.ACTION_SERVERS}

@@ -93,7 +93,7 @@ class Route:
             RobotError: KG808 for a response that says of itself that there was no `success`.
         """
         if self.way.kind == "service" and message.get("success") is False:
-            why = message.get("message") or message.get("status_message") or "it says no more"
+            why = message.get("message") or message.get("status_message") or "no reason given"
             raise RobotError("KG808", f"`{self.way.name}` did not succeed: {why}")
         told = {name: path for name, path in self.answers.items() if set(roots(path)) <= message.keys()}
         return {name: look(path, message) for name, path in told.items()} or message

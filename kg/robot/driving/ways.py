@@ -25,7 +25,7 @@ def named(capability: Capability, name: str | None) -> list[Way]:
     """
     if not capability.ways:
         because = f"; it is implied by {', '.join(capability.implied_by)}" if capability.implied_by else ""
-        raise RobotError("KG822", f"`{capability.name}` cannot be reached: nothing of the robot does it{because}")
+        raise RobotError("KG822", f"`{capability.name}` cannot be reached: no node of the robot provides it{because}")
     if name is None:
         return list(capability.ways)
     found = [one for one in capability.ways if name in {one.name, one.name.lstrip("/"), one.node, one.type}]

@@ -23,5 +23,5 @@ async def connect(address: str, name: str, types: Types | None = None) -> Memory
     """Become a node of the bus that `memory://NAME` names; RobotError KG802 when this process has none of that name."""
     bus = Bus.named(urlsplit(address).netloc)
     if bus is None:
-        raise RobotError("KG802", f"there is no robot `{address}` in this process")
+        raise RobotError("KG802", f"no robot `{address}` in this process")
     return bus.join(name, types)

@@ -39,7 +39,7 @@ class Bus:
     def __init__(self, name: str, *, ros: int = 1, clock: Clock | None = None, types: Types | None = None) -> None:
         """Raise RobotError KG801 when another bus of that name is open."""
         if name in self._known:
-            raise RobotError("KG801", f"there is a robot `memory://{name}` in this process already")
+            raise RobotError("KG801", f"this process already has a robot `memory://{name}`")
         self.name = name
         self.ros = ros
         self.clock: Clock = clock or WallClock()
@@ -65,7 +65,7 @@ class Bus:
     def join(self, name: str, types: Types | None = None) -> MemoryConnection:
         """Become a node of the bus; like ROS 1, a node of a name that is there already throws that one out."""
         absolute = name if name.startswith("/") else f"/{name}"
-        self.cut(absolute, "another node of the same name came")
+        self.cut(absolute, "another node with the same name joined")
         node = MemoryConnection(self, absolute, types or self.types)
         self.nodes[absolute] = node
         self.changed()

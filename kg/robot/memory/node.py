@@ -81,7 +81,7 @@ class MemoryConnection:
         self.present()
         side = self.bus.topics.get(topic)
         if kind is None and (side is None or not (side.publications or side.subscriptions)):
-            raise RobotError("KG804", f"nobody tells the type of `{topic}`")
+            raise RobotError("KG804", f"no node reports the type of `{topic}`")
         side = self._side(topic, kind or (side.kind if side else ""))
         subscription = MemorySubscription(self, topic, side.kind, queue)
         for latched in (one.last for one in side.publications if one.last is not None):
@@ -121,7 +121,7 @@ class MemoryConnection:
         self.present()
         found = self.bus.services.get(service)
         if found is None:
-            raise RobotError("KG807", f"nobody serves `{service}`")
+            raise RobotError("KG807", f"no node serves `{service}`")
         if kind is not None and kind != found.kind:
             raise RobotError("KG806", f"`{service}` is of the type {found.kind}, not {kind}")
         value = self.types.complete(f"{found.kind}_Request", request)
@@ -139,7 +139,7 @@ class MemoryConnection:
         try:
             server = await within(self.clock, seconds, self._server(action))
         except TimeoutError:
-            raise RobotError("KG807", f"nobody serves the action `{action}`") from None
+            raise RobotError("KG807", f"no action server for `{action}`") from None
         if kind != server.kind:
             raise RobotError("KG806", f"`{action}` is of the type {server.kind}, not {kind}")
         return server.accept(self, value, identity)

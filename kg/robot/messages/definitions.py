@@ -95,7 +95,7 @@ def split(name: str, text: str) -> Iterator[tuple[str, str]]:
         heading, _, body = other.strip("\r\n").partition("\n")
         told = heading.removeprefix("MSG:").strip()
         if not heading.startswith("MSG:") or not is_type(told):
-            raise ValueError(f"`{heading[:60]}` is no heading of a definition")
+            raise ValueError(f"`{heading[:60]}` is not a heading of a definition")
         yield told, body
 
 
@@ -125,10 +125,10 @@ def _constant(found: re.Match[str]) -> str:
 def _field(owner: str, line: str) -> Line:
     found = _FIELD.fullmatch(line)
     if found is None:
-        raise ValueError(f"`{line[:60]}` is no field")
+        raise ValueError(f"`{line[:60]}` is not a field")
     kind, characters, bound, length, name = found.groups()
     if characters and kind != "string":
-        raise ValueError(f"`{line[:60]}` is no field")
+        raise ValueError(f"`{line[:60]}` is not a field")
     if length and int(length) > _MOST_ELEMENTS:
         raise ValueError(f"`{line[:60]}` has more elements than {_MOST_ELEMENTS}")
     shown = f"{kind}{f'<={characters}' if characters else ''}"

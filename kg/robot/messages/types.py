@@ -99,7 +99,7 @@ class Types:
         counts more than what comes with kg, of which a robot may have another version.
 
         Raises:
-            RobotError: KG810 for a text that is no definition, KG806 for another definition than the one that every
+            RobotError: KG810 for a text that is not a definition, KG806 for another definition than the one that every
                 distribution has or that was told before.
         """
         try:
@@ -164,7 +164,7 @@ class Types:
         full = _full(found)
         if full not in self._store.fielddefs:
             if found.rpartition("/")[2].startswith("wstring"):
-                told = "texts of 16-bit characters (`wstring`) are neither read nor written"
+                told = "strings of 16-bit characters (`wstring`) are not supported"
                 raise RobotError("KG804", told, hint="Leave such topics out; no library that kg uses has them.")
             if found not in self._library:
                 raise RobotError("KG804", f"the message type `{name[:80]}` is not known")
@@ -175,7 +175,7 @@ class Types:
         new = {one.name: one for one in found}
         for one in list(new.values()):
             if not definitions.is_type(one.name):
-                raise ValueError(f"`{one.name[:80]}` is no name of a type")
+                raise ValueError(f"`{one.name[:80]}` is not a type name")
             if told and self._is_known_so(one):
                 del new[one.name]
         self._derive(new)
@@ -194,7 +194,7 @@ class Types:
         known = [(name, kind) for name, kind in self._store.fielddefs[_full(one.name)][1] if name != MEMBER_OF_NOTHING]
         same = known == [(field.name, field.kind) for field in one.fields]
         if not same and (one.name not in self._library or one.name in self._told):
-            raise RobotError("KG806", f"`{one.name}` is told with other fields than the known ones")
+            raise RobotError("KG806", f"`{one.name}` is defined with fields that differ from the known definition")
         return same and self._definition(one.name).constants == one.constants
 
     def _derive(self, new: dict[str, Definition]) -> None:

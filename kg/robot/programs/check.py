@@ -100,7 +100,7 @@ class _Checker:
         self._variables.update(dict.fromkeys(_given(program.body), ANY))
         self.sequence(program.body, "/body", _Flow())
         if program.seconds is not None and program.seconds <= 0:
-            self._wrong("/seconds", "the time for the program is not more than nothing", code="KG835")
+            self._wrong("/seconds", "the time limit of the program must be positive", code="KG835")
 
     def report(self, path: str, error: RobotError, severity: str = "error") -> None:
         """Note a problem at a path, once; the statement it is in has been met before."""
@@ -126,7 +126,7 @@ class _Checker:
             here = f"{path}/{number}"
             self._ids[here] = statement.id
             if flow.over and not told:
-                self._warn(here, "this is never reached", "What stands before it ends or goes on without end.")
+                self._warn(here, "this is never reached", "The statement before it ends the program or never ends.")
                 told = True
             after = self._statement(statement, here, replace(flow, over=False))
             flow = replace(after, over=flow.over or after.over)
@@ -146,7 +146,7 @@ class _Checker:
                 return self._loop(statement, path, flow)
             case Break():
                 if flow.loop is None:
-                    self._wrong(path, "`break` stands outside a loop", "It leaves the innermost loop around it.")
+                    self._wrong(path, "`break` outside a loop", "It leaves the innermost loop around it.")
                 else:
                     flow.loop.left = True
                 return replace(flow, over=True)
@@ -188,7 +188,7 @@ class _Checker:
         kind = self.kinds.of(expression, path)
         if kind not in {ANY, BOOLEAN}:
             hint = "A condition compares: `nearest of laserScanning < 0.5 m`."
-            self._wrong(path, f"a condition is true or false, and this is {kind}", hint, "KG833")
+            self._wrong(path, f"a condition must be true or false, but this is {kind}", hint, "KG833")
 
     def _time(self, expression: Expression | None, path: str, *, above_zero: bool = False) -> None:
         if expression is None:
@@ -199,7 +199,7 @@ class _Checker:
             return
         always = kinds.constant(expression)
         if always is not None and (always.value < 0 or (above_zero and always.value == 0)):
-            self._wrong(path, f"a time is more than nothing, and this is {values.shown(always)}", code="KG835")
+            self._wrong(path, f"a time must be positive, but this is {values.shown(always)}", code="KG835")
 
     def _number(self, expression: Expression | None, path: str) -> Kind:
         kind = ANY if expression is None else self.kinds.of(expression, path)
@@ -226,16 +226,16 @@ class _Checker:
             return flow
         renewed = capability.ways[0].kind == "topic" and capability.ways[0].rate > 0
         if statement.seconds is not None and not renewed:
-            hint = "Write `within 60 s` to give it up when it takes longer."
+            hint = "Write `within 60 s` to give up when it takes longer."
             self._warn(f"{path}/seconds", f"`{capability.label}` ends by itself", hint)
         if statement.within is not None and capability.ways[0].kind == "topic":
-            instead = "Write `for 2 s` to say how long it goes on." if renewed else None
-            self._warn(f"{path}/within", f"`{capability.label}` has no end that could come too late", instead)
+            instead = "Write `for 2 s` to set how long it runs." if renewed else None
+            self._warn(f"{path}/within", f"`{capability.label}` has no end, so it cannot time out", instead)
         if not renewed or statement.seconds is not None:
             return flow
         if not flow.ended:
             hint = "Write `for 2 s` behind it, or put it into `as soon as ... during`."
-            self._warn(path, f"`{capability.label}` goes on until the program is ended", hint)
+            self._warn(path, f"`{capability.label}` runs until the program ends", hint)
         return replace(flow, over=True)
 
     def _arguments(self, statement: Do, capability: Capability, path: str) -> None:
@@ -246,7 +246,7 @@ class _Checker:
             if takes_place(capability, name) and isinstance(value, Variable) and value.name not in self._variables:
                 hint = (
                     f"Say where it is: `set {written(value)} to (x: 2 m, y: 1.5 m)`, or in a file (`--places`), "
-                    "or name the robot that knows it (`--robot`)."
+                    "or name the robot that defines it (`--robot`)."
                 )
                 meant = did_you_mean(value.name, [*self._variables, *self._places])
                 self._wrong(here, f"no place is called `{value.name}`", meant or hint)
@@ -256,7 +256,7 @@ class _Checker:
             if takes_place(capability, name):
                 if kind not in {ANY, PLACE}:
                     hint = "A place is written `(x: 2 m, y: 1.5 m, heading: 90 deg)`, or has a name."
-                    self._wrong(here, f"`{name}` is a place, and this is {kind}", hint, "KG833")
+                    self._wrong(here, f"`{name}` must be a place, but this is {kind}", hint, "KG833")
                 placed = {"x", "y"}
                 self._place(capability, value, here)
                 continue
@@ -288,7 +288,7 @@ class _Checker:
         plain = kind == Kind("number", PLAIN) and wanted.name == "number"
         if ANY not in {kind, wanted} and kind != wanted and not plain:
             unit = f"It is in {parameter.unit}." if parameter.unit and kind.name == "number" else None
-            self._wrong(path, f"`{parameter.name}` is {wanted}, and this is {kind}", unit, "KG833")
+            self._wrong(path, f"`{parameter.name}` must be {wanted}, but this is {kind}", unit, "KG833")
             return
         always = kinds.constant(value)
         if always is not None:
@@ -298,17 +298,17 @@ class _Checker:
         unit = f" {parameter.unit}" if parameter.unit else ""
         if parameter.choices and isinstance(value, str) and value not in parameter.choices:
             hint = f"It is one of: {', '.join(parameter.choices)}."
-            self._wrong(path, f"`{value}` is no choice of `{parameter.name}`", hint, "KG835")
+            self._wrong(path, f"`{value}` is not a choice of `{parameter.name}`", hint, "KG835")
         if isinstance(value, bool) or not isinstance(value, int | float):
             return
         if parameter.type == "integer" and value != int(value):
-            self._wrong(path, f"`{parameter.name}` is a whole number, and {value:g} is none", code="KG835")
+            self._wrong(path, f"`{parameter.name}` must be a whole number, but this is {value:g}", code="KG835")
         if parameter.minimum is not None and value < parameter.minimum - _SLACK:
             least = f"{parameter.minimum:g}{unit}"
-            self._wrong(path, f"`{parameter.name}` is at least {least}, and this is {value:g}{unit}", code="KG835")
+            self._wrong(path, f"`{parameter.name}` must be at least {least}, but this is {value:g}{unit}", code="KG835")
         if parameter.maximum is not None and value > parameter.maximum + _SLACK:
             most = f"{parameter.maximum:g}{unit}"
-            self._wrong(path, f"`{parameter.name}` is at most {most}, and this is {value:g}{unit}", code="KG835")
+            self._wrong(path, f"`{parameter.name}` must be at most {most}, but this is {value:g}{unit}", code="KG835")
 
     def _if(self, statement: If, path: str, flow: _Flow) -> _Flow:
         self._condition(statement.condition, f"{path}/condition")
@@ -344,12 +344,14 @@ class _Checker:
         kind = self._number(statement.times, f"{path}/times")
         if kind.name == "number" and kind.dimension:
             hint = "Use `wait`, or `for 2 s` behind a movement, for times."
-            self._wrong(f"{path}/times", f"how often is a plain number, and this is {kind}", hint, "KG833")
+            self._wrong(
+                f"{path}/times", f"the number of repetitions must be a plain number, but this is {kind}", hint, "KG833"
+            )
         times = kinds.constant(statement.times)
         if times is None or not times.number:
             return False
         if times.value < 0 or times.value != int(times.value):
-            self._wrong(f"{path}/times", f"nothing can be repeated {values.shown(times)} times", code="KG835")
+            self._wrong(f"{path}/times", f"a block cannot be repeated {values.shown(times)} times", code="KG835")
         elif times.value == 0:
             self._warn(f"{path}/times", "this is repeated no times")
         return bool(times.value >= 1)
@@ -368,7 +370,7 @@ class _Checker:
                 self._wrong(f"{path}/{part}", f"this is {kind}, and the beginning is {first}", code="KG833")
         step = kinds.constant(statement.step)
         if step is not None and step.value == 0:
-            self._wrong(f"{path}/step", "with a step of nothing the end is never reached", code="KG835")
+            self._wrong(f"{path}/step", "with a step of zero the end is never reached", code="KG835")
         self._gets(statement.variable, first, path)
 
     def _waits(self, statement: While, path: str) -> None:
@@ -380,7 +382,7 @@ class _Checker:
         reads = next(reads_of(statement.condition), None)
         left = any(isinstance(inner, Break | Stop) for inner in within)
         if reads or not (left or given & set(variables_of(statement.condition))):
-            self._wrong(path, "this loop neither waits nor does anything", "Put `wait 0.1 s` into it.")
+            self._wrong(path, "this loop does nothing and does not wait", "Put `wait 0.1 s` into it.")
 
     def _wait_until(self, statement: WaitUntil, path: str, flow: _Flow) -> _Flow:
         self._condition(statement.condition, f"{path}/condition")
@@ -400,7 +402,7 @@ class _Checker:
         for part, branch in sequences_of(statement):
             branches.append(self.sequence(branch, f"{path}/{part}", replace(flow, loop=None)))
         if len(statement.branches) <= 1:
-            self._warn(path, "there is nothing to be done at the same time", "Put `also` between what runs together.")
+            self._warn(path, "no blocks to run at the same time", "Put `also` between what runs together.")
         for where, message, surely in collisions(statement, path, self._known):
             (self._wrong if surely else self._warn)(where, message, "A robot can follow one command at a time.")
         known = flow.known.union(*(branch.known for branch in branches))

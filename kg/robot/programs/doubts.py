@@ -67,5 +67,5 @@ def _of(capability: Capability, graph: ComputationGraph) -> Iterator[GraphProble
 
 
 def _warning(doubt: GraphProblem, capability: Capability, path: str, statement: Statement) -> Problem:
-    message = f"`{capability.label}` may come to nothing: {doubt.subject}: {doubt.message}"
+    message = f"`{capability.label}` may have no effect: {doubt.subject}: {doubt.message}"
     return Problem(id=statement.id, path=path, message=message, code=doubt.code, severity="warning")

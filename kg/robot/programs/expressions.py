@@ -65,7 +65,7 @@ def _binary(cursor: Cursor, path: str, depth: int, level: int) -> Expression:
 
 
 def _too_deep(cursor: Cursor) -> RobotError:
-    message = f"more than {EXPRESSIONS_DEEP} expressions within each other"
+    message = f"expressions are nested more than {EXPRESSIONS_DEEP} deep"
     return cursor.refused(cursor.token, message, "Use variables.")
 
 
@@ -106,7 +106,7 @@ def _atom(cursor: Cursor, path: str, depth: int) -> Expression:
         return Read(parameter=name, capability=_capability(cursor))
     if words > 1:
         hint = "What the robot senses is written `nearest of laserScanning`; quote a variable of several words."
-        raise cursor.refused(cursor.ahead(-1), f"`{name}` is no value", hint)
+        raise cursor.refused(cursor.ahead(-1), f"`{name}` is not a value", hint)
     return Variable(name=name)
 
 
@@ -129,7 +129,7 @@ def _place(cursor: Cursor, path: str, depth: int) -> Position:
         name = cursor.token
         part = name.value.lower()
         if part in said or not cursor.word(*_PARTS):
-            raise cursor.refused(name, f"{name} cannot stand here", "A place has an x, a y, and maybe z and heading.")
+            raise cursor.refused(name, f"{name} is not allowed here", "A place has an x, a y, and maybe z and heading.")
         cursor.take()
         if not cursor.sign(":"):
             raise cursor.expected(f"`:` behind `{part}`")
@@ -149,7 +149,7 @@ def _with_unit(cursor: Cursor) -> Written:
         unit = cursor.token
         raise cursor.refused(
             unit,
-            f"`{unit.value}` is no unit",
+            f"`{unit.value}` is not a unit",
             did_you_mean(unit.value, [*UNITS, *ALIASES]) or "Units: " + ", ".join(UNITS),
         )
     return Written(value=_number(cursor, number.value), unit=number.unit)

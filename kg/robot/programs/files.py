@@ -39,7 +39,7 @@ def load(path: str) -> Loaded:
 
     Raises:
         UsageError: KG003 for a file that cannot be read.
-        RobotError: KG830, KG831 for one that is no program.
+        RobotError: KG830, KG831 for one that is not a program.
     """
     try:
         with Path(path).open("rb") as file:

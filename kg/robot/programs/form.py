@@ -30,10 +30,10 @@ def decode(data: bytes | str, path: str = "program") -> Program:
         program = msgspec.json.decode(data, type=Program)
         too_deep = any(_too_deep(where, statement) for where, statement in statements(program.body))
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        message = "the parts stand too deep within each other" if isinstance(error, RecursionError) else str(error)
+        message = "the program is nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise RobotError("KG831", message, place=Place(path)) from None
     if too_deep:
-        message = f"at most {BLOCKS_DEEP} blocks and {EXPRESSIONS_DEEP} expressions stand within each other"
+        message = f"blocks are nested more than {BLOCKS_DEEP} deep, or expressions more than {EXPRESSIONS_DEEP}"
         raise RobotError("KG831", message, place=Place(path))
     return program
 

@@ -108,7 +108,7 @@ class Kinds:
         if found is None:
             hint = (
                 did_you_mean(name, self._variables)
-                or f"Give it one before: `set {written(Variable(name=name))} to ...`; a text stands in quotes."
+                or f"Give it one before: `set {written(Variable(name=name))} to ...`; put text in quotes."
             )
             return self._wrong(path, f"the variable `{name}` has no value here", hint, "KG836")
         return found
@@ -126,7 +126,7 @@ class Kinds:
             wanted = Kind("number", unit_of(values.PLACES[name]).dimension)
             kind = self.of(part, f"{path}/{name}")
             if kind not in {ANY, wanted, _NUMBER}:
-                self._wrong(f"{path}/{name}", f"the {name} of a place is {wanted}, and this is {kind}")
+                self._wrong(f"{path}/{name}", f"the {name} of a place must be {wanted}, but this is {kind}")
         return PLACE
 
     def _of_unary(self, expression: Unary, path: str) -> Kind:
@@ -143,11 +143,11 @@ class Kinds:
         if operator in {"and", "or"}:
             for side, kind in (("left", left), ("right", right)):
                 if kind not in {ANY, BOOLEAN}:
-                    self._wrong(f"{path}/{side}", f"`{operator}` joins conditions, and this is {kind}")
+                    self._wrong(f"{path}/{side}", f"`{operator}` joins conditions, but this is {kind}")
             return BOOLEAN
         if operator == "contains":
             if left.name not in {"any", "list", "text"}:
-                self._wrong(f"{path}/left", f"only a list or a text contains something, and this is {left}")
+                self._wrong(f"{path}/left", f"only a list or a text contains something, but this is {left}")
             return BOOLEAN
         if operator == "+" and TEXT in {left, right}:
             return TEXT
@@ -164,7 +164,7 @@ class Kinds:
         sound = True
         for side, kind in (("left", left), ("right", right)):
             if kind.name not in {"any", "number"}:
-                self._wrong(f"{path}/{side}", f"`{expression.operator}` needs numbers, and this is {kind}")
+                self._wrong(f"{path}/{side}", f"`{expression.operator}` needs numbers, but this is {kind}")
                 sound = False
         if not sound or ANY in {left, right}:
             return BOOLEAN if ordering else ANY
@@ -173,7 +173,7 @@ class Kinds:
         if expression.operator == "/":
             zero = constant(expression.right)
             if zero is not None and zero.value == 0:
-                return self._wrong(f"{path}/right", "nothing can be divided by zero")
+                return self._wrong(f"{path}/right", "division by zero")
             return Kind("number", divided(left.dimension, right.dimension))
         kind = self._same(expression, left, right, path)
         return BOOLEAN if ordering else kind

@@ -79,7 +79,7 @@ def metrics(program: Program, capabilities: Capabilities | None = None) -> Progr
 
 
 def code_metrics(text: str) -> CodeMetrics:
-    """Count what code takes; SyntaxError when it is no Python."""
+    """Count what code takes; SyntaxError when it is not Python."""
     tree = ast.parse(text)
     found = dict.fromkeys(_COMPONENTS.values(), 0)
     for node in ast.walk(tree):

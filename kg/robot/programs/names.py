@@ -80,10 +80,10 @@ def takes_place(capability: Capability, name: str) -> bool:
 def _other_way(name: str, modality: str, capabilities: Capabilities) -> RobotError:
     label = find(capabilities, name).label
     if modality == "write":
-        hint = f"Use what it tells in a condition or a value: `... of {find(capabilities, name).name}`."
+        hint = f"Use its reading in a condition or a value: `... of {find(capabilities, name).name}`."
         return RobotError("KG834", f"`{label}` is something to sense, not to do", hint=hint)
     hint = f"Write `{label}` as a statement of its own."
-    return RobotError("KG834", f"`{label}` is something to do, it tells nothing", hint=hint)
+    return RobotError("KG834", f"`{label}` is an action, not a reading", hint=hint)
 
 
 def _folded(name: str) -> str:

@@ -59,7 +59,7 @@ def parse_with_places(text: str, path: str = "program") -> Parsed:
         program = _head(cursor)
     body, rest = _sequence(cursor, "/body", 0)
     if not cursor.kind("end of the program"):
-        raise cursor.expected("a statement", hint=f"There is no block left that {cursor.token} could belong to.")
+        raise cursor.expected("a statement", hint=f"No open block for {cursor.token}.")
     comment = "\n".join(filter(None, (program.comment, rest)))
     return Parsed(msgspec.structs.replace(program, body=body, comment=comment), cursor.places)
 
@@ -87,7 +87,7 @@ def _program_time(cursor: Cursor) -> float:
 def _sequence(cursor: Cursor, path: str, depth: int) -> tuple[tuple[Statement, ...], str]:
     """Read statements up to a word that ends them; comments behind the last one belong to it, or are returned."""
     if depth > BLOCKS_DEEP:
-        raise cursor.refused(cursor.token, f"more than {BLOCKS_DEEP} blocks within each other")
+        raise cursor.refused(cursor.token, f"blocks are nested more than {BLOCKS_DEEP} deep")
     body: list[Statement] = []
     cursor.skip()
     while not cursor.kind("end of the program") and not cursor.word(*ENDINGS):
@@ -168,7 +168,7 @@ def _if(cursor: Cursor, path: str, depth: int) -> If:
         if cursor.word("if"):
             cursor.note(f"{path}/otherwise/0")
             if depth > BLOCKS_DEEP:
-                raise cursor.refused(cursor.token, f"more than {BLOCKS_DEEP} blocks within each other")
+                raise cursor.refused(cursor.token, f"blocks are nested more than {BLOCKS_DEEP} deep")
             otherwise = (_if(cursor, f"{path}/otherwise/0", depth + 1),)
             return If(id=identifier, comment=comment, condition=condition, then=then, otherwise=otherwise)
         otherwise, rest = _sequence(cursor, f"{path}/otherwise", depth + 1)
@@ -286,7 +286,7 @@ def _on_event(cursor: Cursor, path: str, depth: int) -> OnEvent | None:
     identifier = _id(cursor)
     then, comment = _sequence(cursor, f"{path}/then", depth + 1)
     if not cursor.phrase("during"):
-        raise cursor.expected("`during`", hint="Behind `during` stands what is done meanwhile.")
+        raise cursor.expected("`during`", hint="After `during`, write what to do meanwhile.")
     body, rest = _block(cursor, f"{path}/body", "as soon as" if end else "whenever", depth)
     comment = "\n".join(filter(None, (comment, rest)))
     return OnEvent(id=identifier, comment=comment, condition=condition, then=then, body=body, end=end)

@@ -85,7 +85,7 @@ def read_places(path: str) -> dict[str, Position]:
         raise UsageError("KG003", f"`{path}` cannot be read: {error.strerror}") from error
     except ValueError as error:
         hint = "A place is written `kitchen = { x = 3.2, y = 1.0, heading = 90 }`, in metres and degrees."
-        raise UsageError("KG003", f"`{path}` is no file of places: {error}", hint=hint) from error
+        raise UsageError("KG003", f"`{path}` is not a file of places: {error}", hint=hint) from error
 
 
 def offers(graph: ComputationGraph) -> bool:

@@ -39,7 +39,7 @@ class Problem(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 def place_at(file: str, text: str | None, places: Mapping[str, tuple[int, int]], path: str) -> Place:
     """Return the place of a part of a program's tree: its line in the text, or of the nearest part above it.
 
-    A program that is no text (`text` is None) has the path in place of a line.
+    A program that is not text (`text` is None) has the path in place of a line.
     """
     if text is None:
         return Place(f"{file}#{path}")

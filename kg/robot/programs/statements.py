@@ -79,7 +79,7 @@ class Statements:
         try:
             await self.sequence(body, "/body")
         except _Left:
-            raise RobotError("KG836", "`break` stands outside a loop") from None
+            raise RobotError("KG836", "`break` outside a loop") from None
 
     async def sequence(self, body: Iterable[Statement], path: str) -> None:
         """Carry out statements one after the other; Failed at the first that fails, Stopped by `stop`."""
@@ -220,7 +220,7 @@ class Statements:
     async def _times(self, statement: Repeat, path: str) -> int:
         times = await self._evaluation.of(statement.times, path, statement)
         if not times.number or times.dimension or not 0 <= times.value < float("inf"):
-            raise RobotError("KG833", f"nothing can be repeated {values.shown(times)} times")
+            raise RobotError("KG833", f"a block cannot be repeated {values.shown(times)} times")
         how_often: float = times.value
         return round(how_often)
 
@@ -237,7 +237,7 @@ class Statements:
         if statement.of is not None:
             elements = (await self._evaluation.of(statement.of, path, statement)).value
             if not isinstance(elements, list | tuple):
-                raise RobotError("KG833", f"{elements} is no list")
+                raise RobotError("KG833", f"{elements} is not a list")
             for element in elements:
                 yield values.Quantity(element)
         elif statement.start is not None and statement.end is not None:
@@ -304,8 +304,8 @@ def _steps(start: values.Quantity, end: values.Quantity, step: values.Quantity) 
     values.binary("-", start, end)
     values.binary("-", start, step)
     if step.value == 0:
-        raise RobotError("KG838", "with a step of nothing the end is never reached")
+        raise RobotError("KG838", "with a step of zero the end is never reached")
     steps = abs(end.value - start.value) / abs(step.value)
     if not isfinite(steps):
-        raise RobotError("KG838", f"from {start.value:g} to {end.value:g} there are steps without end")
+        raise RobotError("KG838", f"from {start.value:g} to {end.value:g} the steps never end")
     return int(steps + _SLACK) + 1

@@ -66,7 +66,7 @@ def tokens(text: str, path: str) -> Iterator[Token]:
         if found is None or found.end() == position:
             wrong = Token("sign", text[position], line, column)
             hint = "A text or a name ends with the quote it began with, on the same line."
-            raise refusal(text, path, wrong, f"{wrong} cannot stand here", hint if wrong.value in "\"'“" else None)
+            raise refusal(text, path, wrong, f"{wrong} is not allowed here", hint if wrong.value in "\"'“" else None)
         position = found.end()
         if not found["blank"]:
             yield _token(text, path, found, line, column)
@@ -86,8 +86,8 @@ def _token(text: str, path: str, found: re.Match[str], line: int, column: int) -
             value = _unquoted(value.removeprefix("@"))
         except ValueError:
             wrong = Token(kind, value, line, column)
-            hint = r'Behind a backslash stands ", \, n, t or u with four digits.'
-            raise refusal(text, path, wrong, f"{wrong} has a backslash that means nothing", hint) from None
+            hint = r'After a backslash, write ", \, n, t or u with four digits.'
+            raise refusal(text, path, wrong, f"{wrong} has an invalid escape", hint) from None
     elif kind == "comment":
         value = value[1:].removeprefix(" ")
     elif kind == "id":

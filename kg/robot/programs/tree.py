@@ -50,14 +50,14 @@ class Written(_Expression, frozen=True, tag_field="expression", tag="value"):
     unit: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse (ValueError) a unit that is not known, or behind what is no number, and numbers without end."""
+        """Refuse (ValueError) a unit that is not known, or behind what is not a number, and numbers without end."""
         if isinstance(self.value, bool | str):
             if self.unit is not None:
                 raise ValueError(f"`{self.value}` cannot have a unit")
         elif self.unit is not None and self.unit not in UNITS:
-            raise ValueError(f"`{self.unit}` is no unit")
+            raise ValueError(f"`{self.unit}` is not a unit")
         elif not isfinite(self.value):
-            raise ValueError(f"`{self.value}` is no number to work with")
+            raise ValueError(f"`{self.value}` is not a number to work with")
 
 
 class Variable(_Expression, frozen=True, tag_field="expression", tag="variable"):

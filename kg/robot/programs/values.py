@@ -65,12 +65,14 @@ def written(value: Written) -> Quantity:
 
 
 def place(said: Mapping[str, Quantity]) -> Quantity:
-    """Return a place of what is said of it, by name; RobotError KG833 for what is no length, or no angle."""
+    """Return a place of what is said of it, by name; RobotError KG833 for what is not a length or an angle."""
     found = {}
     for name, quantity in said.items():
         wanted = unit_of(PLACES[name]).dimension
         if not quantity.number or quantity.dimension not in {PLAIN, wanted}:
-            raise RobotError("KG833", f"the {name} of a place is in {described(wanted)}, and this is {shown(quantity)}")
+            raise RobotError(
+                "KG833", f"the {name} of a place must be in {described(wanted)}, but this is {shown(quantity)}"
+            )
         found[name] = float(quantity.value)
     return Quantity(found)
 
@@ -78,7 +80,7 @@ def place(said: Mapping[str, Quantity]) -> Quantity:
 def of_place(quantity: Quantity) -> dict[str, Quantity]:
     """Return what a place says, by name; RobotError KG833 for what is none."""
     if not isinstance(quantity.value, dict):
-        raise RobotError("KG833", f"{shown(quantity)} is no place")
+        raise RobotError("KG833", f"{shown(quantity)} is not a place")
     return {name: Quantity(value, unit_of(PLACES[name]).dimension) for name, value in quantity.value.items()}
 
 
@@ -98,12 +100,12 @@ def for_parameter(parameter: Parameter, quantity: Quantity) -> Any:
     """
     unit = unit_of(parameter.unit)
     if parameter.type in {"number", "integer"} and not quantity.number:
-        raise RobotError("KG833", f"`{parameter.name}` is a number, and {shown(quantity)} is none")
+        raise RobotError("KG833", f"`{parameter.name}` must be a number, but this is {shown(quantity)}")
     if not quantity.number or quantity.dimension == PLAIN != unit.dimension:
         return quantity.value
     if quantity.dimension != unit.dimension:
         wanted, given = described(unit.dimension), described(quantity.dimension)
-        raise RobotError("KG833", f"`{parameter.name}` is in {wanted}, and {shown(quantity)} is in {given}")
+        raise RobotError("KG833", f"`{parameter.name}` must be in {wanted}, but {shown(quantity)} is in {given}")
     value = quantity.value / unit.factor
     return round(value) if parameter.type == "integer" and value == round(value) else value
 
@@ -118,9 +120,9 @@ def truth(quantity: Quantity) -> bool:
 def seconds(quantity: Quantity) -> float:
     """Return a time in seconds; RobotError KG833 when it is none, KG835 when it is negative."""
     if not quantity.number or quantity.dimension not in {PLAIN, _TIME}:
-        raise RobotError("KG833", f"{shown(quantity)} is no time")
+        raise RobotError("KG833", f"{shown(quantity)} is not a time")
     if not 0 <= quantity.value < math.inf:
-        raise RobotError("KG835", f"{shown(quantity)} is no time to wait")
+        raise RobotError("KG835", f"{shown(quantity)} is not a time to wait")
     return float(quantity.value)
 
 
@@ -152,7 +154,7 @@ def unary(operator: str, of: Quantity) -> Quantity:
             raise RobotError("KG833", f"{shown(of)} has nothing to count")
         return Quantity(float(len(of.value)))
     if not of.number:
-        raise RobotError("KG833", f"{shown(of)} is no number")
+        raise RobotError("KG833", f"{shown(of)} is not a number")
     return Quantity(_OF_ONE[operator](of.value), of.dimension)
 
 
@@ -173,13 +175,13 @@ def binary(operator: str, left: Quantity, right: Quantity) -> Quantity:
         return Quantity(value=False)
     if operator == "contains":
         if not isinstance(left.value, str | list | tuple):
-            raise RobotError("KG833", f"{shown(left)} is no list")
+            raise RobotError("KG833", f"{shown(left)} is not a list")
         return Quantity(shown(right) in left.value if isinstance(left.value, str) else right.value in left.value)
     if operator == "+" and (isinstance(left.value, str) or isinstance(right.value, str)):
         return Quantity(shown(left) + shown(right))
     for one in (left, right):
         if not one.number:
-            raise RobotError("KG833", f"{shown(one)} is no number, which `{operator}` needs")
+            raise RobotError("KG833", f"{shown(one)} is not a number, which `{operator}` needs")
     return _of_numbers(operator, left, right)
 
 

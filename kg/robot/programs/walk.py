@@ -49,7 +49,7 @@ EXPRESSIONS_DEEP: Final = 40
 
 
 def height(expression: Expression) -> int:
-    """Return how many expressions stand within each other."""
+    """Return how many expressions may be nested."""
     match expression:
         case Unary():
             return 1 + height(expression.of)

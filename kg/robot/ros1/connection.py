@@ -73,7 +73,7 @@ def _master(address: str) -> str:
     except ValueError:
         host, port = None, 0
     if not host:
-        raise RobotError("KG801", f"`{address}` is no address of a master", hint="Write ros1://HOST:PORT.")
+        raise RobotError("KG801", f"`{address}` is not an address of a master", hint="Write ros1://HOST:PORT.")
     return f"http://{netloc(host, port)}/"
 
 
@@ -136,7 +136,7 @@ class Ros1Connection:
         try:
             return await self._analyzer.read()
         except RobotError as error:
-            raise RobotError("KG802", f"the master does not tell the graph: {error.message}") from None
+            raise RobotError("KG802", f"the master did not report the graph: {error.message}") from None
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
         """Yield the graph as it is, and again each time that it has changed."""
@@ -151,7 +151,9 @@ class Ros1Connection:
             raise RobotError("KG806", f"`{topic}` has the type {told}, not {kind}")
         kind = kind or told
         if kind is None:
-            raise RobotError("KG804", f"nobody tells the type of `{topic}`", hint="Start the node that publishes it.")
+            raise RobotError(
+                "KG804", f"no node reports the type of `{topic}`", hint="Start the node that publishes it."
+            )
         if not self.types.knows(kind):
             await self._learn(topic, kind)
         subscription = Ros1Subscription(self.node, topic, kind, queue)
@@ -176,7 +178,7 @@ class Ros1Connection:
             except RobotError as error:
                 if error.code != "KG813":
                     raise
-                raise RobotError("KG807", f"nobody serves `{service}`") from None
+                raise RobotError("KG807", f"no node serves `{service}`") from None
             sort = kind or await probe(self.name, uri, service)
             return await call_service(self.node, uri, service, sort, request)
 
@@ -191,10 +193,10 @@ class Ros1Connection:
         self.types.encode(f"{kind}_Goal", goal)
         began = self.clock.now()
         client = await self._client(action, kind)
-        nobody = RobotError("KG807", f"nobody carries out goals of `{action}`")
+        nobody = RobotError("KG807", f"no action server for `{action}`")
         await self._in_time(client.ready(), seconds, nobody)
         left = max(seconds - (self.clock.now() - began), 1.0)
-        silent = RobotError("KG803", f"`{action}` did not say within {seconds:g} s that it has the goal")
+        silent = RobotError("KG803", f"`{action}` did not accept the goal within {seconds:g} s")
         return await self._in_time(client.send(goal, identity or uuid4().hex), left, silent)
 
     async def canceller(self, action: str, kind: str) -> Ros1Canceller:  # noqa: ARG002 - all actions cancel alike
@@ -269,7 +271,7 @@ class Ros1Connection:
                     self.node.note(getattr(error, "code", "KG803"), one, f"`{topic}`: {error}")
                 else:
                     return
-        raise RobotError("KG804", f"the message type `{kind}` of `{topic}` is not known, and nobody tells it")
+        raise RobotError("KG804", f"the message type `{kind}` of `{topic}` is unknown, and no node defines it")
 
     async def _in_time(self, work: Coroutine[Any, Any, Result], seconds: float, late: RobotError) -> Result:
         """Return what work gives; the error, when so much time of the robot has passed, or its time stands still."""

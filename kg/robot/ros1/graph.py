@@ -165,7 +165,7 @@ class Analyzer:
     async def _ask_node(self, name: str, uri: Any) -> None:
         problem: GraphProblem | None = None
         if uri is None:
-            problem = GraphProblem("KG811", name, "the master does not know its address any more")
+            problem = GraphProblem("KG811", name, "the master no longer has its address")
         else:
             try:
                 await ask(uri, "getPid", self._node.name, seconds=_PATIENCE)

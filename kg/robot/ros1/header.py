@@ -48,7 +48,7 @@ async def read_header(reader: asyncio.StreamReader, seconds: float = 5.0) -> dic
     """Return the header that a peer sends.
 
     Raises:
-        RobotError: KG810 for what is no header, KG803 when it does not come in time or the connection ends before it.
+        RobotError: KG810 for what is not a header, KG803 when it does not come in time or the connection ends.
     """
     try:
         async with asyncio.timeout(seconds):

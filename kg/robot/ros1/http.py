@@ -52,7 +52,7 @@ async def call(uri: str, method: str, *arguments: Any, seconds: float = 3.0) -> 
     """Call a method of a peer and return what it answers.
 
     Raises:
-        RobotError: those of `exchange`, KG810 when the answer is no XML-RPC, KG813 when it is a fault.
+        RobotError: those of `exchange`, KG810 when the answer is not XML-RPC, KG813 when it is a fault.
     """
     return _only(uri, method, await exchange(uri, method, *arguments, seconds=seconds))
 
@@ -61,7 +61,7 @@ async def exchange(uri: str, method: str, *arguments: Any, seconds: float = 3.0)
     """Call a method of a peer and return the bytes that it answers.
 
     Raises:
-        RobotError: KG803 when the peer cannot be reached or does not answer in time, KG810 when its answer is no HTTP,
+        RobotError: KG803 when the peer cannot be reached or does not answer in time, KG810 when its answer is not HTTP,
             KG812 when the address is none.
     """
     host, port = peer(uri)
@@ -163,7 +163,7 @@ class XmlRpcServer:
             while len(self._open) <= _MOST_CONNECTIONS and await self._answer(reader, writer):
                 pass
         except (OSError, RobotError, TimeoutError):
-            return  # the caller broke off, or sends what is no call: there is nobody to tell
+            return  # the caller broke off, or sends what is not a call: there is nobody to tell
         except asyncio.CancelledError:
             return  # the loop ends; asyncio before 3.12 would log that it was cancelled
         finally:

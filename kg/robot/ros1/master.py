@@ -104,7 +104,7 @@ class Master:
             case {"methodName": str(method), "params": list(arguments)} if method in _CALLS:
                 return [self._answer(method, arguments)]
             case _:
-                return {"faultCode": 1, "faultString": "it is no call"}
+                return {"faultCode": 1, "faultString": "it is not a call"}
 
     def _answer(self, method: str, arguments: list[Any]) -> list[Any]:
         """Answer a call with code, words and value; a method that is not known is a KeyError."""

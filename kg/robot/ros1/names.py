@@ -33,7 +33,7 @@ def absolute(name: str) -> str:
     """Return a name of ours as an absolute one; RobotError KG812 when it can be none."""
     found = name if name.startswith("/") else f"/{name}"
     if not is_name(found) or found == "/":
-        raise RobotError("KG812", f"`{shown(name)}` is no name of ROS", hint="Write letters, digits, `_` and `/`.")
+        raise RobotError("KG812", f"`{shown(name)}` is not a ROS name", hint="Write letters, digits, `_` and `/`.")
     return found
 
 
@@ -51,7 +51,7 @@ def peer(uri: object, scheme: str = "http") -> tuple[str, int]:
     except ValueError:
         host, port = None, None
     if host is None or not port or found.scheme != scheme or _HOST.fullmatch(host) is None:
-        raise RobotError("KG812", f"`{shown(uri)}` is no address of a node: {scheme}://HOST:PORT is one")
+        raise RobotError("KG812", f"`{shown(uri)}` is not an address of a node: {scheme}://HOST:PORT is one")
     return host, port
 
 

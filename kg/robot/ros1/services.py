@@ -35,7 +35,7 @@ async def probe(caller: str, uri: str, service: str, *, seconds: float = 2.0) ->
             finally:
                 writer.close()
     except TimeoutError:
-        raise RobotError("KG803", f"{uri} did not tell the type of `{service}` within {seconds:g} s") from None
+        raise RobotError("KG803", f"{uri} did not report the type of `{service}` within {seconds:g} s") from None
     except OSError as error:
         raise RobotError("KG803", f"{uri} cannot be reached: {error.strerror or error}") from None
     if not is_type(header.get("type")):

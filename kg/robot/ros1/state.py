@@ -64,13 +64,13 @@ def _state(master: str, told: Any) -> SystemState:
         for role, rows in zip(_ROLES, told, strict=True):
             for name, nodes in rows:
                 for bad in (one for one in (name, *nodes) if not is_name(one)):
-                    problems[GraphProblem("KG812", shown(bad), f"it is told as {role.value}, and no name of ROS")] = (
-                        None
-                    )
+                    problems[
+                        GraphProblem("KG812", shown(bad), f"it is listed as {role.value}, but is not a ROS name")
+                    ] = None
                 if is_name(name):
                     ends[role, name] = tuple(sorted({node for node in nodes if is_name(node)}))
     except (TypeError, ValueError):
-        raise RobotError("KG810", f"{master} tells no state of a system") from None
+        raise RobotError("KG810", f"{master} did not report the system state") from None
     return SystemState(ends, tuple(problems))
 
 
@@ -80,9 +80,9 @@ async def topic_types(master: str, caller: str) -> tuple[dict[str, str], tuple[G
     try:
         rows = {name: kind for name, kind in told if is_name(name)}
     except (TypeError, ValueError):
-        raise RobotError("KG810", f"{master} tells no types of topics") from None
+        raise RobotError("KG810", f"{master} did not report topic types") from None
     odd = tuple(
-        GraphProblem("KG812", name, f"its type `{shown(kind)}` is no type")
+        GraphProblem("KG812", name, f"its type `{shown(kind)}` is not a type")
         for name, kind in rows.items()
         if kind != "*" and not is_type(kind)
     )

@@ -54,7 +54,7 @@ def read(content: bytes) -> tuple[str | None, list[Any]]:
     except client.Fault as error:
         raise RobotError("KG813", f"a peer refused a call: {error.faultString!s:.200}") from None
     except _ODD as error:
-        raise RobotError("KG810", f"{len(content)} bytes are no XML-RPC: {error!s:.200}") from None
+        raise RobotError("KG810", f"{len(content)} bytes are not XML-RPC: {error!s:.200}") from None
     return target.getmethodname(), values
 
 

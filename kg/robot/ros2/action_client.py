@@ -77,13 +77,13 @@ class Ros2Canceller:
         try:
             await within(self._clock, _CANCELLING, self._client.call(request))
         except TimeoutError:
-            raise RobotError("KG803", f"`{self._action}` did not say that it cancels the goal") from None
+            raise RobotError("KG803", f"`{self._action}` did not confirm that the goal is cancelled") from None
 
 
 def _late(owner: Ros2Connection, action: str, seconds: float) -> RobotError:
     if owner.ends(Role.ACTION_SERVERS, action):
         return RobotError("KG803", f"`{action}` took no goal within {seconds:g} s")
-    return RobotError("KG807", f"nobody serves the action `{action}`")
+    return RobotError("KG807", f"no action server for `{action}`")
 
 
 class Ros2Goal:

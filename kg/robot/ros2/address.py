@@ -50,12 +50,12 @@ class Address:
         try:
             parts = urlsplit(text)
         except ValueError as error:
-            raise RobotError("KG801", f"`{text}` is no address: {error}") from None
+            raise RobotError("KG801", f"`{text}` is not an address: {error}") from None
         options = dict(parse_qsl(parts.query, keep_blank_values=True))
         unknown = set(options) - set(_OPTIONS)
         if unknown:
             known = ", ".join(f"{name}= ({what})" for name, what in _OPTIONS.items())
-            raise RobotError("KG801", f"`{text}` has an option `{min(unknown)}`", hint=f"There are {known}.")
+            raise RobotError("KG801", f"`{text}` has an option `{min(unknown)}`", hint=f"Valid: {known}.")
         if options.get("distribution", "humble") != "humble":
             told = f"`{text}` names the distribution `{options['distribution']}`"
             raise RobotError("KG801", told, hint="Only humble has to be named; leave it out.")
@@ -68,7 +68,9 @@ class Address:
         place = parts.netloc + parts.path.rstrip("/")
         domain = _number(text, options.get("domain") or (place if parts.scheme == "dds" else "0") or "0")
         if domain > _MAXIMUM or domain != int(domain):
-            raise RobotError("KG801", f"`{text}`: there is no ROS domain {domain:g}", hint=f"They are 0 to {_MAXIMUM}.")
+            raise RobotError(
+                "KG801", f"`{text}`: ROS domain {domain:g} does not exist", hint=f"They are 0 to {_MAXIMUM}."
+            )
         settle = _number(text, options.get("settle") or str(SETTLE))
         simulated, humble, ask_types = (
             options.get("clock") == "simulated",
@@ -80,5 +82,5 @@ class Address:
 
 def _number(address: str, text: str) -> float:
     if not text.replace(".", "", 1).isdecimal() or not text.isascii():
-        raise RobotError("KG801", f"`{address}`: `{text}` is no number", hint=_NUMBERS)
+        raise RobotError("KG801", f"`{address}`: `{text}` is not a number", hint=_NUMBERS)
     return float(text)

@@ -38,7 +38,7 @@ class _Open(Protocol):
 class Ros2Connection:
     """A `Connection` over any middleware of ROS 2.
 
-    A robot of ROS 2 is no server that could be lost: `wait_lost` returns when all nodes that were there have been gone
+    A robot of ROS 2 is not a server that could be lost: `wait_lost` returns when all nodes have been gone
     for two seconds. What was opened stays open, for a node that starts anew is found again.
     """
 
@@ -133,7 +133,7 @@ class Ros2Connection:
 
         await self.watch.until(lambda graph: bool(told()) or graph.complete)
         if not told():
-            raise RobotError("KG804", f"nobody tells the type of `{topic}`")
+            raise RobotError("KG804", f"no node reports the type of `{topic}`")
         return told()[0]
 
     async def known(self, kind: str, message: str, name: str) -> None:
@@ -170,12 +170,12 @@ class Ros2Connection:
         """Return the type of a service; RobotError KG807 when nobody serves it, KG806 when it is another one."""
         servers = self.ends(Role.SERVICES, service)
         if not servers:
-            raise RobotError("KG807", f"nobody serves `{service}`")
+            raise RobotError("KG807", f"no node serves `{service}`")
         told = {one.type for one in servers if one.type}
         if told and kind is not None and kind not in told:
             raise RobotError("KG806", f"`{service}` is of the type {min(told)}, not {kind}")
         if kind is None and not told:
-            raise RobotError("KG804", f"nobody tells the type of `{service}`")
+            raise RobotError("KG804", f"no node reports the type of `{service}`")
         return kind or min(told)
 
     async def client(self, service: str, kind: str) -> Client:

@@ -80,7 +80,7 @@ def _misfits_of(name: str, publishers: list[LiveEnd], subscribers: list[LiveEnd]
                 told = f"{writer.node} publishes {offered}, {reader.node} subscribes to {asked}"
                 found.append(GraphProblem("KG806", name, told))
             elif offer and ask and (why := misfit(offer, ask)):
-                told = f"{reader.node} gets nothing from {writer.node}: {why}"
+                told = f"{reader.node} receives nothing from {writer.node}: {why}"
                 found.append(GraphProblem("KG815", name, told))
     return found
 

@@ -29,11 +29,11 @@ def is_name(name: str) -> bool:
 
 
 def absolute(name: str) -> str:
-    """Return an absolute name for our own node; RobotError KG801 for one that is no name."""
+    """Return an absolute name for our own node; RobotError KG801 for one that is not a name."""
     made = name if name.startswith("/") else f"/{name}"
     if not is_name(made):
         hint = "Write letters, digits and underscores between slashes."
-        raise RobotError("KG801", f"`{name}` is no name of a node of ROS 2", hint=hint)
+        raise RobotError("KG801", f"`{name}` is not a ROS 2 node name", hint=hint)
     return made
 
 

@@ -73,7 +73,7 @@ class Navigator:
         now = self._robot.located()
         way = self._planner.way((now.x, now.y), (place["x"], place["y"]))
         if way is None:
-            accepted.abort(f"there is no way to x = {place['x']:g} m, y = {place['y']:g} m")
+            accepted.abort(f"no path to x = {place['x']:g} m, y = {place['y']:g} m")
         else:
             await self._follow(accepted, Follower(way, heading))
         return {}

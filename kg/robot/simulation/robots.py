@@ -30,7 +30,7 @@ class Command:
         return self if time - self.at <= STALE else Command()
 
     def limited(self, speed: float, turn: float) -> Command:
-        """Return the command with each part within what the robot can do; what is no number is zero."""
+        """Return the command with each part within what the robot can do; what is not a number is zero."""
         forward, left, up = (_bounded(one, speed) for one in (self.forward, self.left, self.up))
         return Command(forward, left, up, _bounded(self.turn, turn), self.at)
 

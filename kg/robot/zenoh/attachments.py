@@ -34,6 +34,6 @@ class Attachment(NamedTuple):
         for label in _LABELS:
             plain = plain.replace(bytes([len(label)]) + label, b"", 1)
         if len(plain) != _FORM.size or plain[16] != _GID:
-            raise ValueError(f"{len(content)} bytes are no attachment of ROS 2")
+            raise ValueError(f"{len(content)} bytes are not an attachment of ROS 2")
         number, time, _, sender = _FORM.unpack(plain)
         return cls(number, time, sender)

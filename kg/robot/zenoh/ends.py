@@ -165,7 +165,7 @@ def _answer(answered: asyncio.Future[bytes], reply: Reply) -> None:
 
 def _unanswered(answered: asyncio.Future[bytes]) -> None:
     if not answered.done():
-        answered.set_exception(RobotError("KG803", "the server has gone without an answer"))
+        answered.set_exception(RobotError("KG803", "the server left without an answer"))
 
 
 class ZenohServer(End):

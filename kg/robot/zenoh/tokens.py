@@ -52,17 +52,17 @@ class Token:
             raise ValueError(f"it has {len(parts)} parts, not {_NODE_PARTS} or {_END_PARTS}")
         _, domain, session, _, number, sort, _, namespace, name = parts[:_NODE_PARTS]
         if sort not in _SORTS and sort != "NN":
-            raise ValueError(f"there is no sort `{sort}`")
+            raise ValueError(f"unknown kind `{sort}`")
         if not (domain.isdecimal() and number.isdecimal()):
-            raise ValueError("its domain or its number is none")
+            raise ValueError("its domain or its number is missing")
         node = f"{_whole(namespace).rstrip('/')}/{_whole(name)}"
         if not is_name(node):
-            raise ValueError(f"`{node[:80]}` is no name of a node")
+            raise ValueError(f"`{node[:80]}` is not a node name")
         if sort == "NN":
             return cls(int(domain), session, node, number=int(number))
         topic, kind, digest, qos = parts[_NODE_PARTS:]
         if not is_name(_whole(topic)):
-            raise ValueError(f"`{_whole(topic)[:80]}` is no name of a topic or service")
+            raise ValueError(f"`{_whole(topic)[:80]}` is not a topic or service name")
         return cls(
             int(domain),
             session,
@@ -121,7 +121,7 @@ def read_qos(text: str) -> Qos:
     """Return the quality of service that a token tells; ValueError for a text that is none."""
     parts = [part.split(",") for part in text.split(":")]
     if [len(part) for part in parts[:6]] != [1, 1, 2, 2, 2, 3]:
-        raise ValueError(f"`{text[:80]}` is no quality of service")
+        raise ValueError(f"`{text[:80]}` is not a quality of service")
     (reliability,), (durability,), (history, depth), deadline, lifespan, (liveliness, *lease) = parts[:6]
     return Qos(
         _word(_RELIABILITY, reliability),
@@ -142,7 +142,7 @@ def _word(words: dict[str, str], text: str) -> str | None:
 
 def _digits(text: str) -> str:
     if text and not (text.isascii() and text.isdecimal()):
-        raise ValueError(f"`{text[:80]}` is no number")
+        raise ValueError(f"`{text[:80]}` is not a number")
     return text
 
 

@@ -61,7 +61,9 @@ class Hands:
         most = _LONGEST if lasts else 10 * _LONGEST
         chosen = (_USUAL if lasts else most) if seconds is None else seconds
         if not 0 < chosen <= most:
-            raise RobotError("KG848", f"by hand it takes more than 0 and at most {most:g} s, not {chosen:g} s")
+            raise RobotError(
+                "KG848", f"`seconds` is {chosen:g}; a manual movement takes more than 0 and at most {most:g} s"
+            )
         listener.heard = asyncio.get_running_loop().time()
         work = driver.do(capability.name, dict(arguments), seconds=chosen)
         task = asyncio.ensure_future(work)

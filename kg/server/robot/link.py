@@ -97,7 +97,7 @@ class Link:
             await asyncio.wait((following, lost), return_when=asyncio.FIRST_COMPLETED)
             if following.done():
                 following.result()
-            raise RobotError("KG803", lost.result() if lost.done() else "the robot tells nothing more")
+            raise RobotError("KG803", lost.result() if lost.done() else "the connection to the robot was lost")
 
     async def _follow(self, connection: Connection) -> None:
         """Keep capabilities and driver in step with the computation graph."""

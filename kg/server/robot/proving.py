@@ -50,7 +50,7 @@ class Proofs:
     def _why(self, name: str) -> dict[str, Any]:
         graph, nodes = self._graph, self._nodes
         if graph is None:
-            raise RobotError("KG846", "why the robot can do something is not known while it is not connected")
+            raise RobotError("KG846", "no robot is connected, so its capabilities cannot be explained")
         known = self._subject  # asked for once: meanwhile the loop may take another graph
         subject = known[1] if known and known[0] is graph else running(graph, self._settings, self._address, nodes)
         self._subject = graph, subject

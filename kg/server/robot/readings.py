@@ -75,7 +75,7 @@ class Readings:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON has it, which knows neither infinity nor what is no number."""
+    """Return a value as JSON has it, which knows neither infinity nor what is not a number."""
     if isinstance(value, float) and not isfinite(value):
         return None if isnan(value) else "∞" if value > 0 else "-∞"
     if isinstance(value, dict):

@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 __all__ = ["described"]
 
 _WORDS: Final = {
-    ("topic", "write"): "Its part `{node}` listens on `{name}` to messages of the type `{type}`.",
-    ("topic", "read"): "Its part `{node}` tells it on `{name}` in messages of the type `{type}`.",
-    ("service", "write"): "Its part `{node}` does it when asked through the service `{name}` (`{type}`).",
-    ("service", "read"): "Its part `{node}` answers it when asked through the service `{name}` (`{type}`).",
-    ("action", "write"): "Its part `{node}` takes goals for it as the action `{name}` (`{type}`).",
-    ("action", "read"): "Its part `{node}` tells it while it pursues the action `{name}` (`{type}`).",
+    ("topic", "write"): "Its node `{node}` subscribes to `{name}` (`{type}`).",
+    ("topic", "read"): "Its node `{node}` publishes it to `{name}` (`{type}`).",
+    ("service", "write"): "Its node `{node}` does it through the service `{name}` (`{type}`).",
+    ("service", "read"): "Its node `{node}` reports it through the service `{name}` (`{type}`).",
+    ("action", "write"): "Its node `{node}` accepts goals for it through the action `{name}` (`{type}`).",
+    ("action", "read"): "Its node `{node}` reports it while it executes the action `{name}` (`{type}`).",
 }
 
 

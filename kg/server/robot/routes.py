@@ -79,7 +79,7 @@ async def _read(request: Request, kind: type[_Body]) -> _Body:
     try:
         return msgspec.json.decode(body, type=kind)
     except msgspec.MsgspecError as error:
-        raise RequestError("KG520", f"the body is not what is wanted here: {error}") from error
+        raise RequestError("KG520", f"invalid request body: {error}") from error
     except RecursionError as error:
         raise RequestError("KG520", "the program is nested too deeply") from error
 
@@ -163,7 +163,7 @@ async def _convert(request: Request) -> Response:
         return _json({"text": found["text"]})
     robot = _session(request).robot
     if robot is None:
-        raise RobotError("KG846", "what the robot can do is not known while it is not connected")
+        raise RobotError("KG846", "no robot is connected, so its capabilities are unknown")
     return _json(
         {"text": await asyncio.to_thread(convert, placed(asked.program, robot.places), robot.capabilities, to=asked.to)}
     )

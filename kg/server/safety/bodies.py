@@ -42,13 +42,15 @@ def announced(most: int) -> Check:
             return RequestError("KG526", f"the address is longer than {ADDRESS_BYTES} bytes")
         given = scope["headers"]
         if len(given) > HEADERS or sum(len(name) + len(value) for name, value in given) > HEADER_BYTES:
-            return RequestError("KG535", f"there are more than {HEADERS} headers or {HEADER_BYTES} bytes of them")
+            return RequestError(
+                "KG535", f"the request has more than {HEADERS} headers or {HEADER_BYTES} bytes of headers"
+            )
         headers = dict(given)
         if headers.get(b"content-encoding", b"identity").lower() != b"identity":
             return RequestError("KG524", "compressed bodies are not read", headers={"Accept-Encoding": "identity"})
         length = headers.get(b"content-length", b"0")
         if not length.isdigit():
-            return RequestError("KG520", "the header Content-Length is no number")
+            return RequestError("KG520", "the header Content-Length is not a number")
         bound = _bound(scope, most)
         return _too_large(bound) if int(length) > bound else None
 
@@ -108,4 +110,4 @@ def _counting(receive: Receive, most: int) -> Receive:
 
 
 def _too_slow() -> RequestError:
-    return RequestError("KG532", "the body came too slowly", headers={"Connection": "close"})
+    return RequestError("KG532", "the request body arrived too slowly", headers={"Connection": "close"})

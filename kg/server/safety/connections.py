@@ -167,7 +167,7 @@ class Guarded(HttpToolsProtocol):
             self._refuse("KG535", f"the headers have more than {HEAD_BYTES} bytes")
 
     def send_400_response(self, msg: str) -> None:
-        """Answer what is no HTTP: KG520."""
+        """Answer what is not HTTP: KG520."""
         if not self._refused:
             self._refuse("KG520", msg)
 
@@ -223,7 +223,7 @@ class Guarded(HttpToolsProtocol):
 
     def _head_is_late(self) -> None:
         if self._head or not self._whole:
-            self._refuse("KG532", "the headers came too slowly")
+            self._refuse("KG532", "the request headers arrived too slowly")
         else:
             self.transport.close()
 

@@ -27,13 +27,13 @@ def check(options: Options) -> None:
         where = f"the file {options.token_file}" if options.token_file else "KG_TOKEN"
         raise UsageError("KG541", f"{where} holds no token of at least {LEAST} characters")
     if options.write and not given:
-        raise UsageError("KG541", "changes need a token, and there is none")
+        raise UsageError("KG541", "write access needs a token, but none is set")
     if not is_loopback(options.host) and not given and not options.open_to_all:
-        raise UsageError("KG540", f"other machines reach {options.host}, and there is no token")
+        raise UsageError("KG540", f"{options.host} is reachable from other machines, but no token is set")
     for origin in options.origins:
         if not _is_origin(origin):
             hint = "List origins one by one, as in `--cors https://example.org`."
-            raise UsageError("KG002", f"{origin!r} is no origin of a site", hint=hint)
+            raise UsageError("KG002", f"{origin!r} is not an origin of a site", hint=hint)
 
 
 def _usable(options: Options) -> bool:
@@ -49,7 +49,7 @@ def _is_origin(text: str) -> bool:
 def listen(options: Options) -> socket.socket:
     """Return a socket that listens where the options say; UsageError KG542 when that cannot be."""
     if not 0 <= options.port < 1 << 16:
-        raise UsageError("KG542", f"{options.port} is no port", hint="Ports go from 0, for a free one, to 65535.")
+        raise UsageError("KG542", f"{options.port} is not a port", hint="Ports go from 0, for a free one, to 65535.")
     try:
         family, kind, _, _, address = socket.getaddrinfo(
             options.host.strip("[]"), options.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE

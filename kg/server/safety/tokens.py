@@ -123,7 +123,7 @@ class Doors:
         moves = scope["method"] not in SAFE and scope["path"].rstrip("/") in MOVING
         if moves and not self._move:
             hint = "Start it with a token, in KG_TOKEN or by --token-file, and log in with that."
-            return RequestError("KG530", "nobody may move a robot through a server without a token", hint=hint)
+            return RequestError("KG530", "moving a robot through this server needs a token, but none is set", hint=hint)
         if scope["kg.trusted"] or not (changes or moves or (self._all and not _is_open(scope["path"]))):
             return None
         if scope["method"] == "GET" and "text/html" in request.headers.get("accept", ""):

@@ -38,7 +38,7 @@ class ChoiceScreen(ModalScreen[str | None], UpperScreen[str]):
         with Vertical(classes="dialog small"):
             yield Static(self._title, classes="title", markup=False)
             yield Options(*(Option(choice, id=choice) for choice in self._choices), markup=False)
-            yield Static("Enter chooses, Esc goes back.", classes="hint")
+            yield Static("Enter: choose. Esc: back.", classes="hint")
 
     def on_mount(self) -> None:
         """Begin at the first."""

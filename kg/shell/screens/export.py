@@ -51,7 +51,7 @@ class ExportScreen(ModalScreen[None], UpperScreen[None]):
             yield Input(placeholder="file, for example answer.csv")
             yield Select([(name, name) for name in formats], value=formats[0], allow_blank=False)
             yield Static("", classes="wrong", markup=False)
-            yield Static("Enter in the field writes the file, Tab goes to the format, Esc goes back.", classes="hint")
+            yield Static("Enter: write the file. Tab: format. Esc: back.", classes="hint")
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Let the ending of the name choose the format."""

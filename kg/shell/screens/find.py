@@ -41,7 +41,7 @@ class FindScreen(UpperScreen[None]):
     def compose(self) -> ComposeResult:
         """Yield the field, what was understood, and the hits."""
         yield Input(placeholder="what you need, for example: stop before an obstacle with a laser scanner")
-        yield Static("Enter searches; Down goes to the hits.", classes="hint", markup=False)
+        yield Static("Enter: search. Down: results.", classes="hint", markup=False)
         yield HitTree()
         yield Footer(show_command_palette=False)
 

@@ -37,7 +37,7 @@ class HelpScreen(ModalScreen[None], UpperScreen[None]):
             for context, title in CONTEXTS.items():
                 yield Static(title, classes="heading")
                 yield Static(_table([one for one in self.app.actions if one.context == context]))
-            yield Static("Esc goes back. The palette (Ctrl+P) runs all of these by name.", classes="hint")
+            yield Static("Esc: back. The palette (Ctrl+P) runs all of these by name.", classes="hint")
 
     def on_mount(self) -> None:
         """Let arrows scroll."""

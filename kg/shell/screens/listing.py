@@ -59,7 +59,7 @@ class ListScreen(ModalScreen[str | None], UpperScreen[str]):
             yield Input(placeholder="type to search", select_on_focus=False)
             yield Options(markup=False)
             yield Static("", classes="preview", markup=False)
-            yield Static("Enter chooses, Up and Down move, Esc goes back.", classes="hint")
+            yield Static("Enter: choose. Up and Down: move. Esc: back.", classes="hint")
 
     def on_mount(self) -> None:
         """Show all."""

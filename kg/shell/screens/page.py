@@ -228,7 +228,7 @@ class PageScreen(UpperScreen[None]):
         if line and line.fact:
             self.follow(proof_page(line.fact, line.text))
         else:
-            self.notify("This line is no fact of its own; lines marked (inferred) have a proof.", timeout=4)
+            self.notify("No proof for this line. Lines marked (inferred) have one.", timeout=4)
 
     def action_copy_entry(self) -> None:
         """Copy the name of the line."""

@@ -85,9 +85,7 @@ class FormScreen(ModalScreen[str | None], UpperScreen[str]):
                     yield Label(f"{one['name']}: {one['description']} ({one['type']}{default})", markup=False)
                     yield Input(placeholder=f"for example {one['example']}", name=one["name"])
             yield Static("", classes="wrong", markup=False)
-            yield Static(
-                "Enter puts the query into a buffer, Tab goes to the next field, Esc goes back.", classes="hint"
-            )
+            yield Static("Enter: put the query into a buffer. Tab: next field. Esc: back.", classes="hint")
 
     def on_mount(self) -> None:
         """Begin in the first field."""

@@ -37,7 +37,7 @@ def test_what_stands_before_an_error_is_kept() -> None:
     read = markup(whole_texts=True).read(b"<a>\n<b/>\n</c>")
     assert read.root is not None
     assert read.root.children[1] == Node("b", {}, 2)
-    assert read.problem == ("the file is no well-formed XML: mismatched tag", 3)
+    assert read.problem == ("the file is not well-formed XML: mismatched tag", 3)
     entity = b'<!DOCTYPE a [\n<!ENTITY e "x">]><a/>'
     problem = ("the file defines the entity 'e'; entities are refused", 2)
     assert markup(whole_texts=True).read(entity) == Document(None, problem)

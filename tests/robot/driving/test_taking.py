@@ -72,7 +72,7 @@ def test_what_is_there_no_more_ends(gone: object) -> None:
             with pytest.raises(RobotError) as error:
                 await ended
             assert (error.value.code, other.done()) == ("KG822", False)
-            assert f"nothing of the robot does `{name}`" in error.value.message
+            assert f"no node of the robot provides `{name}`" in error.value.message
             if gone is DRIVING:
                 await until(lambda: robot.speeds()[-1] == 0)
             else:
@@ -104,7 +104,7 @@ def test_what_is_read_no_more_ends_and_is_not_old_when_it_is_back() -> None:
             for task in (again, waiting):
                 with pytest.raises(RobotError) as error:
                     await task
-                assert (error.value.code, "tells" in error.value.message) == ("KG822", True)
+                assert (error.value.code, "reports" in error.value.message) == ("KG822", True)
             await driver.take(CAPABILITIES)
             with pytest.raises(RobotError) as error:
                 await driver.latest("sensingPose", seconds=0.05)

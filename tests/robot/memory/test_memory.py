@@ -116,7 +116,7 @@ def test_who_waits_for_a_lost_server_learns_it(bus: Bus) -> None:
             with pytest.raises(RobotError) as failed:
                 await waiting
             assert failed.value.code == "KG803"
-        assert "whether it stopped is not known" in failed.value.message
+        assert "the robot may still be moving" in failed.value.message
         assert [each async for each in goal.feedback()] == []
 
     asyncio.run(scene())

@@ -35,16 +35,16 @@ def told(*ends: LiveEnd, problems: tuple[GraphProblem, ...] = ()) -> list[str]:
 
 def test_who_is_there_and_fits_is_not_doubted() -> None:
     """Nothing is told of nodes that are there, nor of what others do not fit."""
-    elsewhere = GraphProblem("KG815", "/image", "/eye gets nothing from /camera")
+    elsewhere = GraphProblem("KG815", "/image", "/eye receives nothing from /camera")
     assert told(*ENDS, problems=(elsewhere,)) == []
 
 
 def test_a_topic_without_anybody_is_told_at_the_first_block() -> None:
     """What nobody listens to, or nobody publishes, is told once, at the block and in the condition that need it."""
     topics = DRIVING.ways[0].name, POSE.ways[0].name
-    pose = f"`{POSE.label}` may come to nothing: {topics[1]}: no node publishes `{topics[1]}`"
+    pose = f"`{POSE.label}` may have no effect: {topics[1]}: no node publishes `{topics[1]}`"
     assert told() == [
-        f"/body/0/body/0 KG824 `{DRIVING.label}` may come to nothing: {topics[0]}: no node listens to `{topics[0]}`",
+        f"/body/0/body/0 KG824 `{DRIVING.label}` may have no effect: {topics[0]}: no node listens to `{topics[0]}`",
         f"/body/0/body/1/condition KG825 {pose}",
     ]
 
@@ -59,9 +59,9 @@ def test_one_of_several_nodes_that_is_dead_is_not_doubted() -> None:
 def test_dead_nodes_and_ends_that_do_not_fit_are_told() -> None:
     """A node that does not answer is named with why; so are two ends whose quality of service clashes."""
     dead = GraphProblem("KG811", "/trolley", "nothing listens")
-    clash = GraphProblem("KG815", POSE.ways[0].name, "/nav gets nothing from /trolley: it offers best effort")
+    clash = GraphProblem("KG815", POSE.ways[0].name, "/nav receives nothing from /trolley: it offers best effort")
     first, second, third = told(*ENDS, problems=(dead, clash))
     assert "KG811" in first
     assert "does not answer: nothing listens" in first
     assert "KG811" in second
-    assert third.endswith(f"KG815 `{POSE.label}` may come to nothing: {clash.subject}: {clash.message}")
+    assert third.endswith(f"KG815 `{POSE.label}` may have no effect: {clash.subject}: {clash.message}")

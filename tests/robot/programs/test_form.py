@@ -38,7 +38,7 @@ def test_the_published_schema_is_that_of_the_tree() -> None:
         ('{"body": [{"block": "break", "speed": 1}]}', "unknown field `speed` - at `$.body[0]`"),
         (
             '{"body": [{"block": "wait", "seconds": {"expression": "value", "value": 1, "unit": "x"}}]}',
-            "`x` is no unit",
+            "`x` is not a unit",
         ),
         ('{"body": [{"block": "for", "variable": "i"}]}', "`for` needs either"),
         ('{"version": 2}', "version"),

@@ -85,7 +85,7 @@ def test_places_stand_for_their_names() -> None:
 def test_a_place_that_is_misspelt_is_offered_as_it_is_called() -> None:
     """Of the places that are known the one alike is asked for; without one it is said how a place gets known."""
     places = places_of(FILE)
-    for name, hint in (("kitchn", "Did you mean `kitchen`?"), ("attic", "name the robot that knows it (`--robot`)")):
+    for name, hint in (("kitchn", "Did you mean `kitchen`?"), ("attic", "name the robot that defines it (`--robot`)")):
         program = placed(parse(f"go to a pose  at: {name} within 60 s"), places)
         [problem] = check(program, CAPABILITIES, places)
         assert hint in (problem.hint or "")

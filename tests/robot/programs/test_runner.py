@@ -109,7 +109,7 @@ def test_a_goal_is_given_again_after_a_pause() -> None:
 
 
 def test_waiting_stands_still_in_a_pause() -> None:
-    """The time of a pause is no time of a wait, nor of the program."""
+    """The time of a pause is not a time of a wait, nor of the program."""
 
     async def pause(runner: Runner, robot: Trolley) -> None:
         await asyncio.sleep(0.01)
@@ -280,7 +280,7 @@ def test_a_service_is_asked_again_while_it_is_waited_for() -> None:
 
 
 def test_steps_without_end_are_an_error() -> None:
-    """A loop whose number of steps is no number fails at its statement: KG838."""
+    """A loop whose number of steps is not a number fails at its statement: KG838."""
     ended, _, _ = asyncio.run(carried_out("for x from 0 to 5 step 1e-320\n  break\nend"))
     assert ended.problem is not None
     assert (ended.problem.code, ended.problem.path) == ("KG838", "/body/0")

@@ -69,7 +69,7 @@ def test_a_goal_is_reached(ros: int) -> None:
 
 @pytest.mark.parametrize(("x", "y"), [(11.3, 0.7), (-5.0, 2.0), (4.0, 1.0), (float("nan"), 1.0)])
 def test_a_goal_that_cannot_be_reached_is_aborted(x: float, y: float) -> None:
-    """A room without a door, a place outside, one within a wall and one that is no number are refused."""
+    """A room without a door, a place outside, one within a wall and one that is not a number are refused."""
 
     async def drive() -> None:
         async with simulated("office") as (simulation, face):

@@ -79,5 +79,5 @@ def test_other_attachments_are_refused(content: bytes) -> None:
 
 def test_what_a_depth_is() -> None:
     """Numbers that are none are refused."""
-    with pytest.raises(ValueError, match="no number"):
+    with pytest.raises(ValueError, match="not a number"):
         read_qos("::,x:,:,:,,")

@@ -210,7 +210,7 @@ def test_what_it_can_do_is_searched_and_explained(browser: Chromium, robot_site:
     found, limits, reason = visited(browser, robot_site, search)
     assert "move at a velocity" in found
     assert limits.startswith("-2 to 2 rad/s")
-    assert reason.startswith("Its part /base listens on /cmd_vel") or "`/base`" in reason
+    assert reason.startswith("Its node /base subscribes to /cmd_vel") or "`/base`" in reason
 
 
 @needs_blocks

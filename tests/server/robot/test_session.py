@@ -113,9 +113,7 @@ def test_the_robot_is_told_with_reasons() -> None:
     assert (found["state"], found["problem"], found["view"]) == ("connected", None, "/robot/view")
     driving = next(one for one in found["capabilities"] if one["name"] == "drivingAtVelocity")
     assert "movement" in [kind.lower() for kind in driving["kinds"]]
-    assert driving["because"] == [
-        "Its part `/base` listens on `/cmd_vel` to messages of the type `geometry_msgs/Twist`."
-    ]
+    assert driving["because"] == ["Its node `/base` subscribes to `/cmd_vel` (`geometry_msgs/Twist`)."]
 
 
 def leaves(proof: dict[str, Any]) -> list[str]:

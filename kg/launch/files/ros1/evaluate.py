@@ -202,7 +202,7 @@ class _Evaluation:
         found["assignable"] = str(default != "never")
         certain = not words and not scope.conditions and HOLE not in name
         if state.machines.setdefault(name, found) != found and certain:
-            state.refused(scope, element, f"there is another machine '{name}'")
+            state.refused(scope, element, f"another machine is named '{name}'")
         if default == "true":
             state.machine = shown(name)
 

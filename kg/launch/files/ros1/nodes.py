@@ -91,7 +91,7 @@ def enter(state: State, scope: Scope, element: Element) -> Scope:
     if namespace == "":
         state.refused(scope, element, "its 'ns' is empty")
     elif namespace is not None and namespace.startswith("~"):
-        state.refused(scope, element, f"'{namespace}' is no namespace")
+        state.refused(scope, element, f"'{namespace}' is not a namespace")
         namespace = None
     elif clears and namespace is None and element.tag not in {"node", "test"}:
         state.refused(scope, element, "it clears parameters and has no 'ns'")

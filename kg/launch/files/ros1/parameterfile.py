@@ -114,7 +114,7 @@ def converted(text: str, kind: str) -> object:
         return float(text)
     if kind in {"bool", "boolean"}:
         return truth(text)
-    raise ValueError(f"'{kind}' is no type of a parameter")
+    raise ValueError(f"'{kind}' is not a type of a parameter")
 
 
 def type_of(value: object) -> str | None:
@@ -284,7 +284,7 @@ class _Walk(Walk):
                 if isinstance(key, str):
                     yield from self.leaves(inner, (*keys, key), where, depth + 1)
                 else:
-                    self.problems.append((f"the key {one_line(key)} is no text; roslaunch refuses it", where))
+                    self.problems.append((f"the key {one_line(key)} is not text; roslaunch refuses it", where))
             return
         try:
             yield leaf_of(self.value(node, depth), line, keys)
@@ -345,7 +345,7 @@ def _angle(text: str, tag: str) -> float:
     try:
         value = evaluate_text(inner, Dialect())
     except (ExpressionError, UnsupportedError) as error:
-        raise ValueError(f"{text} is no angle ({error})") from None
+        raise ValueError(f"{text} is not an angle ({error})") from None
     if not isinstance(value, int | float):
-        raise ValueError(f"{text} is no angle")  # noqa: TRY004 - all that is wrong with a value is told alike
+        raise ValueError(f"{text} is not an angle")  # noqa: TRY004 - all that is wrong with a value is told alike
     return float(value)

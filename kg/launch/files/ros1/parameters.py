@@ -92,7 +92,7 @@ def _load(state: State, scope: Scope, element: Element, what: tuple[str, str | N
         kind = LaunchProblemKind.LIMIT if tree.too_large else LaunchProblemKind.MALFORMED
         state.problem(scope, at, kind, message)
     if not name and not tree.is_mapping:
-        state.refused(scope, element, "it needs 'param', as what it loads is no mapping")
+        state.refused(scope, element, "it needs 'param', as what it loads is not a mapping")
         return
     full = join(scope.namespace, name) if name else scope.namespace
     for leaf in tree.leaves:

@@ -136,7 +136,7 @@ class _Commands:
             return self._around.folder
         if name == "optenv":
             if not words:
-                raise _SubstitutionError("$(optenv) does not say which variable")
+                raise _SubstitutionError("$(optenv) does not name a variable")
             return self._owner.optional(words[0], " ".join(words[1:]))
         word = _only(words, command)
         if name == "anon":
@@ -199,7 +199,7 @@ def _commands(text: str) -> tuple[str, ...]:
         if not end:
             break
         if end != ")":
-            raise _SubstitutionError(f"'{end}' stands inside of a substitution")
+            raise _SubstitutionError(f"'{end}' inside a substitution")
         if command:
             found.append(command)
     return tuple(found)

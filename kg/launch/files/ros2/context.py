@@ -211,11 +211,11 @@ def find(context: Context, text: str) -> FilePath | None:
     file = context.files.at(text)
     if file is None:
         if not text.startswith(SCHEME):
-            context.problem(LaunchProblemKind.UNRESOLVED, f"`{text}` is no file of a package", text)
+            context.problem(LaunchProblemKind.UNRESOLVED, f"`{text}` is not a file of a package", text)
         return None
     found = file if context.files.exists(file) else _installed_elsewhere(context.files, text)
     if found is None:
-        context.problem(LaunchProblemKind.MISSING_FILE, f"there is no file `{text}`", text)
+        context.problem(LaunchProblemKind.MISSING_FILE, f"file not found: `{text}`", text)
     return found
 
 

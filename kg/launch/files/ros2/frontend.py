@@ -45,7 +45,7 @@ class Malformed(Exception):  # noqa: N818  (it says what the file is)
 
 @dataclass(slots=True)
 class Element:
-    """An action, or a part of one, as it is written; values of YAML that are no texts are written as YAML.
+    """An action, or a part of one, as it is written; values of YAML that are not texts are written as YAML.
 
     `children` are all elements below in their order, actions and those that belong to this one (`param`, `remap`, ...).
     """
@@ -229,7 +229,7 @@ class _Builder:
             return
         reader = _READERS.get(element.tag)
         if reader is None:
-            self.malformed(Malformed(f"there is no action `{element.tag}`", element.line))
+            self.malformed(Malformed(f"unknown action `{element.tag}`", element.line))
             return
         try:
             yield reader(self, element)

@@ -113,7 +113,7 @@ class _Reader:
             if self._text.startswith("$(", self._at):
                 parts.append(self._substitution(quote, depth + 1))
             elif self._text[self._at] in (quote or _QUOTES) + "(":
-                raise TemplateError(f"`{self._text[self._at]}` has to stand in quotes in `{self._shown}`")
+                raise TemplateError(f"`{self._text[self._at]}` must be in quotes in `{self._shown}`")
             else:
                 parts.append(self._plain(f"{quote or _QUOTES}() \t\r\n\f\v"))
         return tuple(parts)

@@ -135,7 +135,7 @@ class _At:
     inside: bool = False
     """In a plugin, of which everything counts."""
     open: tuple[str, ...] = ()
-    """The macros that are expanded; an element of such a name without prefix is no call."""
+    """The macros that are expanded; an element of such a name without prefix is not a call."""
 
 
 def evaluate_description(

@@ -140,7 +140,7 @@ class Texts:
         if HOLE in expression:
             return HOLE
         dialect = Dialect(
-            lambda name: table[name] if name in table else MISSING,  # noqa: SIM401 - a scope is no dictionary
+            lambda name: table[name] if name in table else MISSING,  # noqa: SIM401 - a scope is not a dictionary
             self._defined_later,
             self._functions,
             _MODULES,

@@ -75,7 +75,7 @@ class Members:
     def _reader(self, name: str, capability: Capability, parameter: Parameter) -> None:
         ways = [way for way in capability.ways if way.kind != "action" and parameter.name in way.fields]
         if not ways:
-            raise RobotError("KG839", f"there is no topic or service that tells `{parameter.name}`")
+            raise RobotError("KG839", f"no topic or service reports `{parameter.name}`")
         way = choose(ways, (), None, reads=True)
         reading = Reading(way.type)
         expression = reading.of(parse(way.fields[parameter.name]))
@@ -143,7 +143,7 @@ class Members:
     def do(self, capability: Capability, given: tuple[str, ...]) -> tuple[str, str]:
         """Return the method that does something with these parameters, and how: `move`, `once` or `reach`."""
         if not capability.ways:
-            raise RobotError("KG839", f"there is no way to `{capability.label}`", hint=None)
+            raise RobotError("KG839", f"no way to `{capability.label}`", hint=None)
         way = choose(list(capability.ways), given, None, reads=False)
         key = f"do {capability.name}"
         how = "reach" if way.kind == "action" else "move" if way.kind == "topic" and way.rate > 0 else "once"

@@ -33,7 +33,7 @@ def plain(text: str) -> str:
 
 
 class Names:
-    """Gives each thing a name of its own, which is no word of Python."""
+    """Gives each thing a name of its own, which is not a word of Python."""
 
     def __init__(self, *taken: str) -> None:
         """`taken` are names that are given already."""

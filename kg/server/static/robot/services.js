@@ -33,7 +33,7 @@ export function listen(heard, silent) {
   source.addEventListener("message", ({ data }) => heard(JSON.parse(data)));
   source.addEventListener("error", () => {
     silent();
-    // A browser gives up for good when the answer was no stream, as while the server starts again.
+    // A browser gives up for good when the answer was not a stream, as while the server starts again.
     if (source.readyState === EventSource.CLOSED) setTimeout(() => listen(heard, silent), 3000);
   });
 }

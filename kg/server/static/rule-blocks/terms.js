@@ -30,7 +30,7 @@ export function thingName(text) {
   return name && !/^\p{N}/u.test(name) ? name : name ? `x${name}` : "";
 }
 
-/** Return the term that a candidate of the completion service stands for; null for what is no value. */
+/** Return the term that a candidate of the completion service stands for; null for what is not a value. */
 export function termOf({ kind, insert }) {
   if (kind !== "value") return null;
   const text = insert.trim();

@@ -229,7 +229,7 @@ def _dictionary(language: LaunchPython, fields: Fields, given: Arguments) -> Val
     """Return `dict(...)`, whose keys stand where it is called."""
     made = python.call(language, ("builtins", "dict"), replace(given, values=[_first(fields)] if given.values else []))
     if not isinstance(made, Mapping) or given.call is None or given.frame is None:
-        return made or Unknown("it is no dictionary")
+        return made or Unknown("it is not a dictionary")
     lines = {name: getattr(one, "line", given.call.line) for name, one in given.call.keywords}
     pairs = [(replace(key) if isinstance(key, Text) else key, value) for key, value in made.items]
     for key, _ in pairs:

@@ -137,7 +137,7 @@ class LaunchMachine(Machine):
         return held if isinstance(held, Truth) else Guard((f"{MARK}{words(condition, frame.unit)}",))
 
     def is_decided(self, ends: list[str | None]) -> bool:
-        """Check whether what follows a branch has its conditions: a launch that fails is no configuration."""
+        """Check whether what follows a branch has its conditions: a launch that fails is not a configuration."""
         return any(end not in (None, "raise") for end in ends)
 
     def tried(self, body: Callable[[], _Result]) -> _Result:

@@ -223,7 +223,7 @@ def read_python(files: Files, file: FilePath, text: bytes, problems: list[Launch
     reading = Reading(files, file, problems)
     unit = parse(file, text)
     if unit.error is not None:
-        reading.note(LaunchProblemKind.MALFORMED, "it is no valid Python", reading.at(file, unit.error))
+        reading.note(LaunchProblemKind.MALFORMED, "it is not valid Python", reading.at(file, unit.error))
         return []
     names = [child for child in unit.root.named_children if child.type == "function_definition"]
     lines = (
@@ -244,7 +244,7 @@ def _described(reading: Reading, unit: PythonUnit) -> Value:
         reading.note(LaunchProblemKind.MALFORMED, message, reading.location)
         return NULL
     if not isinstance(function, Closure | TypeValue):
-        return Unknown(f"`{_ENTRIES[0]}` is no function that can be read")
+        return Unknown(f"`{_ENTRIES[0]}` is not a function that can be read")
     found = reading.called(function, [])
     test = isinstance(found, Sequence) and _ENTRIES[1] in module.fields and found.items
     return found.items[0] if test and isinstance(found, Sequence) else found

@@ -188,11 +188,11 @@ def reason_of(value: Value | None) -> str:
         return value.reason
     if isinstance(value, Made):
         parts = [part for part in launch_text(value) if isinstance(part, Substitution)]
-        return _why(parts[0]) if parts else f"a `{value.name}` cannot stand here"
+        return _why(parts[0]) if parts else f"a `{value.name}` is not allowed here"
     if isinstance(value, Text):
         found = next((part for part in value.parts if isinstance(part, Later)), None)
-        return _why(found.part) if found is not None else value.reason or "a text cannot stand here"
-    return f"a value of the type {type(value).__name__.lower()} cannot stand here"
+        return _why(found.part) if found is not None else value.reason or "a text is not allowed here"
+    return f"a value of the type {type(value).__name__.lower()} is not allowed here"
 
 
 def _why(part: Substitution) -> str:
@@ -340,7 +340,7 @@ def substituted(made: Made) -> LaunchText:
     if name in _UNKNOWN:
         return unknown_text(_UNKNOWN[name])
     read = SUBSTITUTIONS.get(name)
-    return read[1](made) if read is not None else unknown_text(f"a `{name}` cannot stand here")
+    return read[1](made) if read is not None else unknown_text(f"a `{name}` is not allowed here")
 
 
 def is_substitution(value: Value) -> bool:
