@@ -53,6 +53,7 @@ class Maintained:
         shop = program.workshop(dictionary)
         self._shop = shop
         plans = program.plans(dictionary)
+        self._volatile = any(map(volatile, program.rules))
         self._strata = Strata(
             ((stratum, [MaintainedRule(rule, plans, shop) for rule in stratum.rules]) for stratum in program.strata),
             self._equal,
@@ -60,7 +61,7 @@ class Maintained:
 
     def _equal(self, stratum: Stratum) -> list[int]:
         """Return the predicates of the equalities of a stratum; none where evaluating again would change values."""
-        if not stratum.recursive or any(map(volatile, self._program.rules)):
+        if not stratum.recursive or self._volatile:
             return []
         return [self._dictionary.intern_term(equality.predicate) for equality in equalities(stratum.rules)]
 
