@@ -71,9 +71,8 @@ class MaintainedRule:
 
     @cached_property
     def _join(self) -> Join:
-        inner = [one for one in self._rule.body if not isinstance(one, Atom)]
-        atoms = [one for one in self._rule.body if isinstance(one, Atom)]
-        return Join(atoms, frozenset(_patterns(inner, self._shop.dictionary)), self._shop.dictionary)
+        dictionary = self._shop.dictionary
+        return Join(self._rule.body, lambda element: _patterns([element], dictionary), dictionary)
 
     @cached_property
     def _open(self) -> frozenset[str]:
