@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kg.pipeline.kept import State
+    from kg.rules.reading import Pack
     from kg.rules.reports import RunReport
     from kg.rules.running import Runner
     from kg.settings import Settings
@@ -38,7 +39,17 @@ if TYPE_CHECKING:
     from kg.store.layout import Layout
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["Inference", "LastRun", "add_ontologies", "costs", "digest", "last_run", "note_run", "unchanged"]
+__all__ = [
+    "Inference",
+    "LastRun",
+    "add_ontologies",
+    "costs",
+    "digest",
+    "installed_packs",
+    "last_run",
+    "note_run",
+    "unchanged",
+]
 
 _LAST: Final = "rules"
 _DIGEST: Final = "rules-digest"
@@ -55,16 +66,19 @@ def digest(settings: Settings, cache: Path | None = None) -> str:
         RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
         UsageError: KG002 for a folder or a family of the settings that is not there.
     """
-    installed = (pack.folder for pack in packs()) if _has_packs(cache) else ()
-    folders = (resources.folder("rules"), *installed, *user_folders(settings))
+    folders = (resources.folder("rules"), *(pack.folder for pack in installed_packs(cache)), *user_folders(settings))
     seen, families = tuple(state for folder in folders for state in states(folder)), families_in_force(settings)
     made = _digest if settled(seen) else _digest.__wrapped__
     return kept(cache and cache / _DIGEST, seen, (families, folders), lambda: made(families, folders, seen))
 
 
-def _has_packs(cache: Path | None) -> bool:
-    """Tell whether packs of rules are installed, without looking for them where there were none before."""
-    return kept(cache and cache / _PACKS, tuple(installations()), "", lambda: str(bool(packs()))) == str(True)
+def installed_packs(cache: Path | None = None) -> tuple[Pack, ...]:
+    """Return the installed packs of rules; with a folder `cache`, without a search where the last one found none.
+
+    Raises RuleError KG208 for a pack that cannot be loaded.
+    """
+    found = kept(cache and cache / _PACKS, tuple(installations()), "", lambda: str(bool(packs())))
+    return packs() if found == str(True) else ()
 
 
 @lru_cache(maxsize=4)
@@ -197,18 +211,23 @@ class Inference:
             RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
             UsageError: KG002 for a folder or a family of the settings that is not there.
         """
-        found = digest(self._settings)
+        found = digest(self._settings, self._store.layout.cache)
         problems: list[RuleError] = []
         self._last = LastRun("")
-        inferred = self._attempt(transaction, problems, own=True)
+        inferred = self._attempt(transaction, problems, found, own=True)
         if inferred is None:
-            inferred = self._attempt(transaction, [], own=False) or self._nothing(transaction)
+            inferred = self._attempt(transaction, [], found, own=False) or self._nothing(transaction)
         self.digest = "" if problems else found
         self._last = replace(self._last, digest=self.digest)
         return replace(inferred, problems=tuple(problems))
 
-    def _attempt(self, transaction: EmbeddedTransaction, problems: list[RuleError], *, own: bool) -> Inferred | None:
-        """Run the rules that can be read; None, and the error among `problems`, where they cannot run."""
+    def _attempt(
+        self, transaction: EmbeddedTransaction, problems: list[RuleError], mark: str, *, own: bool
+    ) -> Inferred | None:
+        """Run the rules that can be read, of the digest `mark`.
+
+        Return None, and add the error to `problems`, where they cannot run.
+        """
         # Numbers are loaded here, not where a build without changes ends.
         from kg.pipeline.reasoning import rules_over  # noqa: PLC0415 - see above
 
@@ -216,7 +235,7 @@ class Inference:
         self._runner = None
         try:
             cache = self._store.layout.cache
-            rules = rules_over(self._settings, transaction, problems, own=own, cache=cache)
+            rules = rules_over(self._settings, transaction, problems, own=own, cache=cache, mark=mark)
             found = runner.run_within(transaction, rules)
         except RuleError as error:
             problems.append(error)

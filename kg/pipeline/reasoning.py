@@ -15,12 +15,12 @@ from kg.errors import RuleError
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import default_ontologies, ontology_triples
 from kg.graph.vocabulary import RNKG
-from kg.pipeline.inferring import digest
+from kg.pipeline.inferring import digest, installed_packs
 from kg.rules import compiled
 from kg.rules.explain.proof import Evidence
 from kg.rules.files import RuleSet
 from kg.rules.folders import families_in_force, user_folders
-from kg.rules.reading import discover, packs
+from kg.rules.reading import discover
 from kg.rules.recording import Names
 from kg.rules.specialise import schema_pattern, schema_query, specialised
 from kg.store.failure import translated
@@ -76,7 +76,7 @@ def rules_in_force(settings: Settings, broken: list[RuleError] | None = None, *,
         RuleError: KG201 and others of KG2xx for a file that cannot be used, without `broken`.
         UsageError: KG002 for a folder or a family of the settings that is not there.
     """
-    made_of = (rule_folders(settings), packs(), families_in_force(settings), digest(settings))
+    made_of = (rule_folders(settings), installed_packs(), families_in_force(settings), digest(settings))
     return _sound(_read(*made_of) if cache is None else _read_before(cache, *made_of), broken)
 
 
@@ -163,12 +163,13 @@ def rules_over(  # noqa: PLR0913 - which rules, and where they are kept
     own: bool = True,
     cache: Path | None = None,
     families: tuple[str, ...] | None = None,
+    mark: str | None = None,
 ) -> RuleSet:
     """Return the rules in force, cut to the axioms of a snapshot or of a transaction; `broken` as `rules_in_force`.
 
     Without `own` they are those that `kg` and installed packs bring; with `families` those of these families, whether
-    they are in force or not. With a folder `cache` they are what evaluation
-    needs of them, kept there for the next process. Raises as `rules_in_force`.
+    they are in force or not. With a folder `cache` they are what evaluation needs of them, kept there for the next
+    process. `mark` is the digest of the rules, where it is already computed. Raises as `rules_in_force`.
     """
     names = Names.of(settings.base, RNKG)
     named = f"GRAPH ?graph {schema_pattern()} FILTER(?graph NOT IN ({names.inferred}, {names.builds}))"
@@ -178,7 +179,7 @@ def rules_over(  # noqa: PLR0913 - which rules, and where they are kept
     folders = rule_folders(settings) if own else rule_folders(settings)[:1]
     axioms = b"".join(sorted(lines))
     chosen = families_in_force(settings) if families is None else families
-    made_of = (folders, packs(), chosen, digest(settings), axioms)
+    made_of = (folders, installed_packs(cache), chosen, mark or digest(settings, cache), axioms)
     return _sound(_cut(*made_of) if cache is None else _kept(cache, *made_of), broken)
 
 

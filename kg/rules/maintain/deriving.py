@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -15,6 +14,7 @@ from kg.rules.engine.plan import Assign, Block, Grouped, Match, Rows, Structure
 from kg.rules.engine.solve import Solver, View
 from kg.rules.engine.tables import UNIT, Table, concatenate, distinct_rows
 from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, TripleTerm, Variable
+from kg.rules.maintain.joins import Join
 from kg.rules.maintain.patterns import pattern
 from kg.rules.maintain.pivots import pivots
 from kg.rules.maintain.sets import absorb
@@ -27,29 +27,9 @@ if TYPE_CHECKING:
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Element, Rule
     from kg.rules.maintain.pivots import Pivot, Reading
+    from kg.rules.maintain.worlds import Delta, World
 
-__all__ = ["Delta", "MaintainedRule", "World"]
-
-
-@dataclass(slots=True)
-class World:
-    """The data at one moment: what is asserted, and everything that is asserted or inferred."""
-
-    asserted: Facts
-    known: Facts
-
-    def copy(self) -> World:
-        """Return a world that can be changed by itself."""
-        return World(self.asserted.copy(), self.known.copy())
-
-
-@dataclass(slots=True)
-class Delta:
-    """Triples that came or that went: from what is asserted, and from everything; `patterns` has those of all."""
-
-    asserted: Facts
-    known: Facts
-    patterns: set[int]
+__all__ = ["MaintainedRule"]
 
 
 class MaintainedRule:
@@ -83,6 +63,16 @@ class MaintainedRule:
     @cached_property
     def _pivots(self) -> tuple[Pivot, ...]:
         return pivots(self.plan, self._shop.dictionary)
+
+    @property
+    def _planned(self) -> bool:
+        """Whether its pivots exist already, so that nothing is saved by a look at its text."""
+        return "_pivots" in self.__dict__
+
+    @cached_property
+    def _join(self) -> Join:
+        dictionary = self._shop.dictionary
+        return Join(self._rule.body, lambda element: _patterns([element], dictionary), dictionary)
 
     @cached_property
     def _open(self) -> frozenset[str]:
@@ -129,6 +119,8 @@ class MaintainedRule:
         Sources of the outer body are asked for what went in the world before, and for what came in the one after.
         """
         found = Facts()
+        if not (self._planned or self._join.possible([delta for delta in (came, gone) if delta], worlds)):
+            return found
         for pivot in self._pivots:
             for delta, readings in ((came, pivot.coming), (gone, pivot.going)):
                 if delta is None or pivot.patterns.isdisjoint(delta.patterns):

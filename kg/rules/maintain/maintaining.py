@@ -17,9 +17,10 @@ from kg.rules.dependencies import volatile
 from kg.rules.engine.equality import equalities
 from kg.rules.engine.evaluate import Limits, evaluate
 from kg.rules.engine.facts import Facts, merged
-from kg.rules.maintain.deriving import Delta, MaintainedRule, World
+from kg.rules.maintain.deriving import MaintainedRule
 from kg.rules.maintain.sets import absorb, common, lacking
 from kg.rules.maintain.strata import LargeChangeError, Progress, Strata
+from kg.rules.maintain.worlds import Delta, World
 
 if TYPE_CHECKING:
     from kg.rules.engine.evaluate import Program
@@ -53,6 +54,7 @@ class Maintained:
         shop = program.workshop(dictionary)
         self._shop = shop
         plans = program.plans(dictionary)
+        self._volatile = any(map(volatile, program.rules))
         self._strata = Strata(
             ((stratum, [MaintainedRule(rule, plans, shop) for rule in stratum.rules]) for stratum in program.strata),
             self._equal,
@@ -60,7 +62,7 @@ class Maintained:
 
     def _equal(self, stratum: Stratum) -> list[int]:
         """Return the predicates of the equalities of a stratum; none where evaluating again would change values."""
-        if not stratum.recursive or any(map(volatile, self._program.rules)):
+        if not stratum.recursive or self._volatile:
             return []
         return [self._dictionary.intern_term(equality.predicate) for equality in equalities(stratum.rules)]
 

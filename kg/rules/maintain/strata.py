@@ -18,15 +18,16 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from kg.rules.engine.facts import Facts, difference, union, unpack
-from kg.rules.maintain.deriving import Delta, MaintainedRule, World
 from kg.rules.maintain.patterns import Patterns
 from kg.rules.maintain.sets import absorb, common, lacking, take_out
+from kg.rules.maintain.worlds import Delta, World
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
     from collections.abc import Set as AbstractSet
 
     from kg.rules.engine.limits import Clock
+    from kg.rules.maintain.deriving import MaintainedRule
     from kg.rules.stratify import Stratum
 
 __all__ = ["LargeChangeError", "Progress", "Strata"]
