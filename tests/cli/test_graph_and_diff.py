@@ -183,10 +183,10 @@ def test_a_broken_launch_file_is_no_empty_graph(tmp_path: Path) -> None:
     built = program("build", "ws", "--store", "store")
     assert built.code == 0
     assert "problems 1 in 1 file; the rest was built:" in built.err
-    assert "  ws/demo/launch/bad.launch:2: KG415 the file is no well-formed XML" in built.err
+    assert "  ws/demo/launch/bad.launch:2: KG415 the file is not well-formed XML" in built.err
     drawn = program("graph", "bad.launch", "--store", "store")
     assert drawn.code == 1
-    assert "error[KG415]: the file is no well-formed XML" in drawn.err
+    assert "error[KG415]: the file is not well-formed XML" in drawn.err
     assert "--> ws/demo/launch/bad.launch:2" in drawn.err
     assert "help: Correct the line." in drawn.err
     assert "starts no nodes" not in drawn.err

@@ -36,7 +36,7 @@ async def _resource(request: Request) -> Response:
         if error.code not in ABSENT:
             raise
         name = iri.rstrip("/>").rpartition("/")[2].rpartition("#")[2]
-        return missing(request, error, "Nothing is known of that", name, lambda other: url("/search", q=other))
+        return missing(request, error, "No facts about this resource", name, lambda other: url("/search", q=other))
     own = _PAGES.get(found["kind"]) if "#" not in found["iri"] else None
     return page(
         request,

@@ -93,7 +93,7 @@ class Picture {
     this.words.setAttribute("role", "status");
     this.list = element("div");
     if (!cytoscape) {
-      this.words.textContent = "There is no picture: the libraries of the pages are not installed. The list says the same.";
+      this.words.textContent = "No picture: the page libraries are not installed. The list has the same content.";
       this.host.replaceChildren(this.words, this.list);
       this.list.replaceChildren(listed(this.data, { open: true, onSelect: () => {} }));
       return;

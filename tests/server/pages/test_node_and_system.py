@@ -66,7 +66,7 @@ def test_tables_of_a_node_fit_a_laptop(browser: Chromium, site: str, things: Sho
             wider = await visit.page.evaluate(_WIDER)
             return wider, await visit.page.inner_text("#more-parameters")
 
-    assert browser.run(look()) == ([], "1 parameter that frameworks make")
+    assert browser.run(look()) == ([], "1 parameter created by frameworks")
 
 
 _LOADED: Final = """async () => {
@@ -104,7 +104,7 @@ def test_the_picture_of_a_system_is_switched(browser: Chromium, site: str) -> No
         async with browser.visit(f"{site}/system?name=rover.launch") as visit:
             await visit.page.locator("#system-switches input").first.wait_for()
             before = await visit.page.inner_text(".graph-list summary")
-            await visit.page.get_by_label("what frameworks make").check()
+            await visit.page.get_by_label("created by frameworks").check()
             return before, await visit.page.inner_text(".graph-list summary")
 
     before, after = (int(text.strip(")").rpartition("(")[2]) for text in browser.run(switch()))

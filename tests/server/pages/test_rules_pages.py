@@ -122,5 +122,5 @@ def test_without_libraries_the_list_says_it(browser: Chromium, site: str) -> Non
             return await visit.page.inner_text(".graph")
 
     text = browser.run(read())
-    assert "There is no picture" in text
+    assert "No picture: the page libraries" in text
     assert "communicates-through" in text

@@ -56,7 +56,7 @@ export class Units {
 export const GROUPS = [
   { kind: "Movement", title: "How it moves", style: "movement" },
   { kind: "Sensing", title: "What it senses", style: "sensing" },
-  { kind: "RobotKnowledge", title: "What it knows", style: "knowledge" },
+  { kind: "RobotKnowledge", title: "Knowledge", style: "knowledge" },
 ];
 
 /** Return the group of a capability; what is of no kind that we know is sensed or moved by its modality. */

@@ -18,7 +18,7 @@ const TYPING = 500;
 const SAID = ["name", "title", "why", "infers", "mend", "limits", "references", "since"];
 const EMPTY = { version: 1, name: "mine/rule", when: [], then: [] };
 const NAME = /^[a-z0-9][a-z0-9_-]*(\/[a-z0-9][a-z0-9_-]*)+$/;
-const BEGIN = "Drag what is to be looked for from the list beside the blocks to “when”, and what follows from it to “then”; or begin with an example.";
+const BEGIN = "Drag conditions from the list next to the blocks to “when” and conclusions to “then”, or start from an example.";
 /** The code of the note that nothing on this store passes a part: who composes a rule wants to see where. */
 const UNMATCHED = "KG213";
 const DRAFT = "kg-rule-blocks-draft";
@@ -341,7 +341,7 @@ async function attempt() {
 function exampled(text) {
   const button = element("button", { type: "button" }, `Download examples (${fileName(".md")})`);
   button.addEventListener("click", () => save(fileName(".md"), text, "text/markdown"));
-  return element("p", {}, button, " ", element("span", { className: "quiet-text" }, "made of the first fact: put the file beside the rule, and ", element("code", {}, "kg rules test"), " runs it."));
+  return element("p", {}, button, " ", element("span", { className: "quiet-text" }, "created from the first fact. Put the file next to the rule; then ", element("code", {}, "kg rules test"), " runs it."));
 }
 
 /** Save a text as a file. */

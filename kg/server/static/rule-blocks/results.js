@@ -12,7 +12,7 @@ export function results(found, spoken) {
 
 function summary({ facts: all, looked, fresh, whole, recursive, seconds }) {
   if (!all.length && !whole) return ["Nothing was found in the time of a trial, but not everything was looked at. kg rules diff has no such limit."];
-  if (!all.length) return ["Nothing on this store matches. What the check says above names the first part that nothing passes."];
+  if (!all.length) return ["No matches in this store. The check above names the first part without matches."];
   const many = `${whole ? "" : "At least "}${looked.toLocaleString("en")} ${looked === 1 ? "fact" : "facts"}`;
   const news = fresh === looked ? "none of which the store has yet" : fresh ? `${fresh.toLocaleString("en")} of which the store has not yet` : "all of which the store has already";
   const shown = all.length < looked ? ` The first ${all.length} are shown.` : "";
