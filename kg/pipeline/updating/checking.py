@@ -13,7 +13,6 @@ from kg.query.guard import check
 from kg.query.lexer import Kind, normalise, tokens
 from kg.query.position import place_at
 from kg.query.prefixes import PREFIXES
-from kg.query.syntax import syntax_error
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -97,6 +96,8 @@ def _explained(text: str, path: str, base: str | None) -> QueryError | None:
     try:
         parse(text)
     except SyntaxError as error:
+        from kg.query.syntax import syntax_error  # noqa: PLC0415 - only errors need it
+
         return syntax_error(error, text, path, parse)
     except (RuntimeError, OSError):
         return None
