@@ -17,7 +17,6 @@ from kg.graph.ontology_files import default_ontologies, ontology_triples
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest, installed_packs
 from kg.rules import compiled
-from kg.rules.explain.proof import Evidence
 from kg.rules.files import RuleSet
 from kg.rules.folders import families_in_force, user_folders
 from kg.rules.reading import discover
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from kg.rules.checks.finding import Context
     from kg.rules.columns import Tables
     from kg.rules.documents import Statement
+    from kg.rules.explain.proof import Evidence
     from kg.rules.explain.view import Vocabulary
     from kg.rules.reading import Pack
     from kg.settings import Settings
@@ -247,6 +247,7 @@ def explained_vocabulary(base: str) -> Vocabulary:
 def _ontology_line(fact: Triple) -> Evidence | None:
     """Return the line of an ontology that states a fact."""
     from kg.rules.documents import place_of  # noqa: PLC0415 - only explanations need it
+    from kg.rules.explain.proof import Evidence  # noqa: PLC0415 - the same
 
     found = place_of(fact, _ontology_statements())
     return Evidence(*found) if found else None

@@ -10,7 +10,6 @@ import pyoxigraph
 from kg.errors import QueryError
 from kg.pipeline.updating.operations import operations
 from kg.query.guard import check
-from kg.query.syntax import syntax_error
 from kg.syntax.lexer import Kind, normalise, tokens
 from kg.syntax.names import PREFIXES
 from kg.syntax.position import place_at
@@ -97,6 +96,8 @@ def _explained(text: str, path: str, base: str | None) -> QueryError | None:
     try:
         parse(text)
     except SyntaxError as error:
+        from kg.query.syntax import syntax_error  # noqa: PLC0415 - only errors need it
+
         return syntax_error(error, text, path, parse)
     except (RuntimeError, OSError):
         return None
