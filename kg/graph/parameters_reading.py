@@ -20,9 +20,24 @@ if TYPE_CHECKING:
     from kg.facts import NodeReference
     from kg.graph.reading import Queryable
 
-__all__ = ["SetParameter", "Start", "declarations", "declared_names", "set_names", "set_parameters", "starts"]
+__all__ = [
+    "SetParameter",
+    "Start",
+    "declarations",
+    "declared_among",
+    "declared_names",
+    "set_names",
+    "set_parameters",
+    "starts",
+]
 
 _DECLARED: Final = "SELECT DISTINCT ?name WHERE { ?parameter rnkg:access ?access ; rnkg:name ?name }"
+_DECLARED_AMONG: Final = """
+SELECT DISTINCT ?name WHERE {
+  VALUES ?name { %s }
+  ?parameter rnkg:name ?name .
+  ?parameter rnkg:access ?access .
+}"""
 _SET_NAMES: Final = """
 SELECT DISTINCT ?node ?name WHERE {
   { ?owner rnkg:startedWith/rnkg:hasSetting ?setting }
@@ -88,6 +103,11 @@ class SetParameter:
 def declared_names(graph: Queryable) -> list[str]:
     """Return the names of parameters as code declares them, sorted; some have unknown parts."""
     return sorted(row[0].value for row in select(graph, _DECLARED))
+
+
+def declared_among(graph: Queryable, names: Collection[str]) -> set[str]:
+    """Return those of some names that parameters have in code, without a look at other parameters."""
+    return {row[0].value for row in select(graph, _DECLARED_AMONG % " ".join(map(literal, sorted(names))))}
 
 
 def set_names(graph: Queryable) -> list[str]:

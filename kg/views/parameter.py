@@ -8,6 +8,7 @@ from kg.graph.iris import Iris
 from kg.graph.parameters_reading import (
     SetParameter,
     declarations,
+    declared_among,
     declared_names,
     set_names,
     set_parameters,
@@ -50,9 +51,10 @@ def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, syst
     written = name.strip().removeprefix("~/")
     last, absolute = written.rpartition("/")[2], written.startswith("/")
     found = set_parameters(snapshot, written) if last else []
-    known = declared_names(snapshot)
-    declared = {one for one in known if last and _is(one.removeprefix("~/"), written)}
-    declared = declared or {one for one in known if not found and _may_be(one, written)}
+    declared = declared_among(snapshot, _spellings(written)) if last else set()
+    # All names are read only for a name that nothing has.
+    known = [] if declared or found else declared_names(snapshot)
+    declared = declared or {one for one in known if _may_be(one, written)}
     code = declarations(snapshot, declared, {one.declared for one in found if one.declared})
     view = _View(snapshot, settings, chosen_systems(snapshot, system, settings.base))
     found += [one for one in view.defaults(code, found) if not absolute or one.absolute == written]
@@ -60,6 +62,7 @@ def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, syst
         types, set_here = {one.start.type for one in found if one.start}, {one.declared for one in found}
         code = {iri: one for iri, one in code.items() if iri in set_here or view.node(one[0]) in types}
     if not found and not code:
+        known = known or declared_names(snapshot)
         every = {one.removeprefix("~/") for one in known if not is_partial(one)} | set(set_names(snapshot))
         meant = sorted(one for one in every if last and written.lower() in one.lower())
         if not meant:
@@ -70,9 +73,12 @@ def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, syst
     return {"name": written, "meant": [], "declared": view.declared(code.values()), "values": view.values(found)}
 
 
-def _is(declared: str, written: str) -> bool:
-    """Tell whether a name in the code is the one that is given, which may have that of a node in front."""
-    return written == declared or (written.startswith("/") and written.endswith(f"/{declared}"))
+def _spellings(written: str) -> set[str]:
+    """Return the names in code that may be the one that is given, which may have that of a node in front."""
+    ends = {written}
+    if written.startswith("/"):
+        ends |= {written[at + 1 :] for at, sign in enumerate(written) if sign == "/"}
+    return ends | {f"~/{one}" for one in ends}
 
 
 def _may_be(declared: str, written: str) -> bool:
