@@ -1,10 +1,11 @@
-"""The stores that the tests of the server serve."""
+"""The stores that the tests of the server serve, and the browser that opens its pages."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import pytest
+from browsing import chromium
 from serving import TOKEN, application, served
 from w3c import put
 from w3c_http import Endpoint, Standard
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from browsing import Chromium
     from starlette.testclient import TestClient
 
 
@@ -29,6 +31,13 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def client(store: Path) -> Iterator[TestClient]:
     """A client of a server as it is when nothing is said: reading only, on this machine."""
     with application(store, log="off") as found:
+        yield found
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Chromium]:
+    """A headless Chromium."""
+    with chromium() as found:
         yield found
 
 

@@ -1,4 +1,4 @@
-"""One browser and one server for all tests of pages."""
+"""One server for all tests of pages."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import httpx
 import pytest
-from browsing import chromium
 from listing import PAGES, Examined, Shown, examine, shown
 from patience import patient
 from serving import served
@@ -16,13 +15,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from browsing import Chromium
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Chromium]:
-    """A headless Chromium."""
-    with chromium() as found:
-        yield found
 
 
 @pytest.fixture(scope="session")

@@ -1,11 +1,10 @@
-"""A browser, and a server whose robot is the rover."""
+"""A server whose robot is the rover."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import pytest
-from browsing import chromium
 from rover import PREPARED
 from serving import TOKEN, served
 
@@ -24,13 +23,6 @@ def _rover() -> Iterator[None]:
     SCHEMES["rover"] = "rover"
     yield
     del SCHEMES["rover"]
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Chromium]:
-    """A headless Chromium."""
-    with chromium() as found:
-        yield found
 
 
 @pytest.fixture(scope="session")
