@@ -21,10 +21,10 @@ __all__ = ["Reason", "reasons"]
 
 _VERBS: Final = {
     "publishes": "publishes",
-    "subscribes": "subscribes to",
-    "services": "provides the service",
+    "subscribes": "subscribes",
+    "services": "offers the service",
     "clients": "calls the service",
-    "action_servers": "provides the action",
+    "action_servers": "offers the action",
     "action_clients": "calls the action",
 }
 _ROLES: Final = {
