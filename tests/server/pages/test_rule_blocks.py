@@ -52,7 +52,7 @@ async def _checked(page: Page) -> str:
 async def _begun(page: Page) -> None:
     """Begin a new rule."""
     await page.click("#new")
-    await page.locator("#state", has_text="begin with an example").wait_for()
+    await page.locator("#state", has_text="start from an example").wait_for()
 
 
 async def _dropped(page: Page, category: str, block: str, where: str, part: str) -> None:
@@ -231,7 +231,7 @@ def test_rules_are_kept_and_things_renamed(browser: Chromium, site: str) -> None
         renamed = await _text(page, "?talker")
         await page.click("#save")
         await page.click("#new")
-        await page.locator("#state", has_text="begin with an example").wait_for()
+        await page.locator("#state", has_text="start from an example").wait_for()
         await page.click("#open")
         await page.locator("#open-list button").first.click()
         kept = await _text(page, "?talker")
