@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kg.cli.diagnostics import note, say
-from kg.cli.output import Column, listing, write_bytes
-from kg.errors import Place, UsageError
+from kg.cli.output import Column, listing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
     from kg.evaluate.code_check import Miss
     from kg.evaluate.tables import Table
 
-__all__ = ["deliver", "misses_csv", "write_text"]
+__all__ = ["deliver", "misses_csv"]
 
 
 def deliver(table: Table, *, json: bool, output: str | None) -> None:
@@ -33,18 +32,6 @@ def deliver(table: Table, *, json: bool, output: str | None) -> None:
 
         written = write(table, Path(output).expanduser())
         say(f"wrote {', '.join(path.name for path in written)} to {output}")
-
-
-def write_text(text: str, output: str | None) -> None:
-    """Write a text to a file, else to standard output; UsageError KG003 when it cannot be written."""
-    if output is None or output == "-":
-        write_bytes(text.encode("utf-8"))
-        return
-
-    try:
-        Path(output).expanduser().write_text(text, "utf-8")
-    except OSError as error:
-        raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(output)) from None
 
 
 def misses_csv(missed: Iterable[Miss]) -> str:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 from shutil import get_terminal_size
 from typing import IO, TYPE_CHECKING, Any
 
 from kg.cli.diagnostics import colored, note
+from kg.errors import Place, UsageError
 from kg.render.text import json_text, printable, width
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ __all__ = [
     "terminal",
     "write",
     "write_bytes",
+    "write_text",
 ]
 
 _GAP = 2
@@ -78,6 +81,17 @@ def write_bytes(data: bytes) -> None:
     sys.stdout.flush()
     sys.stdout.buffer.write(data)
     sys.stdout.buffer.flush()
+
+
+def write_text(text: str, output: str | None) -> None:
+    """Write a text to a file, else to standard output; UsageError KG003 when it cannot be written."""
+    if output is None or output == "-":
+        write_bytes(text.encode("utf-8"))
+        return
+    try:
+        Path(output).expanduser().write_text(text, "utf-8")
+    except OSError as error:
+        raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(output)) from None
 
 
 def json_lines(records: Iterable[Any]) -> None:

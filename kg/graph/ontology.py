@@ -43,17 +43,21 @@ def classify(paths: Iterable[Path] | None = None) -> tuple[Triple, ...]:
     """Return what follows from ontologies: classes and properties in order, and the classes of individuals.
 
     Without `paths` it is about the ontologies that `kg` brings along; with them about the files given together with
-    those, without what follows from those alone. Raise `GraphError`: KG601 for a file that does not parse, KG602 for
-    a contradiction, KG603 without Java, KG605 without owlready2.
+    those, without what follows from those alone. The triples are sorted.
+
+    Raise `GraphError`: KG601 for a file that does not parse, KG602 for a contradiction, KG603 without Java, KG605
+    without owlready2.
     """
     java, archive = _reasoner()
     ours = default_ontologies()
     further = [path for path in paths or () if path not in ours]
     found = _entailed((*ours, *further), java, archive)
-    return tuple(sorted(found - _entailed(ours, java, archive), key=str)) if further else tuple(sorted(found, key=str))
+    if further:
+        found -= _entailed(ours, java, archive)
+    return tuple(sorted(found, key=str))
 
 
-def _entailed(files: tuple[Path, ...], java: str, archive: Path) -> set[Triple]:
+def _entailed(files: tuple[Path, ...], java: str, archive: Path) -> frozenset[Triple]:
     found = entailments(ontology_triples(files), java, archive)
     if found is None:
         raise GraphError(
@@ -61,7 +65,7 @@ def _entailed(files: tuple[Path, ...], java: str, archive: Path) -> set[Triple]:
             "the axioms contradict each other, so that everything follows from them",
             hint="`kg ontology check FILE` says which file does.",
         )
-    return set(found)
+    return found
 
 
 def _reasoner() -> tuple[str, Path]:

@@ -15,7 +15,7 @@ from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 from kg.errors import GraphError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Collection, Iterator
 
 __all__ = ["entailments", "hermit", "reason"]
 
@@ -35,7 +35,6 @@ _PROPERTIES: Final = {
     "Type": NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type"),
 }
 """What each kind of axiom that the reasoner prints is in RDF (OWL 2 Mapping to RDF Graphs, section 2.1)."""
-_EQUIVALENCES: Final = frozenset({_PROPERTIES["EquivalentClasses"], _PROPERTIES["EquivalentObjectProperties"]})
 _PROGRAM: Final = "org.semanticweb.HermiT.cli.CommandLine"
 _INCONSISTENT: Final = "InconsistentOntologyException"
 _MEMORY: Final = "-Xmx2000M"
@@ -65,11 +64,11 @@ def reason(triples: bytes, java: str, archive: Path) -> tuple[str, ...] | None:
     raise GraphError("KG602", f"the reasoner cannot work with it: {_gist(outcome.stderr)}")
 
 
-def entailments(triples: bytes, java: str, archive: Path) -> tuple[Triple, ...] | None:
+def entailments(triples: bytes, java: str, archive: Path) -> frozenset[Triple] | None:
     """Return what follows about classes, properties and individuals beyond `triples`; None for a contradiction.
 
-    These are the direct super-classes and super-properties, equivalent ones, and the direct classes of individuals,
-    sorted. What a reader knows anyway, such as subclasses of owl:Thing, is left out. The parameters and errors are
+    These are the direct super-classes and super-properties, equivalent ones, and the direct classes of individuals.
+    What a reader knows anyway, such as subclasses of owl:Thing, is left out. The parameters and errors are
     those of `reason`.
     """
     outcome = _run(triples, java, archive, "-c", "-O", "-D", "-I")
@@ -78,18 +77,21 @@ def entailments(triples: bytes, java: str, archive: Path) -> tuple[Triple, ...] 
     if outcome.returncode or "Exception" in outcome.stderr:
         raise GraphError("KG602", f"the reasoner cannot work with it: {_gist(outcome.stderr)}")
     known = {quad.triple for quad in parse(triples, RdfFormat.N_TRIPLES)}
-    # An equivalence that a file has the other way round is known as well.
-    known |= {Triple(one.object, one.predicate, one.subject) for one in known if one.predicate in _EQUIVALENCES}
-    return tuple(sorted(set(_triples(outcome.stdout)) - known, key=str))
+    return frozenset(_triples(outcome.stdout, known))
 
 
-def _triples(printed: str) -> Iterator[Triple]:
-    """Yield the triples of the axioms that the reasoner printed; equivalent terms are linked to the first of them."""
+def _triples(printed: str, known: Collection[Triple]) -> Iterator[Triple]:
+    """Yield the axioms that the reasoner printed, without those known; equivalent terms are linked to the first."""
     for kind, terms in _AXIOM.findall(printed):
         first, *others = (term.strip("<>") for term in terms.split())
         for other in others:
-            if kind in _PROPERTIES and not _TRIVIAL & {first, other}:
-                yield Triple(NamedNode(first), _PROPERTIES[kind], NamedNode(other))
+            if kind not in _PROPERTIES or _TRIVIAL & {first, other}:
+                continue
+            subject, relation, value = NamedNode(first), _PROPERTIES[kind], NamedNode(other)
+            # An equivalence that a file has the other way round is known as well.
+            turned = kind.startswith("Equivalent") and Triple(value, relation, subject) in known
+            if not turned and (axiom := Triple(subject, relation, value)) not in known:
+                yield axiom
 
 
 def _run(triples: bytes, java: str, archive: Path, *options: str) -> subprocess.CompletedProcess[str]:

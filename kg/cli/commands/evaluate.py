@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.diagnostics import say
-from kg.cli.evaluation_view import deliver, misses_csv, write_text
+from kg.cli.evaluation_view import deliver, misses_csv
 from kg.cli.numbers import whole
 from kg.cli.options import Json, Store
+from kg.cli.output import write_text
 from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count

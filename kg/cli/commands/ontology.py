@@ -8,11 +8,10 @@ import typer
 
 from kg.cli.diagnostics import report, say
 from kg.cli.options import Json, Store
-from kg.cli.output import Column, json_lines, listing, terminal, write, write_bytes
+from kg.cli.output import Column, json_lines, listing, terminal, write, write_text
 from kg.cli.session import session
-from kg.errors import Exit, Place, UsageError
+from kg.errors import Exit
 from kg.render.text import count
-from kg.store.layout import write_atomically
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
@@ -69,14 +68,8 @@ def classify(files: Files = None, *, output: Entailed = None) -> None:
     from kg.syntax.names import PREFIXES  # noqa: PLC0415 - start-up time
 
     found = ontology.classify([Path(file) for file in files] if files else None)
-    text = (serialize(found, format=RdfFormat.TURTLE, prefixes=dict(PREFIXES)) or b"") + b"\n"
-    if output is None:
-        write_bytes(text)
-    else:
-        try:
-            write_atomically(Path(output), text)
-        except OSError as error:
-            raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(output)) from error
+    text = serialize(found, format=RdfFormat.TURTLE, prefixes=dict(PREFIXES)) or b""
+    write_text(f"{text.decode()}\n", output)
     say(f"{count(len(found), 'triple')} inferred")
 
 
