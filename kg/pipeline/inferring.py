@@ -77,7 +77,9 @@ def installed_packs(cache: Path | None = None) -> tuple[Pack, ...]:
 
     Raises RuleError KG208 for a pack that cannot be loaded.
     """
-    found = kept(cache and cache / _PACKS, tuple(installations()), "", lambda: str(bool(packs())))
+    if cache is None:
+        return packs()
+    found = kept(cache / _PACKS, tuple(installations()), "", lambda: str(bool(packs())))
     return packs() if found == str(True) else ()
 
 
