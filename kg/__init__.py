@@ -6,7 +6,7 @@ The names below are the public API; each is loaded when it is first used, so tha
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kg.api import build, compose, find, findings, infer, instances, nodes, open_store, rdflib_dataset, sparql
@@ -45,21 +45,6 @@ __all__ = [
     "sparql",
 ]
 
-_API: Final = frozenset(
-    {
-        "build",
-        "compose",
-        "find",
-        "findings",
-        "infer",
-        "instances",
-        "nodes",
-        "open_store",
-        "rdflib_dataset",
-        "sparql",
-    }
-)
-
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
@@ -67,7 +52,7 @@ def __getattr__(name: str) -> Any:
 
         return version("kg-ros")
     if name in __all__:
-        return getattr(import_module("kg.api" if name in _API else "kg.errors"), name)
+        return getattr(import_module("kg.api" if name.islower() else "kg.errors"), name)  # functions; classes of errors
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
