@@ -21,10 +21,10 @@ __all__ = ["Reason", "reasons"]
 
 _VERBS: Final = {
     "publishes": "publishes",
-    "subscribes": "subscribes",
-    "services": "offers the service",
+    "subscribes": "subscribes to",
+    "services": "provides the service",
     "clients": "calls the service",
-    "action_servers": "offers the action",
+    "action_servers": "provides the action",
     "action_clients": "calls the action",
 }
 _ROLES: Final = {

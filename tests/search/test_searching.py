@@ -107,7 +107,7 @@ def test_a_program_finds_nodes_in_a_store(tmp_path: Path) -> None:
     kg.build([ROOT / "examples" / "workspace" / "rover"], store=store, jobs=1)
     hits = kg.find("remove far measurements from laser scans", store=store)
     assert hits[0]["node"] == "scan_filter"
-    assert any(text.startswith("subscribes sensor_msgs/LaserScan at ") for text in hits[0]["why"])
+    assert any(text.startswith("subscribes to sensor_msgs/LaserScan at ") for text in hits[0]["why"])
     (kept,) = (store / "cache" / "search").iterdir()
     assert kg.find("remove far measurements from laser scans", store=store) == hits
     kg.build([ROOT / "examples" / "workspace" / "drone"], store=store, jobs=1)
