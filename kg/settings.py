@@ -247,7 +247,7 @@ class Settings:
         metadata=_about(
             _paths,
             "FOLDERS",
-            f"Folders with rules of your own, joined by {os.pathsep!r}; by default rules/ beside kg.toml or here.",
+            f"Folders with rules of your own, joined by {os.pathsep!r}; by default rules/ next to kg.toml or here.",
         ),
     )
     rule_families: tuple[str, ...] = field(
@@ -265,7 +265,7 @@ class Settings:
             _paths,
             "FOLDERS",
             f"Folders with descriptions of framework calls of your own, joined by {os.pathsep!r}; by default calls/ "
-            "beside kg.toml or here.",
+            "next to kg.toml or here.",
         ),
     )
     installed: tuple[Path, ...] = field(
@@ -436,8 +436,8 @@ def _from_file(file: Path) -> Iterator[tuple[Declaration, object, Origin, Path]]
         if name not in DECLARED:
             from kg.similar import did_you_mean  # noqa: PLC0415 - start-up time
 
-            hint = did_you_mean(name, DECLARED) or f"The settings are {', '.join(DECLARED)}."
-            raise UsageError("KG002", f"there is no setting `{name}`", place=place, hint=hint)
+            hint = did_you_mean(name, DECLARED) or f"Valid settings: {', '.join(DECLARED)}."
+            raise UsageError("KG002", f"unknown setting `{name}`", place=place, hint=hint)
         yield DECLARED[name], value, Origin("file", place), file.parent
 
 

@@ -46,7 +46,7 @@ def format_for(name: str) -> str:
     known = ("table", *SOLUTION_FORMATS, parquet.NAME, *GRAPH_FORMATS)
     if found not in known:
         near = did_you_mean(name, known)
-        raise QueryError("KG504", f"there is no format `{name}`", hint=near or f"The formats are {', '.join(known)}.")
+        raise QueryError("KG504", f"unknown format `{name}`", hint=near or f"The formats are {', '.join(known)}.")
     return found
 
 

@@ -194,7 +194,7 @@ ROBOT_COMMANDS: Final = (
         "Drive",
         "read",
         "robot_driving:read",
-        "Print values that a robot senses or knows, one per line, until Ctrl-C.",
+        "Print values sensed or stored by a robot, one per line, until Ctrl-C.",
     ),
     Later("Drive", "do", "robot_driving:do", "Run a capability of a robot and wait until it is done."),
     Later("Program", "run", "robot_programs:run", "Run a program on a robot and print what happens."),

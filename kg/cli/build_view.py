@@ -63,7 +63,7 @@ def _unresolved(report: BuildReport, *, every: bool) -> Iterator[str]:
     total = report.total("unresolved")
     if not total:
         return
-    yield f"unresolved {count(total, 'name')} of {report.total('interfaces'):,}; why:"
+    yield f"{total:,} of {count(report.total('interfaces'), 'name')} unresolved:"
     shown = list(reasons.items())[: None if every else _FEW_REASONS]
     for reason, number in shown:
         yield f"  {number:>5,}  {printable(reason)}"

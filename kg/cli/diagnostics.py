@@ -108,7 +108,7 @@ def defect(error: BaseException) -> None:
     tail = traceback.extract_tb(error.__traceback__)[-1:]
     where = f" ({Path(tail[0].filename).name}:{tail[0].lineno})" if tail else ""
     first_line = str(error).partition("\n")[0]
-    hint = f"Please report it to {REPORT_ADDRESS}, with the command and what it says with KG_DEBUG=1."
+    hint = f"Please report it to {REPORT_ADDRESS}, with the command and its output with KG_DEBUG=1."
     wrapped = KgError("KG900", f"{type(error).__name__}: {first_line}{where}", hint=hint)
     wrapped.__cause__ = error
     report(wrapped)

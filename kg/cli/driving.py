@@ -59,7 +59,7 @@ class Reading:
     ) -> Reading:
         """Return it as a user's options say it; UsageError KG003 for what is no number."""
         if once and count is not None:
-            raise UsageError("KG003", "--once and --count say two things", hint="Leave one of them out.")
+            raise UsageError("KG003", "--once conflicts with --count", hint="Leave one out.")
         number = 1 if once else whole(count, "--count", 1) if count is not None else None
         time = seconds_of(seconds, "--seconds") if seconds is not None else _FIRST if once else None
         return cls(number, time, None if rate is None else frequency(rate, "--rate"), way, json)
@@ -93,7 +93,7 @@ class Doing:
         pairs = [one.partition("=") for one in values]
         for text, (name, sign, _) in zip(values, pairs, strict=True):
             if not sign or not name.strip():
-                raise UsageError("KG003", f"`{text}` is no argument", hint="Write NAME=VALUE, as in forward=0.2.")
+                raise UsageError("KG003", f"`{text}` is not an argument", hint="Write NAME=VALUE, as in forward=0.2.")
         names = [name.strip() for name, _, _ in pairs]
         for name in names:
             if names.count(name) > 1:

@@ -17,7 +17,9 @@ def whole(text: str, option: str, least: int, most: int | None = None) -> int:
     except ValueError:
         number = least - 1
     if number < least or (most is not None and number > most):
-        raise UsageError("KG003", f"`{option} {text}` is no whole number {bounds}", hint="See the command's `--help`.")
+        raise UsageError(
+            "KG003", f"`{option} {text}` is not a whole number {bounds}", hint="See the command's `--help`."
+        )
     return number
 
 
@@ -42,7 +44,7 @@ def _positive(text: str, option: str, what: str, hint: str, least: float = 0.0) 
     except ValueError:
         number = 0.0
     if number == 0 or not least <= number < float("inf"):
-        raise UsageError("KG003", f"`{option} {text}` is no {what}", hint=hint)
+        raise UsageError("KG003", f"`{option} {text}` is not a {what}", hint=hint)
     return number
 
 
@@ -54,5 +56,5 @@ def size(text: str, option: str) -> int:
     unit = _UNITS.get(text[-1:].lower())
     digits = text[:-1] if unit else text
     if not digits.isdecimal() or not int(digits):
-        raise UsageError("KG003", f"`{option} {text}` is no size", hint="Write bytes, or 500K, 4M, 1G.")
+        raise UsageError("KG003", f"`{option} {text}` is not a size", hint="Write bytes, or 500K, 4M, 1G.")
     return int(digits) << (unit or 0)

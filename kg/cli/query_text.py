@@ -24,7 +24,7 @@ def pairs(given: list[str]) -> dict[str, str]:
     for pair in given:
         name, sign, value = pair.partition("=")
         if not sign or not name:
-            raise UsageError("KG003", f"`{pair}` is no parameter", hint="Write --param NAME=VALUE.")
+            raise UsageError("KG003", f"`{pair}` is not a parameter", hint="Write --param NAME=VALUE.")
         found[name.strip().lstrip("?")] = value
     return found
 

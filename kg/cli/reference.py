@@ -44,7 +44,7 @@ brackets below.
 
 An error has a code (`kg explain CODE` says more), the place when there is one, and the way out:
 
-    error[KG002]: there is no setting `stroe`
+    error[KG002]: unknown setting `stroe`
      --> kg.toml:2
       |
     2 | stroe = "x"

@@ -43,9 +43,13 @@ def announce(address: str, settings: Settings, options: Options, *, say: Callabl
     data = "union of all graphs" if options.union else "unnamed graph"
     say(f"serving {layout_of(settings).root} at {address}")
     say(f"SPARQL at {address}sparql (default graph: {data}), graphs at {address}store")
-    say("changes: from who has the token" if options.write else "changes: none; `--write` allows them")
+    say("changes: from clients with the token" if options.write else "changes: none; `--write` allows them")
     if options.robot:
-        who = "by who has the token" if options.token or options.token_file else "by nobody: KG_TOKEN allows it"
+        who = (
+            "by clients with the token"
+            if options.token or options.token_file
+            else "by nobody; set KG_TOKEN to allow it"
+        )
         say(f"robot {options.robot} at {address}robot (moved {who})")
     if not libraries():
         say(f"pages have no pictures and a plain editor: their libraries are not installed. {HELP}")

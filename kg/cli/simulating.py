@@ -41,7 +41,7 @@ def chosen(  # noqa: PLR0913 - the options of a command
 
     if world not in PLANS:
         hint = did_you_mean(world, PLANS) or f"One of {', '.join(PLANS)}."
-        raise UsageError("KG003", f"there is no world `{world}`", hint=hint)
+        raise UsageError("KG003", f"unknown world `{world}`", hint=hint)
     own = whole(port, "--port", 0, 65535)
     if master is not None:
         scheme_of(master)

@@ -50,9 +50,7 @@ File = Annotated[
 ]
 Arguments = Annotated[
     list[str] | None,
-    typer.Option(
-        "--arg", metavar="NAME:=VALUE", help="Evaluate the launch file anew with an argument; may be repeated."
-    ),
+    typer.Option("--arg", metavar="NAME:=VALUE", help="Evaluate the launch file with this argument; may be repeated."),
 ]
 Variants = Annotated[
     bool,

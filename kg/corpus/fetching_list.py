@@ -89,13 +89,13 @@ def _wanted(address: str) -> Wanted:
     source = parse_source(address)
     problem = address_problem(source.address)
     if not problem and source.ref is not None and (not _REF.fullmatch(source.ref) or ".." in source.ref):
-        problem = f"{source.ref!r} is no name of a branch, tag or commit"
+        problem = f"{source.ref!r} is not a branch, tag or commit"
     name = (
         repository_name(source.address) or f"local/{source.address.rstrip('/').rpartition('/')[2].removesuffix('.git')}"
     )
     parts = name.split("/")
     if not problem and not all(_PART.fullmatch(part) and part.strip(".") and part.lower() != ".git" for part in parts):
-        problem = f"{name!r} is no name for a folder"
+        problem = f"{name!r} is not a valid folder name"
     return Wanted(address if problem else name, source.address, source.ref, problem)
 
 
@@ -109,7 +109,7 @@ def address_problem(url: str) -> str:
         return "the address names a program"
     match = _URL.match(url) or _SCP.match(url)
     if match is None:
-        return "this is no address of a git repository"
+        return "not the address of a git repository"
     scheme = match.groupdict().get("scheme")
     if scheme is not None and scheme.lower() not in _SCHEMES:
         return f"addresses of the scheme {scheme} are not fetched"

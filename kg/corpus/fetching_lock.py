@@ -111,7 +111,7 @@ def read_lock(path: Path) -> Lock:
     heads = [number for number, line in enumerate(text.splitlines(), 1) if line.strip() == "[[repository]]"]
     places = [Place(str(path), line) for line in heads]
     if not isinstance(tables, list):
-        raise SourceError("KG132", "`repository` is no list of tables", place=Place(str(path)))
+        raise SourceError("KG132", "`repository` is not a list of tables", place=Place(str(path)))
     found_entries = [
         _entry(table, places[index] if index < len(places) else Place(str(path))) for index, table in enumerate(tables)
     ]
@@ -121,16 +121,16 @@ def read_lock(path: Path) -> Lock:
 def _entry(table: Any, place: Place) -> Entry:
     kinds = {one.name: int if one.name == "bytes" else str for one in fields(Entry)}
     if not isinstance(table, dict):
-        raise SourceError("KG132", "the entry is no table", place=place)
+        raise SourceError("KG132", "the entry is not a table", place=place)
     for key, value in table.items():
         if key not in kinds:
-            raise SourceError("KG132", f"there is no key `{key}` here", place=place, hint=f"Keys: {', '.join(kinds)}.")
+            raise SourceError("KG132", f"unknown key `{key}`", place=place, hint=f"Valid keys: {', '.join(kinds)}.")
         if not isinstance(value, kinds[key]) or isinstance(value, bool):
-            raise SourceError("KG132", f"`{key}` is {value!r}, which is no {kinds[key].__name__}", place=place)
+            raise SourceError("KG132", f"`{key}` is {value!r}, not of type {kinds[key].__name__}", place=place)
     if not table.get("name") or not table.get("url"):
         raise SourceError("KG132", "the entry has no `name` or no `url`", place=place)
     if not _COMMIT.fullmatch(table.get("commit", "")):
-        raise SourceError("KG132", f"`commit` is {table['commit']!r}, which is no commit", place=place)
+        raise SourceError("KG132", f"`commit` is {table['commit']!r}, not a commit", place=place)
     return Entry(**table)
 
 
@@ -183,7 +183,7 @@ def standing(lock: Lock) -> Standing:
         present.append(entry)
         found = describe(folder)
         if found.commit != entry.commit:
-            drifted.append((entry, f"stands at {(found.commit or 'no commit')[:12]}, not at {entry.commit[:12]}"))
+            drifted.append((entry, f"is at {(found.commit or 'no commit')[:12]}, not at {entry.commit[:12]}"))
         elif found.dirty:
             drifted.append((entry, "files were changed"))
     return Standing(tuple(present), tuple(missing), tuple(drifted))

@@ -119,7 +119,7 @@ class _Fetching:
         if not self._place.exists():
             return
         if not (self._place / ".git").is_dir():
-            raise FetchingError("in the way", f"{self._place} is no checkout and stands in the way")
+            raise FetchingError("in the way", f"{self._place} is not a checkout and is in the way")
         try:
             changed = run_git(("status", "--porcelain", "--ignore-submodules=all"), folder=self._place, timeout=None)
         except subprocess.SubprocessError:

@@ -41,7 +41,7 @@ def load(workspace: Workspace, file: FilePath, limit_bytes: int) -> bytes | Prob
     """
     source = workspace.source(file.repository)
     if source is None and file.repository != INSTALLED:
-        return Problem("KG110", f"{file.repository} is no source of this build", file.path)
+        return Problem("KG110", f"{file.repository} is not a source of this build", file.path)
     if source is None:
         path = f"/{file.path}" if workspace.is_file(file) else None
     elif workspace.entry(file) is not None:
@@ -61,7 +61,7 @@ def _read_regular(path: str, file: FilePath, limit_bytes: int) -> bytes | Proble
     with os.fdopen(descriptor, "rb", buffering=0) as stream:
         status = os.fstat(descriptor)
         if not stat.S_ISREG(status.st_mode):
-            return Problem("KG110", "it is no regular file", file.path)
+            return Problem("KG110", "not a regular file", file.path)
         if status.st_size > limit_bytes:
             message = f"the file has {status.st_size} bytes, more than the limit of {limit_bytes}"
             return Problem("KG111", message, file.path)

@@ -76,7 +76,7 @@ def scan_tree(root: Path) -> tuple[Source, ...]:
 def _scan(root: Path, repository: Repository | None) -> tuple[Source, list[str]]:
     start = os.path.abspath(root)  # noqa: PTH100  (links on the way to the root are the user's own)
     if not os.path.isdir(start):  # noqa: PTH112  (as fast as the rest of the walk)
-        raise SourceError("KG101", f"there is no folder {root}", hint="Check the path.")
+        raise SourceError("KG101", f"the folder {root} does not exist", hint="Check the path.")
     known = repository or describe(Path(start))
     base = known.root
     loose = _Folder(".", None)
@@ -205,7 +205,7 @@ def _name_packages(walk: _Walk, folder_name: str) -> tuple[PackageFolder, ...]:
         fallback = folder_name if folder.path == "." else folder.path.rpartition("/")[2]
         name = _manifest_name(walk, folder) or fallback
         if name in taken:
-            message = f"a package {name} stands in {taken[name]} already; this one is kept as {folder.path}"
+            message = f"a package {name} already exists in {taken[name]}; this one is kept as {folder.path}"
             walk.problem(folder.manifest or folder.path, message, "KG120")
             name = folder.path
         taken[name] = folder.path
@@ -218,9 +218,9 @@ def _whole_root(walk: _Walk, name: str) -> tuple[PackageFolder, ...]:
     if walk.nested and not files:
         return ()
     if not any(entry.kind in _CODE for entry in files):
-        walk.problem(".", "there is no package.xml and no code", "KG102")
+        walk.problem(".", "found no package.xml and no code", "KG102")
         return ()
-    walk.problem(".", f"there is no package.xml; the whole folder is read as one package {name}", "KG102")
+    walk.problem(".", f"found no package.xml; the whole folder is read as one package {name}", "KG102")
     return (PackageFolder(name, ".", None, tuple(_by_path(files))),)
 
 

@@ -144,7 +144,7 @@ class _Reader:
     def _known(self, key: str, keys: Sequence[str], line: int | None) -> None:
         if key not in keys:
             hint = did_you_mean(key, keys) or f"Keys are {', '.join(keys)}."
-            raise self._error(f"there is no key `{key}` here", line, hint)
+            raise self._error(f"unknown key `{key}`", line, hint)
 
     def _twice(self, found: Sequence[Criterion]) -> None:
         names: set[str] = set()
@@ -156,12 +156,14 @@ class _Reader:
     def _text(self, table: dict[str, Any], key: str, line: int | None) -> str:
         value = table.get(key)
         if not isinstance(value, str) or not value.strip():
-            raise self._error(f"`{key}` is missing or no text", self._line(key, line) or line, f'Write {key} = "...".')
+            raise self._error(
+                f"`{key}` is missing or not a string", self._line(key, line) or line, f'Write {key} = "...".'
+            )
         return value.strip()
 
     def _texts(self, value: Any, key: str, line: int | None) -> list[str]:
         if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
-            raise self._error(f"`{key}` is no list of texts", line, f'Write {key} = ["..."].')
+            raise self._error(f"`{key}` is not a list of strings", line, f'Write {key} = ["..."].')
         return value
 
     def _values(self, table: dict[str, Any], key: str, line: int | None) -> frozenset[str] | None:
@@ -170,7 +172,7 @@ class _Reader:
     def _number(self, table: dict[str, Any], key: str, line: int | None) -> int | None:
         value = table.get(key)
         if value is not None and (isinstance(value, bool) or not isinstance(value, int)):
-            raise self._error(f"`{key}` is no whole number", self._line(key, line), f"Write {key} = 100.")
+            raise self._error(f"`{key}` is not a whole number", self._line(key, line), f"Write {key} = 100.")
         return value
 
     def _switch(self, table: dict[str, Any], line: int | None) -> bool:

@@ -67,7 +67,7 @@ class Dataset:
         if not _WHOLE.fullmatch(text):
             raise SourceError(
                 "KG131",
-                f"`{column}` of {project.cells[self.key]} is {text!r}, which is no whole number",
+                f"`{column}` of {project.cells[self.key]} is {text!r}, which is not a whole number",
                 place=Place(str(self.path), project.line),
                 hint="Write a whole number, or NA where it is not known.",
             )
@@ -108,7 +108,7 @@ def _rows(stream: Iterable[str], path: Path) -> Iterator[tuple[int, list[str]]]:
         except StopIteration:
             return
         except csv.Error as error:
-            hint = 'Cells with commas, quotes or line breaks stand in quotes: "a, b"; quotes in them are doubled.'
+            hint = 'Quote cells that contain commas, quotes or line breaks: "a, b". Double the quotes inside.'
             raise SourceError("KG131", f"this is not CSV: {error}", place=Place(str(path), line), hint=hint) from error
         if any(cell.strip() for cell in cells):
             yield line, cells
@@ -118,7 +118,7 @@ def _rows(stream: Iterable[str], path: Path) -> Iterator[tuple[int, list[str]]]:
 def _check_head(columns: tuple[str, ...], path: Path) -> None:
     for column in columns:
         if not column or columns.count(column) > 1:
-            what = f"the column `{column}` stands twice" if column else "a column has no name"
+            what = f"duplicate column `{column}`" if column else "a column has no name"
             raise SourceError("KG131", f"{what} in the head", place=Place(str(path), 1))
 
 
@@ -128,7 +128,7 @@ def _project(columns: tuple[str, ...], cells: list[str], line: int, path: Path) 
             "KG131",
             f"the row has {len(cells)} cells, the head {len(columns)}",
             place=Place(str(path), line),
-            hint="A cell with a comma in it stands in quotes.",
+            hint="Quote cells that contain a comma.",
         )
     return Project(dict(zip(columns, map(str.strip, cells), strict=True)), line)
 
@@ -138,5 +138,5 @@ def _check_keys(key: str, projects: tuple[Project, ...], path: Path) -> None:
     for project in projects:
         first = lines.setdefault(project.cells[key], project.line)
         if first != project.line:
-            message = f"{project.cells[key]!r} stands in line {first} already"
+            message = f"{project.cells[key]!r} is already in line {first}"
             raise SourceError("KG131", message, place=Place(str(path), project.line))

@@ -96,9 +96,9 @@ def _check(url: str, ref: str | None) -> None:
     if match and match["scheme"].lower() not in _SCHEMES:
         raise SourceError("KG103", f"addresses of the scheme {match['scheme']} are not fetched", place=place)
     if not match and not _SCP.match(url):
-        raise SourceError("KG103", "this is no address of a git repository", place=place)
+        raise SourceError("KG103", "not the address of a git repository", place=place)
     if ref is not None and (ref.startswith("-") or re.search(r"[\s:^~?*\[\\]|\.\.", ref)):
-        raise SourceError("KG103", f"{ref!r} is no name of a branch, tag or commit", place=place)
+        raise SourceError("KG103", f"{ref!r} is not a branch, tag or commit", place=place)
 
 
 def _without_password(url: str) -> str:

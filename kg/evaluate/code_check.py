@@ -127,7 +127,7 @@ def _notes(found: _Found, absent: int) -> tuple[str, ...]:
     if found.left_out:
         told.append(f"Left out: {'; '.join(f'{number:,} {why}' for why, number in found.left_out.most_common())}.")
     if absent:
-        told.append(f"{absent:,} sampled facts stand in files that are not here, or were changed since.")
+        told.append(f"{absent:,} sampled facts are in files that are missing or have changed.")
     return tuple(told)
 
 

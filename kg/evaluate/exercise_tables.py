@@ -94,7 +94,7 @@ def exercises_table(of: Mapping[str, Capabilities], paper: Mapping[str, Mapping[
             told = paper.get(f"{exercise.number} {robot}", {})
             rows.append((f"{exercise.number} {exercise.title}", robot, *figures, *(told.get(name) for name in known)))
     columns = ("exercise", "robot", *_FIGURES, *(f"{PAPER} {name}" for name in known))
-    return Table("exercises", "Programs beside code (onto-ros, Table 2)", columns, tuple(rows), _notes(paper))
+    return Table("exercises", "Programs compared with code (onto-ros, Table 2)", columns, tuple(rows), _notes(paper))
 
 
 def _notes(paper: Mapping[str, object]) -> tuple[str, ...]:

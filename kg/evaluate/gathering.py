@@ -77,7 +77,7 @@ def _read(path: Path, packages: Packages, choice: Choice) -> references.Reading:
         return references.read(path, closed=choice.closed)
     spot = packages.called(choice.package) if choice.package else packages.around(path)
     if spot is None:
-        message = "this page stands in no package of the store"
+        message = "this page is in no package of the store"
         raise UsageError("KG723", message, place=Place(str(path)), hint="Name its package with --package.")
     return references.Reading(read_page(path, spot, closed=choice.closed))
 

@@ -79,7 +79,7 @@ def read_needs(path: Path) -> tuple[Need, ...]:
             need = decoder.decode(line)
         except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
             place = Place(str(path), number)
-            raise UsageError("KG725", f"this line is no need: {error}", place=place) from None
+            raise UsageError("KG725", f"invalid need: {error}", place=place) from None
         if any(not 0 <= one.grade <= _HIGHEST for one in need.relevant):
             raise UsageError("KG725", f"a grade is not from 0 to {_HIGHEST}", place=Place(str(path), number))
         found.append(need)

@@ -170,7 +170,7 @@ def _records(text: str, path: Path) -> Iterator[tuple[int, _Record]]:
         try:
             record = decoder.decode(line.encode("utf-8", "replace"))
         except (msgspec.MsgspecError, RecursionError) as error:
-            raise UsageError("KG721", f"this line is no reference: {error}", place=place, hint=_HINT) from None
+            raise UsageError("KG721", f"invalid reference: {error}", place=place, hint=_HINT) from None
         if not (record.repo or record.repository):
             raise UsageError("KG721", "this line names no repository of a node", place=place, hint=_HINT)
         yield number, record

@@ -94,10 +94,10 @@ def score_sheet(path: Path) -> Table:
     for line, row in _rows(path):
         answer = (row["right"] or "").strip().lower()
         if answer and answer not in _ANSWERS:
-            raise UsageError("KG722", f"`{answer}` is no answer", place=Place(str(path), line), hint=_HINT)
+            raise UsageError("KG722", f"`{answer}` is not an answer", place=Place(str(path), line), hint=_HINT)
         facts = row["facts"] or ""
         if not facts.isdecimal() or len(facts) > 12:  # noqa: PLR2004 - more facts than any store has
-            raise UsageError("KG722", f"`{facts}` is no number of facts", place=Place(str(path), line))
+            raise UsageError("KG722", f"`{facts}` is not a number of facts", place=Place(str(path), line))
         _count(strata[row["relation"] or ""], int(facts), answer)
     rows: list[tuple[Cell, ...]] = [
         (relation, share(one.right, one.judged), one.unsure, one.empty, one.facts) for relation, one in strata.items()
@@ -142,4 +142,4 @@ def _rows(path: Path) -> Iterator[tuple[int, dict[str, str | None]]]:
         for row in reader:
             yield reader.line_num, row
     except csv.Error as error:
-        raise UsageError("KG722", f"this is no CSV: {error}", place=Place(str(path), reader.line_num)) from None
+        raise UsageError("KG722", f"invalid CSV: {error}", place=Place(str(path), reader.line_num)) from None

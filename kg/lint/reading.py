@@ -38,10 +38,10 @@ _LED: Final = """SELECT ?configuration ?start ?chain WHERE {
 """What instances share with those of other systems was reached by the includes that led to them."""
 _VERBS: Final = {
     v.bare(v.PUBLISHER): "publishes",
-    v.bare(v.SUBSCRIBER): "subscribes",
-    v.bare(v.SERVICE_SERVER): "offers the service",
+    v.bare(v.SUBSCRIBER): "subscribes to",
+    v.bare(v.SERVICE_SERVER): "provides the service",
     v.bare(v.SERVICE_CLIENT): "calls the service",
-    v.bare(v.ACTION_SERVER): "offers the action",
+    v.bare(v.ACTION_SERVER): "provides the action",
     v.bare(v.ACTION_CLIENT): "calls the action",
     v.bare(v.PARAMETER): "has the parameter",
     v.bare(v.SETTING): "sets",

@@ -43,7 +43,7 @@ def several_launches(
     ways = [f"`{option}{_shortest(names, one)}`  ({one.repository}:{one.path})" for one in found[:_SHOWN]]
     if len(found) > _SHOWN:
         ways.append(f"... and {len(found) - _SHOWN} more")
-    return UsageError("KG003", f"{len(found)} launch files are called `{text}`; say which", hint="\n".join(ways))
+    return UsageError("KG003", f"{len(found)} launch files are called `{text}`; choose one", hint="\n".join(ways))
 
 
 def shared_names(names: Sequence[SystemName]) -> dict[SystemName, str]:

@@ -181,7 +181,7 @@ def _top(folder: Path) -> Path:
         raise SourceError("KG101", "git is not installed", hint="Install git to compare commits.") from error
     except subprocess.SubprocessError:
         hint = "Go into a checkout, or name one with --repository; two stores can be compared without git."
-        raise SourceError("KG101", "this is no git repository", place=Place(str(folder)), hint=hint) from None
+        raise SourceError("KG101", "not a git repository", place=Place(str(folder)), hint=hint) from None
 
 
 def _asked(folder: Path, question: str) -> str:

@@ -80,7 +80,7 @@ def _check_output(output: Path) -> None:
     folder = output.absolute().parent
     problem = None
     if not os.path.isdir(folder):  # noqa: PTH112 - False for what is closed, where Path raises
-        problem = f"there is no folder {folder}"
+        problem = f"the folder {folder} does not exist"
     elif os.path.isdir(output):  # noqa: PTH112 - the same
         problem = "it is a folder"
     elif not os.access(folder, os.W_OK | os.X_OK):

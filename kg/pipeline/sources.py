@@ -54,7 +54,7 @@ def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool
             _add(found, source)
     if not any(source.packages for source in found.values()):
         places = ", ".join(str(source.root) for source in found.values())
-        raise SourceError("KG102", f"there is no ROS package in {places or ', '.join(texts) or 'what was named'}")
+        raise SourceError("KG102", f"found no ROS package in {places or ', '.join(texts) or 'what was named'}")
     for source in found.values():
         report.source(source.repository, len(source.packages), source.problems)
     return tuple(found.values())
@@ -78,7 +78,7 @@ def _listed(text: str) -> Iterator[ListedSource]:
         yield ListedSource(str(path))
     else:
         hint = "Check the spelling; if it was read before and is gone for good, `kg forget` its source."
-        raise SourceError("KG101", "there is no such folder, address or list of sources", place=Place(text), hint=hint)
+        raise SourceError("KG101", "no such folder, address or list of sources", place=Place(text), hint=hint)
 
 
 def _folder(listed: ListedSource, checkouts: Path, report: Report, *, again: bool) -> Path:

@@ -231,7 +231,7 @@ def _sound(folder: Path, package: PackageState, content: bytes | None) -> bytes:
     if content is None:
         discard(folder)
         message = f"the cached result of the package {package.name} is damaged"
-        raise StoreError("KG303", message, place=Place(str(folder)), hint="Build again; it will be read anew.")
+        raise StoreError("KG303", message, place=Place(str(folder)), hint="Build again to read it again.")
     return content
 
 

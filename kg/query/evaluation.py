@@ -141,7 +141,7 @@ def _graphs(dataset: Dataset) -> dict[str, Any]:
             "named_graphs": [NamedNode(iri) for iri in dataset.named_graphs or ()],
         }
     except ValueError as error:
-        raise QueryError("KG505", f"a graph of the data set is no IRI: {error}") from error
+        raise QueryError("KG505", f"a graph of the data set is not an IRI: {error}") from error
 
 
 def _evaluation(

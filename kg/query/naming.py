@@ -78,7 +78,7 @@ def facts(
     for word, found in ((subject, subjects), (predicate, predicates), (value, values)):
         if len(found) > 1:
             ways = "\n".join(str(term) for term in found)
-            raise UsageError("KG003", f"{len(found)} things are called `{word}`; say which", hint=ways)
+            raise UsageError("KG003", f"{len(found)} things are called `{word}`; choose one", hint=ways)
     return _triples(subjects, predicates, values), False
 
 
@@ -140,7 +140,7 @@ def terms(
         return [NamedNode(word)]
     if prefixed and property_:
         hint = did_you_mean(prefixed[1], prefixes) or "Write the whole IRI, in angle brackets."
-        raise UnknownNameError("KG001", f"`{prefixed[1]}:` is no prefix that is known here", hint=hint)
+        raise UnknownNameError("KG001", f"`{prefixed[1]}:` is not a known prefix", hint=hint)
     if _WRITTEN.fullmatch(word):
         return [_literal(word)]
     if property_:
@@ -168,7 +168,7 @@ def _property(snapshot: Askable, word: str) -> list[NamedNode]:
     found = [iri for iri in known if re.split(r"[/#]", iri.value)[-1] == word]
     if not found:
         hint = did_you_mean(word, [shorten(iri.value) for iri in known]) or _ALL_PROPERTIES
-        raise UnknownNameError("KG001", f"there is no property `{word}`", hint=hint)
+        raise UnknownNameError("KG001", f"unknown property `{word}`", hint=hint)
     return found
 
 

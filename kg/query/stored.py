@@ -141,7 +141,7 @@ def _parameter(path: Path, number: int, line: str, blocks: Mapping[str, str]) ->
     place = Place(str(path), number)
     if match is None or match["type"] not in _TYPES:
         hint = f'Write: @param NAME TYPE "EXAMPLE" DESCRIPTION, with a TYPE of {", ".join(_TYPES)}.'
-        raise QueryError("KG505", f"`{line}` describes no parameter", place=place, hint=hint)
+        raise QueryError("KG505", f"`{line}` does not describe a parameter", place=place, hint=hint)
     if match["name"] not in blocks:
         message = f"the query has no block of data for its parameter {match['name']}"
         raise QueryError("KG505", message, place=place, hint=f"Add VALUES ?{match['name']} {{ UNDEF }} to the query.")
@@ -180,7 +180,7 @@ def find(name: str, folders: Iterable[Path] = ()) -> StoredQuery:
         names = ", ".join(same)
         raise UsageError("KG001", f"several queries are called `{name}`: {names}", hint="Give the whole name.")
     hint = did_you_mean(name, [*known, *(path.rpartition("/")[2] for path in known)])
-    raise UnknownNameError("KG001", f"there is no stored query `{name}`", hint=hint or "`kg query --list` lists them.")
+    raise UnknownNameError("KG001", f"unknown stored query `{name}`", hint=hint or "`kg query --list` lists them.")
 
 
 def internal(name: str) -> str:

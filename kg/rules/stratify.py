@@ -35,8 +35,8 @@ _FEW: Final = 5
 _MOVED: Final = "Move the call to a rule that does not recur."
 _LIMITED: Final = "Move what makes terms to a rule of its own, or set a limit."
 _ANY_PROPERTY: Final = (
-    "Rules that derive any property, such as eq-rep-p of owl-rl, feed every rule beside them: families that make terms "
-    "or deny something cannot stand beside owl-rl. `rule_families` names those that go together."
+    "Rules that derive any property, such as eq-rep-p of owl-rl, feed every other rule: families that make terms "
+    "or deny something cannot be combined with owl-rl. `rule_families` names those that go together."
 )
 
 

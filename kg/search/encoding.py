@@ -55,7 +55,7 @@ class FolderModel:
     def __init__(self, folder: Path) -> None:
         if not folder.is_dir():
             hint = "Name a folder that holds a model; kg downloads none."
-            raise UsageError("KG704", f"there is no model at {folder}, which is no folder", hint=hint)
+            raise UsageError("KG704", f"no model at {folder}: not a folder", hint=hint)
         if not any((folder / name).is_file() for name in _MARKS):
             hint = f"A folder saved by sentence-transformers holds {_MARKS[0]}, one of transformers {_MARKS[1]}."
             raise UsageError("KG704", f"the folder {folder} holds no model", hint=hint)
@@ -82,11 +82,11 @@ class FolderModel:
             raise self._broken(cause) from problem
         vectors = np.asarray(found, np.float32)
         if vectors.shape[:1] != (len(texts),) or not np.isfinite(vectors).all():
-            raise self._broken("it gives no vectors, or some that are no numbers")
+            raise self._broken("it returned no vectors, or vectors with invalid numbers")
         return vectors
 
     def _broken(self, cause: str) -> UsageError:
-        hint = "Copy or download the folder of the model anew, or leave the model out."
+        hint = "Copy or download the folder of the model again, or leave the model out."
         return UsageError("KG704", f"the model in {self._folder} cannot be used: {cause}", hint=hint)
 
 

@@ -22,9 +22,9 @@ __all__ = ["Reason", "reasons"]
 _VERBS: Final = {
     "publishes": "publishes",
     "subscribes": "subscribes",
-    "services": "offers the service",
+    "services": "provides the service",
     "clients": "calls the service",
-    "action_servers": "offers the action",
+    "action_servers": "provides the action",
     "action_clients": "calls the action",
 }
 _ROLES: Final = {

@@ -188,7 +188,7 @@ def choose(accept: str | None, named: tuple[str, ...] = ()) -> Mapping[str, Choi
     wanted = ranges(accept) if accept else []
     if any(named) and all(one.type == "*" for one in wanted):
         names = sorted({name for _, name in (*RESULTS, *GRAPH)})
-        raise RequestError("KG523", f"there is no format `{named[0]}`", hint=f"Use one of {', '.join(names)}.")
+        raise RequestError("KG523", f"unknown format `{named[0]}`", hint=f"Use one of {', '.join(names)}.")
     if not wanted:
         return {kind: Choice(offered[0][1], offered[0][0]) for kind, offered in _KINDS.items()}
     found = _accepted(wanted)

@@ -84,7 +84,7 @@ def _holds(snapshot: EmbeddedSnapshot, ask: str, names: str, terms: Sequence[str
 def _lists(given: str | Sequence[Sequence[str]], length: int) -> list[list[str]]:
     found = _list(given)
     if not all(isinstance(one, list | tuple) and len(one) == length for one in found):
-        raise UsageError("KG003", f"each entry takes {length} texts")
+        raise UsageError("KG003", f"each entry needs {length} texts")
     return [[str(part) for part in one] for one in found]
 
 
@@ -92,7 +92,7 @@ def _list(given: Any) -> list[Any]:
     try:
         found = json.loads(given or "[]") if isinstance(given, str) else list(given)
     except json.JSONDecodeError as error:
-        raise UsageError("KG003", f"the list is no JSON: {error}") from error
+        raise UsageError("KG003", f"the list is not valid JSON: {error}") from error
     if not isinstance(found, list):
-        raise UsageError("KG003", "what was given is no list")
+        raise UsageError("KG003", "expected a list")
     return found

@@ -45,10 +45,10 @@ def find(
     given = {name: _values(value) for name, value in filters.items() if value.strip()}
     for name in given:
         if name not in FILTERS:
-            hint = did_you_mean(name, FILTERS) or f"There are {', '.join(FILTERS)}."
-            raise UsageError("KG003", f"there is no filter `{name}`", hint=hint)
+            hint = did_you_mean(name, FILTERS) or f"Valid filters: {', '.join(FILTERS)}."
+            raise UsageError("KG003", f"unknown filter `{name}`", hint=hint)
     if not text.strip() and not given:
-        raise UsageError("KG003", "there is nothing to search for", hint="Give words, or a filter.")
+        raise UsageError("KG003", "nothing to search for", hint="Give words or a filter.")
     search = search_over(snapshot, settings)
     answer = search.find(text, given, _whole(limit))
     only, rather = understood(answer.need)
@@ -86,7 +86,7 @@ def _values(text: str) -> list[str]:
 
 def _whole(limit: str) -> int:
     if not 0 < whole(limit, 0) <= _MOST:
-        raise UsageError("KG003", f"`{limit}` is no limit", hint=f"Give a whole number from 1 to {_MOST}.")
+        raise UsageError("KG003", f"`{limit}` is not a valid limit", hint=f"Give a whole number from 1 to {_MOST}.")
     return int(limit)
 
 

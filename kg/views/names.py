@@ -55,7 +55,7 @@ def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
     lines = "\n".join(
         f"`kg node {way}`  ({one.node.kind}, {one.node.location})" for way, one in zip(ways, found, strict=True)
     )
-    raise UsageError("KG003", f"{len(found)} nodes are called `{name}`; say which", hint=lines)
+    raise UsageError("KG003", f"{len(found)} nodes are called `{name}`; choose one", hint=lines)
 
 
 def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
@@ -81,7 +81,7 @@ def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
         raise unknown("instance", name, started, otherwise="`kg instances` lists the instances.")
     if len(found) > 1:
         ways = "\n".join(f"`kg node {name} --launch {one}`" for one in found)
-        raise UsageError("KG003", f"{len(found)} launch files start `{name}`; say which", hint=ways)
+        raise UsageError("KG003", f"{len(found)} launch files start `{name}`; choose one", hint=ways)
     return found[0]
 
 

@@ -64,4 +64,4 @@ def _row(given: str | Mapping[str, str]) -> Mapping[str, str]:
     try:
         return msgspec.json.decode(given, type=dict[str, str])
     except msgspec.DecodeError as error:
-        raise UsageError("KG003", f"the row is no JSON object of texts: {error}") from None
+        raise UsageError("KG003", f"the row is not a JSON object of strings: {error}") from None

@@ -93,7 +93,7 @@ def blocks_open(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str) ->
     file = library.read(entry.name)
     if file.notation != ".rq":
         hint = f"`kg rules compile {entry.name} --to rq` writes it as one."
-        raise RuleError("KG209", f"{entry.name} is no rule in SPARQL CONSTRUCT", hint=hint)
+        raise RuleError("KG209", f"{entry.name} is not a SPARQL CONSTRUCT rule", hint=hint)
     found = read(file.text, entry.name, str(file.path))
     return {"rule": found, "text": file.text}
 
@@ -144,7 +144,7 @@ def _given(rule: Mapping[str, Any] | None, text: str, name: str) -> tuple[Rule |
         try:
             shown = msgspec.convert(rule, Rule)
         except (msgspec.ValidationError, RecursionError) as error:
-            raise UsageError("KG003", f"these are no blocks of a rule: {error}") from None
+            raise UsageError("KG003", f"invalid blocks of a rule: {error}") from None
         return shown, write(shown), None
     called = name or f"{FAMILY}/rule"
     try:

@@ -72,7 +72,7 @@ def _object(values: str | Mapping[str, str]) -> Mapping[str, str]:
     try:
         found = json.loads(values or "{}")
     except json.JSONDecodeError as error:
-        raise UsageError("KG003", f"the values are no JSON: {error}") from error
+        raise UsageError("KG003", f"the values are not valid JSON: {error}") from error
     if not isinstance(found, dict) or not all(isinstance(value, str) for value in found.values()):
-        raise UsageError("KG003", "the values are no JSON object of texts", hint='Write {"NAME": "VALUE"}.')
+        raise UsageError("KG003", "the values are not a JSON object of strings", hint='Write {"NAME": "VALUE"}.')
     return found

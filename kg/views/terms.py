@@ -33,7 +33,7 @@ def named_node(text: str) -> NamedNode:
         return NamedNode(PREFIXES[prefix] + local if prefix in PREFIXES and not local.startswith("//") else inner)
     except ValueError:
         hint = "Give it whole, `https://...`, or with a prefix that is known here, `rnkg:feeds`."
-        raise UsageError("KG003", f"`{text}` is no IRI", hint=hint) from None
+        raise UsageError("KG003", f"`{text}` is not an IRI", hint=hint) from None
 
 
 def given_term(text: str) -> Term:

@@ -67,7 +67,7 @@ def test_a_build_tells_what_it_read_and_found(kg: Program, workspace: Path) -> N
     assert "source local/ws: 5 packages" in run.err
     assert "read rover_robot: 6 nodes, " in run.err
     assert "read 5 packages of 1 source in " in run.err
-    assert "unresolved " in run.err
+    assert " names unresolved:" in run.err
     assert run.err.endswith("store .kg\n")
 
 

@@ -71,7 +71,7 @@ def test_the_launch_file_is_all_that_is_written(robots: Program) -> None:
         (["--from", "Twist", "--to", "LaserScan"], 1, "error[KG706]"),
         (["--from", "LaserScan", "--to", "Twist", "--using", "follwer"], 1, "`follower`"),
         (["--from", "LaserScan", "--to", "Twist", "--launch", "9"], 2, "no chain 9, only 2 chains"),
-        (["--from", "LaserScan", "--to", "Twist", "--ros", "3"], 2, "`--ros 3` is no whole number from 1 to 2"),
+        (["--from", "LaserScan", "--to", "Twist", "--ros", "3"], 2, "`--ros 3` is not a whole number from 1 to 2"),
         (["--from", "LaserScan", "--to", "Twist", "--length", "99"], 2, "from 1 to 6"),
         (["--from", "LaserScan"], 2, "--to"),
     ],

@@ -64,8 +64,8 @@ def test_select_by_default(kg: Program) -> None:
     [
         (("fetch",), 2, "no folder or lock file given"),
         (("fetch", "list", "--into", "x", "--ros", "3"), 2, "`--ros 3` is not a version of ROS"),
-        (("fetch", "list", "--into", "x", "--jobs", "0"), 2, "no whole number from 1 to 64"),
-        (("fetch", "list", "--into", "x", "--max-size", "big"), 2, "no size"),
+        (("fetch", "list", "--into", "x", "--jobs", "0"), 2, "not a whole number from 1 to 64"),
+        (("fetch", "list", "--into", "x", "--max-size", "big"), 2, "not a size"),
         (("fetch", "nothing", "--into", "x"), 3, "KG101"),
         (("fetch", "--lock", "nothing"), 3, "KG101"),
         (("select", "nothing.csv"), 3, "KG101"),

@@ -25,7 +25,7 @@ def test_sizes_are_bytes_or_have_a_unit(text: str, expected: int) -> None:
 @pytest.mark.parametrize("text", ["", "0", "0K", "K", "-1", "1.5G", "1T", "1 G", "G1", "²"])
 def test_what_is_no_size_is_refused(text: str) -> None:
     """With the option, the text, and how one is written."""
-    with pytest.raises(UsageError, match=f"`--max-memory {text}` is no size") as caught:
+    with pytest.raises(UsageError, match=f"`--max-memory {text}` is not a size") as caught:
         size(text, "--max-memory")
     assert (caught.value.code, caught.value.hint) == ("KG003", "Write bytes, or 500K, 4M, 1G.")
 
@@ -34,7 +34,7 @@ def test_what_is_no_size_is_refused(text: str) -> None:
 @pytest.mark.parametrize("text", ["0", "-1", "nan", "inf", "1e999", "soon", ""])
 def test_what_is_no_number_above_zero_is_refused(read: Callable[[str, str], float], text: str) -> None:
     """Durations, rates and factors are finite and above zero."""
-    with pytest.raises(UsageError, match=f"`--for {text}` is no "):
+    with pytest.raises(UsageError, match=f"`--for {text}` is not a "):
         read(text, "--for")
     assert read("0.5", "--for") == 0.5
 
@@ -52,7 +52,7 @@ def test_whole_numbers_have_bounds() -> None:
     assert [whole(text, "--limit", 1, 3) for text in ("1", "3")] == [1, 3]
     assert whole("99999", "--limit", 0) == 99999
     for text in ("0", "4", "1.5", "x"):
-        with pytest.raises(UsageError, match=f"`--limit {text}` is no whole number from 1 to 3"):
+        with pytest.raises(UsageError, match=f"`--limit {text}` is not a whole number from 1 to 3"):
             whole(text, "--limit", 1, 3)
-    with pytest.raises(UsageError, match="is no whole number at least 0"):
+    with pytest.raises(UsageError, match="is not a whole number at least 0"):
         whole("-1", "--limit", 0)

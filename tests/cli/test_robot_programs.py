@@ -101,7 +101,7 @@ def test_what_a_program_takes_is_counted(kg: Program) -> None:
     [
         (("check", "none.kgp"), "`none.kgp` cannot be read"),
         (("convert", "a.kgp", "--to", "cobol"), "unknown form `cobol` of a program"),
-        (("run", "a.kgp", "--seconds", "soon"), "`--seconds soon` is no number of seconds"),
+        (("run", "a.kgp", "--seconds", "soon"), "`--seconds soon` is not a number of seconds"),
         (("check", "a.kgp", "--robot", "x", "--launch", "y"), "--launch conflicts with --robot"),
     ],
 )

@@ -69,10 +69,10 @@ def test_a_change_of_one_changes_its_lines_only(tmp_path: Path) -> None:
         ("version = 2\n", None, "version is 2"),
         ("", None, "version is None"),
         ('version = 1\n[[repository]]\nname = "a"\n', 2, "no `url`"),
-        ('version = 1\n\n[[repository]]\nname = "a"\nurl = "u"\nsize = 1\n', 3, "no key `size`"),
-        ('version = 1\n[[repository]]\nname = "a"\nurl = "u"\nbytes = "1"\n', 2, "is no int"),
-        ('version = 1\n[[repository]]\nname = "a"\nurl = "u"\ncommit = "--x"\n', 2, "no commit"),
-        ("version = 1\nrepository = 1\n", None, "no list"),
+        ('version = 1\n\n[[repository]]\nname = "a"\nurl = "u"\nsize = 1\n', 3, "unknown key `size`"),
+        ('version = 1\n[[repository]]\nname = "a"\nurl = "u"\nbytes = "1"\n', 2, "not of type int"),
+        ('version = 1\n[[repository]]\nname = "a"\nurl = "u"\ncommit = "--x"\n', 2, "not a commit"),
+        ("version = 1\nrepository = 1\n", None, "not a list"),
     ],
 )
 def test_malformed_lock(text: str, line: int | None, says: str, tmp_path: Path) -> None:
@@ -103,7 +103,7 @@ def test_what_stands_there(tmp_path: Path) -> None:
     assert [entry.name for entry in found.missing] == ["absent"]
     assert {entry.name: why for entry, why in found.drifted} == {
         "changed": "files were changed",
-        "other": f"stands at {commit[:12]}, not at 000000000000",
+        "other": f"is at {commit[:12]}, not at 000000000000",
     }
     assert checkouts(lock, found)[0] == tmp_path / "same"
     with pytest.raises(SourceError) as caught:

@@ -53,11 +53,11 @@ def test_lines_about_one_node_belong_together(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("{", "no reference"),
-        ("[]", "no reference"),
+        ("{", "invalid reference"),
+        ("[]", "invalid reference"),
         ('{"package": "p"}', "names no repository"),
-        ('{"repo": "a/b", "publishes": 3}', "no reference"),
-        ("[" * 100_000, "no reference"),
+        ('{"repo": "a/b", "publishes": 3}', "invalid reference"),
+        ("[" * 100_000, "invalid reference"),
     ],
 )
 def test_a_line_that_is_no_reference_is_named(tmp_path: Path, text: str, words: str) -> None:

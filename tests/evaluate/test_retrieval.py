@@ -111,8 +111,8 @@ def _tool() -> Any:
     ("text", "words"),
     [
         ("", "has no need"),
-        ("{}", "no need"),
-        ('{"id": "a", "query": "b", "relevant": [{"repo": "c"}]}', "no need"),
+        ("{}", "invalid need"),
+        ('{"id": "a", "query": "b", "relevant": [{"repo": "c"}]}', "invalid need"),
         ('{"id": "a", "query": "b", "relevant": [{"repo": "c", "package": "p", "node": "n", "grade": 99}]}', "grade"),
     ],
 )

@@ -96,8 +96,8 @@ def test_relations_that_were_not_judged_leave_the_whole_open(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
-        ("relation,facts,right\na,1,yes\na,1,maybe\n", 3, "`maybe` is no answer"),
-        ("relation,facts,right\na,some,yes\n", 2, "no number of facts"),
+        ("relation,facts,right\na,1,yes\na,1,maybe\n", 3, "`maybe` is not an answer"),
+        ("relation,facts,right\na,some,yes\n", 2, "not a number of facts"),
         ("relation,facts\na,1\n", 1, "no column `right`"),
         ("", 1, "no column"),
     ],

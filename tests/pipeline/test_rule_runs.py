@@ -77,7 +77,7 @@ def test_a_file_that_is_not_there_is_named(settings: Settings, tmp_path: Path) -
 
 def test_a_file_that_cannot_be_written_is_named(settings: Settings, tmp_path: Path) -> None:
     """KG003 with the file and the reason, before anything is read."""
-    for output, reason in ((tmp_path / "no" / "x.nt", "there is no folder"), (tmp_path, "it is a folder")):
+    for output, reason in ((tmp_path / "no" / "x.nt", "does not exist"), (tmp_path, "it is a folder")):
         with pytest.raises(UsageError, match=f"KG003.*{reason}") as caught:
             run_on_files(settings, [tmp_path / "none.nt"], output)
         assert str(caught.value.place) == str(output)

@@ -112,7 +112,7 @@ def test_labels_in_a_language_and_ends_of_iris() -> None:
 def test_prefixes_of_rules_and_unknown_ones() -> None:
     """Prefixes that are given count; an unknown one is named."""
     assert terms(STORE, "my:x", prefixes={"my": "https://m.org/"}) == [NamedNode("https://m.org/x")]
-    with pytest.raises(UnknownNameError, match="`my:` is no prefix"):
+    with pytest.raises(UnknownNameError, match="`my:` is not a known prefix"):
         terms(STORE, "my:x", property_=True)
 
 

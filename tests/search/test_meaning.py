@@ -185,7 +185,7 @@ def _switches(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_what_is_no_model_is_refused(tmp_path: Path) -> None:
     """The name of a model elsewhere is not downloaded, and a folder without a model says what is missing."""
-    for path, words in ((tmp_path / "all-MiniLM-L6-v2", "is no folder"), (tmp_path, "holds no model")):
+    for path, words in ((tmp_path / "all-MiniLM-L6-v2", "not a folder"), (tmp_path, "holds no model")):
         with pytest.raises(UsageError, match=words) as raised:
             FolderModel(path)
         assert raised.value.code == "KG704"
@@ -204,7 +204,7 @@ def test_the_extra_is_named_where_it_is_missing(tmp_path: Path, monkeypatch: pyt
 
 @pytest.mark.parametrize(
     ("encoded", "words"),
-    [(OSError("no file named model.safetensors"), "model.safetensors"), ([[float("nan")]], "no numbers")],
+    [(OSError("no file named model.safetensors"), "model.safetensors"), ([[float("nan")]], "invalid numbers")],
 )
 def test_a_broken_model_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, encoded: Any, words: str) -> None:
     """What the library says stands in the error."""

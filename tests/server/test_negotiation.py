@@ -85,7 +85,7 @@ def test_names(name: str, rows: str | None, graph: str | None) -> None:
 @pytest.mark.parametrize("accept", [None, "*/*"])
 def test_unknown_name(name: str, accept: str | None) -> None:
     """A name that no format has is refused where the client would take anything else."""
-    with pytest.raises(RequestError, match="no format"):
+    with pytest.raises(RequestError, match="unknown format"):
         choose(accept, (name,))
 
 

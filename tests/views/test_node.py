@@ -85,7 +85,7 @@ def test_names_that_mean_nothing(snapshot: EmbeddedSnapshot, settings: Settings)
     assert "`scan_filter`" in (caught.value.hint or "")
     with pytest.raises(UnknownNameError):
         node(snapshot, settings, iri="https://w3id.org/rnkg/topic/scan")
-    with pytest.raises(UsageError, match="no IRI"):
+    with pytest.raises(UsageError, match="is not an IRI"):
         node(snapshot, settings, iri="no iri at all")
 
 

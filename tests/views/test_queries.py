@@ -69,7 +69,7 @@ def test_a_row_rests_on_facts(snapshot: EmbeddedSnapshot, settings: Settings, *,
     assert [one["text"] for one in found["proofs"]] == ["scan_filter rnkg:publishes /scan_filtered"]
     assert len(found["conditions"]) == 1
     for wrong in ("[]", '{"t": 1}', "{"):
-        with pytest.raises(UsageError, match="no JSON object"):
+        with pytest.raises(UsageError, match="not a JSON object"):
             why_row(snapshot, settings, query=query, row=wrong)
 
 
@@ -163,7 +163,7 @@ def test_cells_tell_what_things_are_called_and_are(snapshot: EmbeddedSnapshot, s
     assert (node["label"], topic["label"]) == ("scan_filter", "/scan_filtered")
     assert PREFIXES["rnkg"] + "NodeType" in node["types"]
     assert unknown == {"label": None, "types": []}
-    with pytest.raises(UsageError, match="is no IRI"):
+    with pytest.raises(UsageError, match="is not an IRI"):
         cells(snapshot, settings, things=["no iri"])
 
 

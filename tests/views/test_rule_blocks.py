@@ -119,7 +119,7 @@ def test_text_becomes_blocks(snapshot: EmbeddedSnapshot, settings: Settings) -> 
 
 def test_what_is_no_rule_is_refused(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """Blocks that are none are an error of whoever asks; a name that no rule may have is told as a finding."""
-    with pytest.raises(UsageError, match="no blocks"):
+    with pytest.raises(UsageError, match="invalid blocks"):
         blocks_check(snapshot, settings, rule={"when": [{"block": "dance"}]})
     found = blocks_check(snapshot, settings, text="CONSTRUCT {} WHERE {}", name="No Name")
     assert (found["rule"], found["findings"][0]["code"]) == (None, "KG209")

@@ -94,7 +94,7 @@ def build(  # noqa: PLR0913 - the options of a command
 
 
 def _checkouts(corpus: str) -> tuple[list[str], bool]:
-    """Return the folders of a corpus, and whether all stand there as its lock file says; say which do not."""
+    """Return the folders of a corpus, and whether all match its lock file; list those that do not."""
     from kg.cli.fetching_view import not_as_pinned  # noqa: PLC0415 - start-up time
     from kg.corpus.fetching_lock import checkouts, read_lock, standing  # noqa: PLC0415 - start-up time
 

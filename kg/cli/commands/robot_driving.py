@@ -57,7 +57,7 @@ def read(  # noqa: PLR0913 - the options of a command
     robot: Robot = None,
     json: Json = False,
 ) -> None:
-    """Print values that a robot senses or knows, one per line, until Ctrl-C.
+    """Print values sensed or stored by a robot, one per line, until Ctrl-C.
 
     Values have the names and units of the capability's parameters. In JSON, null represents no reading or an infinite
     one. For example:

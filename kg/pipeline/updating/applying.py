@@ -133,7 +133,7 @@ def _write_graph(executor: Executor, transaction: EmbeddedTransaction, change: G
     known = isinstance(graph, DefaultGraph) or transaction.has_graph(graph)
     if change.action == "delete":
         if not known:
-            raise QueryError("KG564", f"there is no graph {graph}")
+            raise QueryError("KG564", f"the graph {graph} does not exist")
         executor.remove(graph, drop=True)
         return False
     base = change.base or change.graph
@@ -149,4 +149,4 @@ def _graph(name: str | None) -> NamedNode | DefaultGraph:
     try:
         return DefaultGraph() if name is None else NamedNode(name)
     except ValueError as error:
-        raise QueryError("KG560", f"`{name}` is no IRI of a graph: {error}") from error
+        raise QueryError("KG560", f"`{name}` is not the IRI of a graph: {error}") from error

@@ -42,5 +42,5 @@ def _format(name: str) -> RdfFormat:
     found = RdfFormat.from_media_type(plain) if "/" in plain else RdfFormat.from_extension(plain)
     if found is None or (found.supports_datasets and found != RdfFormat.JSON_LD):
         hint = "The formats are text/turtle, application/n-triples, application/rdf+xml and application/ld+json."
-        raise QueryError("KG563", f"`{name}` is no format of one graph", hint=hint)
+        raise QueryError("KG563", f"`{name}` is not a format for one graph", hint=hint)
     return found

@@ -175,7 +175,7 @@ class Executor:
             return True
         if operation.silent:
             return False
-        message = f"there is no graph {graph}" if wanted else f"the graph {graph} is there already"
+        message = f"the graph {graph} does not exist" if wanted else f"the graph {graph} already exists"
         raise QueryError("KG560", message, hint=f"{operation.verb.upper()} SILENT goes on without it.")
 
 

@@ -133,7 +133,7 @@ class _Reader:
     def _call(self, call: Call) -> None:
         functions = import_module(self._configuration.calls).CALLS if self._configuration.calls else {}
         if call.name not in functions:
-            raise QueryError("KG506", f"there is no view `{call.name}`")
+            raise QueryError("KG506", f"unknown view `{call.name}`")
         began = time.perf_counter()
         snapshot = self._current()
         found = functions[call.name](snapshot, self._settings, **call.arguments)
@@ -183,7 +183,7 @@ def _term(name: str, text: str) -> NamedNode | Literal:
     except SyntaxError:
         term = None
     if not isinstance(term, NamedNode | Literal):
-        raise QueryError("KG505", f"`{text}` for ?{name} is no term of N-Triples", hint='Write <iri> or "text".')
+        raise QueryError("KG505", f"`{text}` for ?{name} is not an N-Triples term", hint='Write <iri> or "text".')
     return term
 
 

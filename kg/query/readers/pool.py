@@ -202,7 +202,7 @@ class Readers:
         if self._closed:
             raise QueryError("KG510", _CLOSED)
         if job.identity in self.jobs:
-            raise QueryError("KG505", "the job of this identity still runs", hint="Choose another identity.")
+            raise QueryError("KG505", "the job with this identity is still running", hint="Choose another identity.")
         self.jobs[job.identity] = job
 
     async def _look(self) -> None:

@@ -60,7 +60,7 @@ class _LastWords:
         with suppress(BlockingIOError):
             while said := os.read(self._file, _KEPT_BYTES):
                 self.text = (self.text + said)[-_KEPT_BYTES:]
-                _LOG.info("a reader said: %s", said.decode("utf-8", "replace").rstrip())
+                _LOG.info("a reader reported: %s", said.decode("utf-8", "replace").rstrip())
             self.close()
 
     def close(self) -> None:

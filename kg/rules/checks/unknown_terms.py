@@ -42,7 +42,7 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
         if namespace in STANDARD:
             if not is_standard(iri):
                 terms = (namespace + name for name in STANDARD[namespace])
-                yield _finding(file, iri, kind, f"there is no {kind} {shorten(iri)}", terms)
+                yield _finding(file, iri, kind, f"unknown {kind} {shorten(iri)}", terms)
             continue
         if not context.terms or iri in known or iri.startswith(_BUILT_IN):
             continue

@@ -32,7 +32,7 @@ def check(file: RuleFile, _context: Context) -> Iterator[Finding]:
         if uses[name] == 1 and not name.startswith("_"):
             others = [other for other in uses if other != name]
             hint = did_you_mean(name, others) or _hint(name, blank)
-            message = f"the variable ?{name} stands here only"
+            message = f"the variable ?{name} is used only here"
             yield Finding(CODE, "warning", file.name, message, at_offset(file, token.start), hint)
 
 

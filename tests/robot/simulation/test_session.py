@@ -189,7 +189,7 @@ def test_a_master_is_written_as_a_robot_is(master: str) -> None:
 @pytest.mark.parametrize("speed", ["0", "abc", "inf", "-1"])
 def test_a_speed_is_a_factor(speed: str) -> None:
     """A speed that is none is told to be no factor, not to be no time."""
-    with pytest.raises(UsageError, match=f"`--speed {speed}` is no factor"):
+    with pytest.raises(UsageError, match=f"`--speed {speed}` is not a factor"):
         chosen_with(speed=speed)
 
 
