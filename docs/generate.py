@@ -19,8 +19,10 @@ from transcripts import refreshed
 from kg.cli.man_page import roff as man_page
 from kg.cli.reference import markdown as commands_page
 from kg.errors import CATALOGUE, Exit
+from kg.lint.question import DECLARED as LINT
 from kg.query import stored
 from kg.rules.reading import OPTIONAL, discover
+from kg.server.options import DECLARED as SERVE
 from kg.settings import DECLARED
 from kg.shell.actions import key_table
 
@@ -95,28 +97,48 @@ _SETTINGS: Final = """\
 
 A flag overrides the environment variable. The variable overrides the nearest `kg.toml` in the working folder or above
 it, and the file overrides the default. `kg config show` prints each value and its origin. Relative paths in a file are
-relative to the file. The table `[lint]` lists the findings that [`kg lint`](lint.md#accept-known-findings) accepts.
+relative to the file.
 
     # kg.toml
     store = "/data/kg"
     jobs = 8
 
-| key of kg.toml | flag | variable | default | meaning |
-|---|---|---|---|---|
+    [serve]
+    port = 8080
 """
+_TABLES: Final = {
+    "": ("Settings of all commands", "", DECLARED),
+    "lint": (
+        "Settings of `kg lint`",
+        "Keys of the table `[lint]`, which also lists the findings that are [accepted](lint.md#accept-known-findings).",
+        LINT,
+    ),
+    "serve": (
+        "Settings of `kg serve`",
+        (
+            "Keys of the table `[serve]`. Settings without a key come from flags and variables only: a `kg.toml` that "
+            "comes with a checkout cannot open the server to others."
+        ),
+        SERVE,
+    ),
+}
+_HEAD: Final = "\n| key of kg.toml | flag | variable | default | meaning |\n|---|---|---|---|---|\n"
 
 
 def settings_page() -> str:
     """Return docs/settings.md: every setting with its three names and its sentence."""
-    rows = [
-        f"| `{one.name}` | `{one.flag} {one.metavar}` | `{one.variable}` | {_default(one.default)} | {one.sentence} |\n"
-        for one in DECLARED.values()
-    ]
-    return _SETTINGS + "".join(rows)
+    parts = [_SETTINGS]
+    for title, text, declared in _TABLES.values():
+        parts += [f"\n## {title}\n", f"\n{text}\n" if text else "", _HEAD]
+        for one in declared.values():
+            key, flag = f"`{one.key}`" if one.in_files else "", f"{one.flag} {one.metavar}".strip()
+            default = f"`{one.shown}`" if one.shown else ""
+            parts.append(f"| {key} | `{_cell(flag)}` | `{one.variable}` | {default} | {one.sentence} |\n")
+    return "".join(parts)
 
 
-def _default(value: object) -> str:
-    return "" if value in (None, ()) else f"`{value}`"
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
 
 
 _QUERIES: Final = """\

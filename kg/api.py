@@ -154,7 +154,8 @@ def findings(
         UsageError: KG421 for the allow-list, KG422 for the launch file.
     """
     from kg.lint.objects import as_object  # noqa: PLC0415 - who asks otherwise needs none of it
-    from kg.lint.running import Question, check_store, read_folders  # noqa: PLC0415 - the same
+    from kg.lint.question import Question  # noqa: PLC0415 - the same
+    from kg.lint.running import check_store, read_folders  # noqa: PLC0415 - the same
 
     folders = [Path(source) for source in sources]
     given = settings.load({"store": store})

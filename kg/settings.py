@@ -15,10 +15,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+from kg import forms
 from kg.errors import Place, UsageError
+from kg.forms import FormError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
+
+    from kg.forms import Form
 
 __all__ = [
     "DECLARED",
@@ -28,43 +32,67 @@ __all__ = [
     "Origin",
     "Settings",
     "Table",
+    "declared",
     "find_file",
     "load",
+    "load_table",
     "own_folder",
+    "setting",
     "table",
+    "table_values",
     "toml_place",
     "user_paths",
 ]
 
 FILE_NAME: Final = "kg.toml"
-TABLES: Final = ("lint",)
-"""Tables of `kg.toml` that hold no settings; `table` gives them to the room that reads them."""
-_COLORS: Final = ("auto", "always", "never")
+TABLES: Final = ("lint", "serve")
+"""Tables of `kg.toml`: the settings of one command each. What a table holds beside settings, `table` returns."""
+_OTHERS: Final = {"lint": ("allow",)}
+"""Keys of tables that are not settings."""
 
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
     """What is known of a setting before it has a value.
 
-    `read` turns what a flag, a variable or TOML holds into the value, and raises `ValueError` with a reason that
-    completes "X, which is not ..."; its second argument is the folder that relative paths are relative to.
+    `read` is the form of its values (`kg.forms`), `table` the table of `kg.toml` that has it, "" for the top level.
+    `option` is the name that users see where the field has another one. A setting that is not `in_files` is taken from
+    flags and variables only: a `kg.toml` that comes with a checkout must not open a server, for example.
     """
 
     name: str
     default: Any
-    read: Callable[[object, Path], Any]
+    shown: str
+    read: Form
     metavar: str
     sentence: str
+    table: str = ""
+    option: str = ""
+    in_files: bool = True
+    several: bool = False
+    """Whether the flag may be given several times."""
+    short: str = ""
+    """The flag of one letter, with its dash."""
+
+    @property
+    def key(self) -> str:
+        """Its name in its table of `kg.toml`."""
+        return self.option or self.name
 
     @property
     def flag(self) -> str:
         """The option of the command line."""
-        return "--" + self.name.replace("_", "-")
+        return "--" + self.key.replace("_", "-")
 
     @property
     def variable(self) -> str:
         """The environment variable."""
-        return "KG_" + self.name.upper()
+        return "_".join(filter(None, ("KG", self.table, self.key))).upper()
+
+    @property
+    def switch(self) -> bool:
+        """Whether the flag has no value."""
+        return self.default is False
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,219 +110,109 @@ class Origin:
 _DEFAULT: Final = Origin("default")
 
 
-class _FormError(ValueError):
-    """A value is not of the form that its setting has; the text is that form."""
+def setting(default: Any, read: Form, metavar: str, sentence: str, **more: Any) -> Any:
+    """Return a field of a dataclass that declares a setting; `more` are fields of `Declaration`.
+
+    A default that is a text is what a user would type for it: `"4M"` for 4194304 bytes.
+    """
+    value = read(default, Path()) if isinstance(default, str) else default
+    shown = "" if default is None or default is False or default == () else str(default)
+    return field(
+        default=value, metadata={"read": read, "metavar": metavar, "sentence": sentence, "shown": shown, **more}
+    )
 
 
-def _number(value: object, least: float) -> float:
-    try:
-        number = float(str(value).replace("_", ""))
-    except ValueError:
-        raise _FormError("a number") from None
-    if isinstance(value, bool) or not least <= number < float("inf"):
-        raise _FormError(f"a number of at least {least:g}")
-    return number
-
-
-def _seconds(value: object, _base: Path) -> float:
-    return _number(value, 0)
-
-
-def _silence(value: object, _base: Path) -> float:
-    return _number(value, 0.1)
-
-
-def _count(value: object, _base: Path) -> int:
-    number = _number(value, 0)
-    if number != int(number):
-        raise _FormError("a whole number")
-    return int(number)
-
-
-def _bytes(value: object, _base: Path) -> int:
-    text = str(value).strip()
-    unit = {"k": 10, "m": 20, "g": 30}.get(text[-1:].lower())
-    number = int(_number(text[:-1] if unit else text, 0) * (1 << (unit or 0)))
-    if number < 1:
-        raise _FormError("a size of at least 1 byte")
-    return number
-
-
-def _bytes_or_none(value: object, base: Path) -> int:
-    return 0 if str(value).strip() == "0" else _bytes(value, base)
-
-
-def _path(value: object, base: Path) -> Path:
-    if not isinstance(value, str | Path) or not str(value).strip():
-        raise _FormError("a path")
-    return base / Path(value).expanduser()
-
-
-def _paths(value: object, base: Path) -> tuple[Path, ...]:
-    parts = [part for part in value.split(os.pathsep) if part] if isinstance(value, str) else value
-    if not isinstance(parts, list | tuple):
-        raise _FormError("a list of paths")
-    return tuple(_path(part, base) for part in parts)
-
-
-def _words(value: object, _base: Path) -> tuple[str, ...]:
-    words = value.replace(",", " ").split() if isinstance(value, str) else value
-    if not isinstance(words, list | tuple) or not all(isinstance(word, str) and word for word in words):
-        raise _FormError("a list of words")
-    return tuple(words)
-
-
-def _pipeline(value: object, base: Path) -> str:
-    if not isinstance(value, str):
-        raise _FormError("the name or path of a spaCy pipeline")
-    is_path = "/" in value or value.startswith((".", "~"))
-    return str(_path(value, base)) if is_path else value.strip()
-
-
-def _file(value: object, base: Path) -> str:
-    return str(_path(value, base)) if value else ""
-
-
-def _iri(value: object, _base: Path) -> str:
-    text = str(value)
-    host = text.partition("://")[2].partition("/")[0]
-    if not text.startswith(("http://", "https://")) or not host or any(sign in text for sign in ' <>"{}|\\^`#?'):
-        raise _FormError("an IRI that starts with http:// or https:// and has no # or ?")
-    return text if text.endswith("/") else text + "/"
-
-
-def _address(value: object, _base: Path) -> str:
-    if not isinstance(value, str) or any(sign.isspace() for sign in value.strip()):
-        raise _FormError("the address of a robot")
-    return value.strip()
-
-
-def _word(value: object, _base: Path) -> str:
-    if not isinstance(value, str) or not value.strip():
-        raise _FormError("a word")
-    return value.strip().lower()
-
-
-def _color(value: object, _base: Path) -> str:
-    word = str(value).lower()
-    if word not in _COLORS:
-        raise _FormError("one of " + ", ".join(_COLORS))
-    return word
-
-
-def _about(read: Callable[[object, Path], Any], metavar: str, sentence: str) -> dict[str, Any]:
-    return {"read": read, "metavar": metavar, "sentence": sentence}
+def declared(shape: type[Any], table: str = "") -> Mapping[str, Declaration]:
+    """Return the settings that the fields of a dataclass declare, by name of field."""
+    found = (Declaration(one.name, one.default, table=table, **one.metadata) for one in fields(shape) if one.metadata)
+    return MappingProxyType({one.name: one for one in found})
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
     """The values in force, and for each its origin."""
 
-    store: Path | None = field(
-        default=None,
-        metadata=_about(_path, "FOLDER", "Folder of the store; by default the nearest .kg in this folder or above."),
+    store: Path | None = setting(
+        None, forms.path, "FOLDER", "Folder of the store; by default the nearest .kg in this folder or above."
     )
-    base: str = field(
-        default="https://w3id.org/rnkg/",
-        metadata=_about(_iri, "IRI", "What the IRIs of packages, nodes and topics start with."),
+    base: str = setting(
+        "https://w3id.org/rnkg/", forms.iri, "IRI", "What the IRIs of packages, nodes and topics start with."
     )
-    jobs: int = field(
-        default=0,
-        metadata=_about(_count, "N", "How many processes read packages at a time; 0 is one a processor."),
+    jobs: int = setting(0, forms.whole(0), "N", "How many processes read packages at a time; 0 is one a processor.")
+    max_file_bytes: int = setting(
+        "4M", forms.size, "SIZE", "Source files larger than this (bytes, or 500K, 4M) are reported, not read."
     )
-    max_file_bytes: int = field(
-        default=4 << 20,
-        metadata=_about(_bytes, "SIZE", "Source files larger than this (bytes, or 500K, 4M) are reported, not read."),
+    memory: int = setting(
+        0,
+        forms.size_or_none,
+        "SIZE",
+        "Memory of a build or a run of rules, with all its processes; 0 is without limit.",
     )
-    memory: int = field(
-        default=0,
-        metadata=_about(
-            _bytes_or_none, "SIZE", "Memory of a build or a run of rules, with all its processes; 0 is without limit."
-        ),
+    nlp_model: str = setting(
+        "",
+        forms.pipeline,
+        "PIPELINE",
+        "Name or path of the spaCy pipeline that tags descriptions; by default kg's own.",
     )
-    nlp_model: str = field(
-        default="",
-        metadata=_about(
-            _pipeline, "PIPELINE", "Name or path of the spaCy pipeline that tags descriptions; by default kg's own."
-        ),
+    search_model: Path | None = setting(
+        None, forms.path, "FOLDER", "Folder of a model of sentence embeddings, for searches by meaning too."
     )
-    search_model: Path | None = field(
-        default=None,
-        metadata=_about(_path, "FOLDER", "Folder of a model of sentence embeddings, for searches by meaning too."),
+    timeout: float = setting(60.0, forms.number(0), "SECONDS", "How long a query may run; 0 is without end.")
+    limit: int = setting(1000, forms.whole(0), "N", "How many rows a table shows; 0 shows all.")
+    format: str = setting(
+        "auto", forms.word, "FORMAT", "How results are written; auto is a table on a terminal and TSV elsewhere."
     )
-    timeout: float = field(
-        default=60.0,
-        metadata=_about(_seconds, "SECONDS", "How long a query may run; 0 is without end."),
+    color: str = setting(
+        "auto",
+        forms.one_of("auto", "always", "never"),
+        "WHEN",
+        "Colour: auto (on a terminal, unless NO_COLOR is set), always or never.",
     )
-    limit: int = field(
-        default=1000,
-        metadata=_about(_count, "N", "How many rows a table shows; 0 shows all."),
+    queries: tuple[Path, ...] = setting(
+        (), forms.paths, "FOLDERS", f"Folders with stored queries of your own, joined by {os.pathsep!r}."
     )
-    format: str = field(
-        default="auto",
-        metadata=_about(_word, "FORMAT", "How results are written; auto is a table on a terminal and TSV elsewhere."),
+    rules: tuple[Path, ...] = setting(
+        (),
+        forms.paths,
+        "FOLDERS",
+        f"Folders with rules of your own, joined by {os.pathsep!r}; by default rules/ next to kg.toml or here.",
     )
-    color: str = field(
-        default="auto",
-        metadata=_about(_color, "WHEN", "Colour: auto (on a terminal, unless NO_COLOR is set), always or never."),
+    rule_families: tuple[str, ...] = setting(
+        (),
+        forms.words,
+        "FAMILIES",
+        "The families of rules in force, joined by commas; by default all but those marked optional, as owl-rl is. "
+        "+FAMILY adds one to those.",
     )
-    queries: tuple[Path, ...] = field(
-        default=(),
-        metadata=_about(_paths, "FOLDERS", f"Folders with stored queries of your own, joined by {os.pathsep!r}."),
+    calls: tuple[Path, ...] = setting(
+        (),
+        forms.paths,
+        "FOLDERS",
+        f"Folders with descriptions of framework calls of your own, joined by {os.pathsep!r}; by default calls/ "
+        "next to kg.toml or here.",
     )
-    rules: tuple[Path, ...] = field(
-        default=(),
-        metadata=_about(
-            _paths,
-            "FOLDERS",
-            f"Folders with rules of your own, joined by {os.pathsep!r}; by default rules/ next to kg.toml or here.",
-        ),
+    installed: tuple[Path, ...] = setting(
+        (),
+        forms.paths,
+        "FOLDERS",
+        f"Folders of installed packages that launch files may include from, joined by {os.pathsep!r}; by default "
+        "those that ROS_PACKAGE_PATH and AMENT_PREFIX_PATH name.",
     )
-    rule_families: tuple[str, ...] = field(
-        default=(),
-        metadata=_about(
-            _words,
-            "FAMILIES",
-            "The families of rules in force, joined by commas; by default all but those marked optional, as owl-rl is. "
-            "+FAMILY adds one to those.",
-        ),
+    robot: str = setting(
+        "",
+        forms.address,
+        "ADDRESS",
+        "The robot: ros1://HOST:PORT, dds://DOMAIN or zenoh://HOST:PORT; by default what ROS_MASTER_URI or "
+        "ROS_DOMAIN_ID names.",
     )
-    calls: tuple[Path, ...] = field(
-        default=(),
-        metadata=_about(
-            _paths,
-            "FOLDERS",
-            f"Folders with descriptions of framework calls of your own, joined by {os.pathsep!r}; by default calls/ "
-            "next to kg.toml or here.",
-        ),
+    places: str = setting(
+        "", forms.file, "FILE", "Places that programs for robots call by their names (docs/programs.md)."
     )
-    installed: tuple[Path, ...] = field(
-        default=(),
-        metadata=_about(
-            _paths,
-            "FOLDERS",
-            f"Folders of installed packages that launch files may include from, joined by {os.pathsep!r}; by default "
-            "those that ROS_PACKAGE_PATH and AMENT_PREFIX_PATH name.",
-        ),
-    )
-    robot: str = field(
-        default="",
-        metadata=_about(
-            _address,
-            "ADDRESS",
-            "The robot: ros1://HOST:PORT, dds://DOMAIN or zenoh://HOST:PORT; by default what ROS_MASTER_URI or "
-            "ROS_DOMAIN_ID names.",
-        ),
-    )
-    places: str = field(
-        default="",
-        metadata=_about(_file, "FILE", "Places that programs for robots call by their names (docs/programs.md)."),
-    )
-    watchdog: float = field(
-        default=0.5,
-        metadata=_about(
-            _silence, "SECONDS", "A robot is stopped when the process that drives it sends no heartbeat for this long."
-        ),
+    watchdog: float = setting(
+        0.5,
+        forms.number(0.1),
+        "SECONDS",
+        "A robot is stopped when the process that drives it sends no heartbeat for this long.",
     )
     origins: Mapping[str, Origin] = field(default_factory=dict)
 
@@ -319,13 +237,7 @@ def _plain(value: object) -> object:
     return value if isinstance(value, str | int | float) else str(value)
 
 
-def _declarations() -> Iterator[Declaration]:
-    for one in fields(Settings):
-        if one.metadata:
-            yield Declaration(one.name, one.default, **one.metadata)
-
-
-DECLARED: Final[Mapping[str, Declaration]] = MappingProxyType({one.name: one for one in _declarations()})
+DECLARED: Final = declared(Settings)
 
 
 @dataclass(frozen=True, slots=True)
@@ -391,54 +303,95 @@ def load(
     `flags` maps names of settings to what the command line gave, None where it gave nothing.
     `UsageError` KG002 names the flag, variable or line whose value cannot be used.
     """
-    folder = folder or Path.cwd()
+    found = _values(DECLARED, flags or {}, environment, folder or Path.cwd(), folder or Path.cwd())
+    origins = {name: origin for name, (_, origin) in found.items()}
+    return Settings(**{name: value for name, (value, _) in found.items()}, origins=MappingProxyType(origins))
+
+
+def load_table(
+    known: Mapping[str, Declaration],
+    flags: Mapping[str, object],
+    *,
+    environment: Mapping[str, str] | None = None,
+    folder: Path | None = None,
+) -> dict[str, Any]:
+    """Return the settings of a table that somebody chose, by names of fields.
+
+    `folder` is where `kg.toml` is looked for; paths of flags and variables stay relative to the working folder.
+    Otherwise as `load`.
+    """
+    found = _values(known, flags, environment, folder or Path.cwd(), Path())
+    return {name: value for name, (value, _) in found.items()}
+
+
+def table_values(known: Mapping[str, Declaration]) -> Iterator[tuple[Declaration, Any, Origin]]:
+    """Yield each setting of a table with the value that it has without flags, and its origin."""
+    found = _values(known, {}, None, Path.cwd(), Path())
+    for one in known.values():
+        yield one, *found.get(one.name, (one.default, _DEFAULT))
+
+
+def _values(
+    known: Mapping[str, Declaration],
+    flags: Mapping[str, object],
+    environment: Mapping[str, str] | None,
+    folder: Path,
+    base: Path,
+) -> dict[str, tuple[Any, Origin]]:
+    """Return each value that somebody chose with its origin; paths of flags and variables are relative to `base`."""
     environment = os.environ if environment is None else environment
-    values: dict[str, Any] = {}
-    origins: dict[str, Origin] = {}
-    file = find_file(folder)
     given = [
-        *(_from_file(file) if file else ()),
+        *_from_file(known, folder),
         *(
-            (one, environment[one.variable], Origin("environment", name=one.variable), folder)
-            for one in DECLARED.values()
+            (one, environment[one.variable], Origin("environment", name=one.variable), base)
+            for one in known.values()
             if environment.get(one.variable)
         ),
         *(
-            (DECLARED[name], value, Origin("flag", name=DECLARED[name].flag), folder)
-            for name, value in (flags or {}).items()
-            if value is not None
+            (known[name], value, Origin("flag", name=known[name].flag), base)
+            for name, value in flags.items()
+            if value is not None and value != []
         ),
     ]
-    for declaration, value, origin, base in given:
-        values[declaration.name] = _read(declaration, value, origin, base)
-        origins[declaration.name] = origin
-    return Settings(**values, origins=MappingProxyType(origins))
+    return {one.name: (_read(one, value, origin, where), origin) for one, value, origin, where in given}
 
 
 def _read(declaration: Declaration, value: object, origin: Origin, base: Path) -> object:
     try:
         return declaration.read(value, base)
-    except ValueError as problem:
+    except FormError as problem:
         raise UsageError(
             "KG002",
-            f"{origin.name or declaration.name} is {value!r}, which is not {problem}",
+            f"{origin.name or declaration.key} is {value!r}, which is not {problem}",
             place=origin.place,
             hint=declaration.sentence,
         ) from None
 
 
-def _from_file(file: Path) -> Iterator[tuple[Declaration, object, Origin, Path]]:
+def _from_file(known: Mapping[str, Declaration], folder: Path) -> Iterator[tuple[Declaration, object, Origin, Path]]:
+    """Yield what the file says of the settings of one table, or of the top level."""
+    file = find_file(folder)
+    if file is None:
+        return
+    name = next((one.table for one in known.values()), "")
     text, content = _parsed(file)
-    for name, value in content.items():
-        if name in TABLES:
+    if name:
+        found = table(name, folder)
+        content = dict(found.content) if found else {}
+    by_key = {one.key: one for one in known.values()}
+    for key, value in content.items():
+        if key in (_OTHERS.get(name, ()) if name else TABLES):
             continue
-        place = Place(str(file), _line_of(name, text))
-        if name not in DECLARED:
+        place = Place(str(file), _line_of(key, text, name))
+        if key not in by_key:
             from kg.similar import did_you_mean  # noqa: PLC0415 - start-up time
 
-            hint = did_you_mean(name, DECLARED) or f"Valid settings: {', '.join(DECLARED)}."
-            raise UsageError("KG002", f"unknown setting `{name}`", place=place, hint=hint)
-        yield DECLARED[name], value, Origin("file", place), file.parent
+            hint = did_you_mean(key, by_key) or f"Valid settings: {', '.join(by_key)}."
+            raise UsageError("KG002", f"unknown setting `{key}`", place=place, hint=hint)
+        if not by_key[key].in_files:
+            hint = f"Use {by_key[key].flag} or {by_key[key].variable}."
+            raise UsageError("KG002", f"`{key}` cannot be set in a file", place=place, hint=hint)
+        yield by_key[key], value, Origin("file", place), file.parent
 
 
 @cache
@@ -462,9 +415,13 @@ def toml_place(message: str) -> tuple[str, int | None, int | None]:
     return text, *(numbers if len(numbers) == 2 else (None, None))  # noqa: PLR2004 - line and column
 
 
-def _line_of(name: str, text: str) -> int | None:
+def _line_of(name: str, text: str, table: str = "") -> int | None:
+    """Return the line of a key, in a table of the file or above all tables, or of the head of a table."""
+    inside = not table
     for number, line in enumerate(text.splitlines(), 1):
         key = line.split("=")[0].strip().strip("[]").split(".")[0].strip().strip("\"'")
-        if key == name:
+        if line.lstrip().startswith("["):
+            inside = key == table or not table
+        if inside and key == name:
             return number
     return None

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -8,10 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.errors import UsageError
-from kg.settings import DECLARED, Settings, find_file, load, table
+from kg.lint.question import DECLARED as LINT
+from kg.server.options import DECLARED as SERVE
+from kg.settings import DECLARED, Settings, find_file, load, load_table, table
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Mapping
+
+    from kg.settings import Declaration
 
 
 def write(folder: Path, text: str) -> Path:
@@ -148,13 +153,56 @@ def test_any_value_is_read_or_refused_with_a_code(flags: dict[str, Any]) -> None
     assert codes <= {"KG002"}
 
 
-def test_tables_are_no_settings(tmp_path: Path) -> None:
-    """What a room reads from a table of kg.toml is no setting, and given to that room as it stands."""
-    write(tmp_path, 'jobs = 2\n[lint]\nbaseline = "x"\n')
+def test_tables_are_read_by_their_commands(tmp_path: Path) -> None:
+    """A table of kg.toml does not disturb the settings of all commands, and paths in it are relative to the file."""
+    write(tmp_path, 'jobs = 2\n[lint]\nbaseline = "x"\ncode = ["kg401"]\n[[lint.allow]]\ncode = "KG407"\n')
     assert load(folder=tmp_path, environment={}).jobs == 2
-    found = table("lint", tmp_path)
-    assert found is not None
-    assert (found.file, dict(found.content)) == (tmp_path / "kg.toml", {"baseline": "x"})
+    found = load_table(LINT, {"level": "error"}, environment={}, folder=tmp_path)
+    assert found == {"baseline": tmp_path / "x", "codes": ("KG401",), "level": "error"}
+
+
+def test_paths_of_flags_of_a_table_start_at_the_working_folder(tmp_path: Path) -> None:
+    """`kg lint FOLDER --baseline FILE` looks for the file where it was typed, and names it as it was typed."""
+    assert load_table(LINT, {"baseline": "x"}, environment={}, folder=tmp_path) == {"baseline": Path("x")}
+
+
+def test_variables_of_tables_name_the_table(tmp_path: Path) -> None:
+    """KG_LINT_LEVEL is the level of `kg lint`; a switch takes yes and no."""
+    environment = {"KG_LINT_LEVEL": "warning", "KG_LINT_ALL": "yes"}
+    assert load_table(LINT, {}, environment=environment, folder=tmp_path) == {"level": "warning", "every": True}
+    with pytest.raises(UsageError, match="KG_LINT_ALL is 'often', which is not true or false"):
+        load_table(LINT, {}, environment={"KG_LINT_ALL": "often"}, folder=tmp_path)
+
+
+def test_an_unknown_key_of_a_table_names_its_line(tmp_path: Path) -> None:
+    """The line is that in the table, even where another table has the same key."""
+    path = write(tmp_path, "jobs = 2\n[serve]\nlevl = 1\n[lint]\nlevl = 1\n")
+    with pytest.raises(UsageError, match="unknown setting `levl`") as caught:
+        load_table(LINT, {}, environment={}, folder=tmp_path)
+    assert str(caught.value.place) == f"{path}:5"
+    assert caught.value.hint == "Did you mean `level`?"
+
+
+@pytest.mark.parametrize("table_of", [LINT, SERVE], ids=["lint", "serve"])
+@given(data=st.data())
+def test_any_value_of_a_table_is_read_or_refused_with_a_code(
+    data: st.DataObject, table_of: Mapping[str, Declaration]
+) -> None:
+    """Whatever a flag holds, reading gives values or KG002 and nothing else."""
+    values = st.text() | st.integers() | st.floats() | st.booleans() | st.lists(st.text())
+    flags = data.draw(st.dictionaries(st.sampled_from(sorted(table_of)), values))
+    codes = set()
+    try:
+        load_table(table_of, flags, environment={})
+    except UsageError as error:
+        codes.add(error.code)
+    assert codes <= {"KG002"}
+
+
+def test_defaults_are_what_their_texts_say() -> None:
+    """The default that `--help` shows is the value in force."""
+    for one in (*DECLARED.values(), *LINT.values(), *SERVE.values()):
+        assert not one.shown or one.read(one.shown, Path()) == one.default
 
 
 def test_a_table_has_to_be_one(tmp_path: Path) -> None:

@@ -1,11 +1,13 @@
 """The options that come from settings, and those that several commands share."""
 
-from typing import Annotated, Any
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from typing import Annotated, Any, TypeVar
 
 import typer
 
 from kg.cli.completion import launches, packages
-from kg.settings import DECLARED
+from kg.settings import DECLARED, Declaration
 
 __all__ = [
     "Base",
@@ -29,17 +31,58 @@ __all__ = [
     "System",
     "Timeout",
     "from_setting",
+    "takes",
+    "with_options",
 ]
+
+
+_Command = TypeVar("_Command", bound=Callable[..., None])
 
 
 def from_setting(name: str, *short: str, **more: Any) -> Any:
     """Return the option of a setting; its value stays text until `kg.settings.load` reads it."""
-    declaration = DECLARED[name]
+    return _option(DECLARED[name], *short, **more)
+
+
+def takes(declared: Iterable[Declaration]) -> Callable[[_Command], _Command]:
+    """Give a command an option for each setting; what the user gave is in its `**given`, by names of fields.
+
+    Options that the user did not give are None there, so that `kg.settings.load_table` looks elsewhere.
+    """
+    return with_options({one.name: Annotated[_kind(one), _option(one)] for one in declared})
+
+
+def with_options(options: Mapping[str, Any]) -> Callable[[_Command], _Command]:
+    """Give a command options that are declared elsewhere; what the user gave is in its keyword arguments.
+
+    `options` maps names of arguments to their types, `Annotated` with what typer has to know.
+    """
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    added = [inspect.Parameter(name, keyword, default=None, annotation=kind) for name, kind in options.items()]
+
+    def add(command: _Command) -> _Command:
+        signature = inspect.signature(command)
+        own = [one for one in signature.parameters.values() if one.kind is not inspect.Parameter.VAR_KEYWORD]
+        first = [one for one in own if one.kind is not keyword]
+        vars(command)["__signature__"] = signature.replace(parameters=[*first, *added, *own[len(first) :]])
+        return command
+
+    return add
+
+
+def _kind(declaration: Declaration) -> Any:
+    if declaration.switch:
+        return bool | None
+    return list[str] | None if declaration.several else str | None
+
+
+def _option(declaration: Declaration, *short: str, **more: Any) -> Any:
+    default = f" [default: {declaration.shown}]" if declaration.table and declaration.shown else ""
     return typer.Option(
         declaration.flag,
-        *short,
-        metavar=declaration.metavar,
-        help=f"{declaration.sentence} [{declaration.variable}]",
+        *filter(None, (declaration.short, *short)),
+        metavar=declaration.metavar or None,
+        help=f"{declaration.sentence}{default} [{declaration.variable}]",
         show_default=False,
         **more,
     )

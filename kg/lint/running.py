@@ -7,7 +7,7 @@ folder and does not touch a store that is there; the second check of the same fo
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -31,35 +31,15 @@ if TYPE_CHECKING:
     from kg.graph.reading import Queryable
     from kg.graph.systems_reading import SystemName
     from kg.lint.finding import Finding
+    from kg.lint.question import Question
     from kg.pipeline.report import BuildReport
     from kg.pipeline.report import Report as Progress
     from kg.store.embedded import EmbeddedStore
 
-__all__ = ["Checked", "Question", "check", "check_store", "own_store", "read_folders"]
 
 _PATIENCE: Final = 300.0
 """Seconds to wait for another check of the same folders."""
 _PAUSE: Final = 0.5
-
-
-@dataclass(frozen=True, slots=True)
-class Question:
-    """What is asked: see `kg lint --help`.
-
-    `launch` names a launch file, `arguments` and `environment` are what it is evaluated with; `package` is the package
-    that launch files must be of.
-    """
-
-    launch: str | None = None
-    package: str | None = None
-    codes: frozenset[str] = frozenset()
-    level: str = "note"
-    every: bool = False
-    baseline: Path | None = None
-    arguments: Mapping[str, str] = field(default_factory=dict)
-    environment: Mapping[str, str] = field(default_factory=dict)
-    variants: bool = False
-    """Whether also what only variants of the launch file have is asked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +146,7 @@ def check(graph: Queryable, question: Question, settings: Settings, folder: Path
     labels = {iris.configuration(one.repository, one.path): text for one, text in own.items()}
     findings = read_findings(graph, settings.base, labels=labels)
     chosen = _systems(question, names, roots, own)
-    choice = Choice(chosen, question.codes, question.level, every=question.every)
+    choice = Choice(chosen, frozenset(question.codes), question.level, every=question.every)
     entries = allowances(table("lint", folder), {one.code for one in findings})
     known = baselines.read(question.baseline) if question.baseline else None
     comments = Comments(roots)

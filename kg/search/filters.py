@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import UsageError
 from kg.search.needs import Wish
+from kg.search.options import FILTERS
 from kg.search.words import phrase
 from kg.similar import did_you_mean
 
@@ -14,22 +15,8 @@ if TYPE_CHECKING:
 
     from kg.search.names import Names
 
-__all__ = ["FILTERS", "known", "wishes"]
+__all__ = ["known", "wishes"]
 
-FILTERS: Final = {
-    "subscribes": "KG701",
-    "publishes": "KG701",
-    "services": "KG701",
-    "calls": "KG701",
-    "hardware": "KG702",
-    "function": "KG702",
-    "capability": "KG702",
-    "ros": "KG703",
-    "license": "KG703",
-    "kind": "KG703",
-    "package": "KG703",
-}
-"""Each filter, and the code of the error about a name that nothing in the store has."""
 _TYPED: Final = {
     "subscribes": ("subscribes",),
     "publishes": ("publishes",),
@@ -64,7 +51,7 @@ def _wish(kind: str, value: str, names: Names) -> Wish:
         near = did_you_mean(value, [*choices, *(name.rpartition("/")[2] for name in choices if kind in _TYPED)])
         named = ", ".join(f"`{one}`" for one in choices[:_MOST])
         some = f"There are {named}{' and more' if len(choices) > _MOST else ''}." if choices else _NONE
-        raise UsageError(FILTERS[kind], f"no node of the store has `--{kind} {value}`", hint=near or some)
+        raise UsageError(FILTERS[kind].code, f"no node of the store has `--{kind} {value}`", hint=near or some)
     return Wish(kind, features, value, strict=True)
 
 

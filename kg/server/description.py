@@ -80,7 +80,7 @@ def _triples(endpoint: str, options: Options, counts: _Counts | None) -> Iterato
     yield Triple(service, _TYPE, _sd("Service"))
     yield Triple(service, _sd("endpoint"), NamedNode(endpoint))
     yield Triple(service, _sd("supportedLanguage"), _sd("SPARQL11Query"))
-    if options.union:
+    if not options.no_union:
         yield Triple(service, _sd("feature"), _sd("UnionDefaultGraph"))
     yield Triple(service, _sd("feature"), _sd("EmptyGraphs"))
     for name in dict.fromkeys(name for _, name in (*RESULTS, *GRAPH) if name in _FORMAT_NAMES):
@@ -127,7 +127,7 @@ async def _counts(request: Request) -> _Counts | None:
     Counts are kept for the data that they are of, since the same numbers come again until it changes.
     """
     shared = state(request)
-    key = (str(shared.readers.layout.root), str(shared.readers.layout.current()), shared.options.union)
+    key = (str(shared.readers.layout.root), str(shared.readers.layout.current()), not shared.options.no_union)
     if key not in _KNOWN:
         try:
             rows = await _rows(request, _COUNTS)
@@ -145,7 +145,7 @@ async def _counts(request: Request) -> _Counts | None:
 
 async def _rows(request: Request, text: str) -> list[dict[str, dict[str, str]]]:
     shared = state(request)
-    question = Question(text=text, formats={"rows": "json"}, union=shared.options.union)
+    question = Question(text=text, formats={"rows": "json"}, union=not shared.options.no_union)
     async with shared.readers.ask(question, seconds=shared.options.seconds, client=client(request)) as found:
         body = b"".join([part async for part in found.parts()])
     bindings: list[dict[str, dict[str, str]]] = json.loads(body)["results"]["bindings"]

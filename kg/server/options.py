@@ -1,59 +1,88 @@
-"""What `kg serve` can be told, beside the settings."""
+"""The settings of `kg serve`: flags, variables `KG_SERVE_...` and the table `[serve]` of `kg.toml`."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
+
+from kg import forms
+from kg.settings import declared, setting
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Options"]
+__all__ = ["DECLARED", "Options"]
+
+_DURATION: Final = forms.number(0.001)  # no timer is finer
 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """How a server answers, who may ask, and within which limits.
+    """Where a server listens, who may use it, and its limits.
 
-    Where: it listens at `host` and `port` (0 for a free one); `hosts` are further names it answers to, `origins` the
-    other sites that may read. Who: without `write` every change is refused; changes need `token`, or what the file
-    `token_file` holds when the request comes, and on a host that others reach reading does too, unless `open_to_all`.
+    Whom a server lets in is not set in files: a `kg.toml` that comes with a checkout must not open it.
 
-    How much: `readers` queries run at a time and `queue` may wait, `per_client` of one client; `seconds` is the
-    deadline of a query and `update_seconds` that of a change, `rows` the cap of an answer and `answer_bytes` its size,
-    `memory` that of a reader in bytes, `cache` that of answers kept for who asks the same again, `body` the size of a
-    request. With `union` the default graph is the union of all graphs, else the unnamed one. `grace` is how many
-    seconds requests have to end when the server stops. At most `connections` are answered at a time, and as many wait
-    for a request.
-
-    With `robot`, the address of one, pages show it; who has the token may move it.
-
-    Said about it: `log` (text, json or off) is a line to standard error for each request; a query that takes `slow`
-    seconds is written with its text to the file `slow_log`, or to standard error.
+    Three fields are not settings: `token` comes from `$KG_TOKEN`; one client may have `per_client` queries at a time;
+    `connections` are answered at a time, and as many wait for a request.
     """
 
-    host: str = "127.0.0.1"
-    port: int = 7878
-    hosts: tuple[str, ...] = ()
-    origins: tuple[str, ...] = ()
-    write: bool = False
+    host: str = setting(
+        "127.0.0.1", forms.text, "ADDRESS", "Address to listen on; by default only this machine.", in_files=False
+    )
+    port: int = setting(7878, forms.whole(0, 65535), "N", "Port to listen on; 0 picks a free one.")
+    write: bool = setting(False, forms.switch, "", "Accept updates from token holders.", in_files=False)
+    token_file: Path | None = setting(
+        None, forms.path, "FILE", "Read the token from FILE, and again if it changes; or set KG_TOKEN.", in_files=False
+    )
+    open_to_all: bool = setting(
+        False, forms.switch, "", "Allow reading without a token.", option="no_auth", in_files=False
+    )
+    hosts: tuple[str, ...] = setting(
+        (),
+        forms.words,
+        "NAME",
+        "Accept this host name too; may be repeated.",
+        option="allow_host",
+        in_files=False,
+        several=True,
+    )
+    origins: tuple[str, ...] = setting(
+        (),
+        forms.words,
+        "ORIGIN",
+        "Allow pages of this site to read (CORS); may be repeated.",
+        option="cors",
+        in_files=False,
+        several=True,
+    )
+    no_union: bool = setting(
+        False, forms.switch, "", "Use the unnamed graph as the default graph, not the union of all."
+    )
+    readers: int = setting(2, forms.whole(1, 256), "N", "Number of queries answered in parallel.")
+    queue: int = setting(256, forms.whole(0, 100_000), "N", "Maximum number of waiting queries.")
+    seconds: float = setting("30", _DURATION, "SECONDS", "Time limit of a query.", option="timeout")
+    update_seconds: float = setting(
+        "300", _DURATION, "SECONDS", "Time limit of an update, which is then undone.", option="update_timeout"
+    )
+    rows: int = setting(100_000, forms.whole(1), "N", "Maximum rows per answer.", option="max_rows")
+    answer_bytes: int = setting("1G", forms.size, "SIZE", "Maximum size of an answer.", option="max_answer_bytes")
+    body: int = setting("128M", forms.size, "SIZE", "Maximum size of a request.", option="max_body_bytes")
+    memory: int = setting("2G", forms.size, "SIZE", "Memory limit of a query.", option="max_memory")
+    cache: int = setting("64M", forms.size, "SIZE", "Size of the cache of answers.")
+    grace: float = setting("10", _DURATION, "SECONDS", "Time for running requests to finish on shutdown.")
+    log: str = setting("text", forms.one_of("text", "json", "off"), "text|json|off", "Log a line for each request.")
+    slow: float | None = setting(None, _DURATION, "SECONDS", "Log queries that take longer.")
+    slow_log: Path | None = setting(None, forms.path, "FILE", "Write slow queries to FILE.", in_files=False)
+    robot: str | None = setting(
+        None,
+        forms.address,
+        "ADDRESS",
+        "Show this robot on a page; token holders can move it: ros1://HOST:PORT, ...",
+        in_files=False,
+    )
     token: str | None = field(default=None, repr=False)
-    token_file: Path | None = None
-    open_to_all: bool = False
-    readers: int = 2
-    queue: int = 256
     per_client: int = 32
-    seconds: float = 30.0
-    update_seconds: float = 300.0
-    rows: int = 100_000
-    answer_bytes: int = 1 << 30
-    memory: int = 2 << 30
-    cache: int = 64 << 20
-    body: int = 128 << 20
-    union: bool = True
     connections: int = 256
-    grace: float = 10.0
-    log: str = "text"
-    slow: float | None = None
-    slow_log: Path | None = None
-    robot: str | None = None
+
+
+DECLARED: Final = declared(Options, "serve")

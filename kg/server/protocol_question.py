@@ -146,7 +146,7 @@ def _question(request: Request, parameters: Parameters, text: str, choices: Mapp
         parameters=parameters.starting("$"),
         default_graphs=default_graphs if given else None,
         named_graphs=named_graphs if given else None,
-        union=options.union,
+        union=not options.no_union,
         rows=_rows(request, parameters),
         offset=parameters.whole("offset") or 0,
         snapshot=parameters.one("snapshot"),

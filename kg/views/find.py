@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
 from kg.facts import Location
-from kg.search.filters import FILTERS, known
+from kg.search.filters import known
+from kg.search.options import FILTERS
 from kg.search.searching import hit_object, search_of
 from kg.search.wording import near, understood
 from kg.similar import did_you_mean
@@ -31,7 +32,7 @@ _MOST: Final = 100
 def find(
     snapshot: EmbeddedSnapshot, settings: Settings, text: str = "", limit: str = "20", **filters: str
 ) -> dict[str, Any]:
-    """Return the nodes that `text` asks for and that all `filters` let through (`kg.search.filters.FILTERS`).
+    """Return the nodes that `text` asks for and that all `filters` let through (`kg.search.options.FILTERS`).
 
     Several values of one filter stand apart by commas. `limit` is at most 100. The answer has `text`, `filters`,
     `total`, `only` and `rather` (what the words were taken for, as strict and as loose wishes), `near` (a question

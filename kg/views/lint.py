@@ -11,9 +11,10 @@ from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.lint.allowing import Comments, allowances
 from kg.lint.objects import as_object
+from kg.lint.question import Question
 from kg.lint.reading import read_findings
 from kg.lint.report import Choice, report
-from kg.lint.running import Question, check
+from kg.lint.running import check
 from kg.settings import table
 from kg.views.evidence import places
 from kg.views.names import known_package

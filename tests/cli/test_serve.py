@@ -98,10 +98,10 @@ def test_port_in_use(store: Path) -> None:
     [
         (["--write"], "KG541"),
         (["--host", "0.0.0.0"], "KG540"),  # noqa: S104 - refused
-        (["--port", "99999"], "KG003"),
-        (["--timeout", "0"], "KG003"),
-        (["--readers", "0"], "KG003"),
-        (["--max-memory", "much"], "KG003"),
+        (["--port", "99999"], "KG002"),
+        (["--timeout", "0"], "KG002"),
+        (["--readers", "0"], "KG002"),
+        (["--max-memory", "much"], "KG002"),
         (["--log", "loud"], "KG002"),
         (["--cors", "*"], "KG002"),
         (["--token-file", "missing"], "KG541"),
@@ -141,11 +141,25 @@ def test_without_libraries_it_says_so(store: Path, monkeypatch: pytest.MonkeyPat
     assert "python frontend/build.py" in said[-1]
 
 
-def test_texts_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each option sets what it is for; the token comes from the environment alone."""
+def test_settings_come_from_flags_variables_and_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A flag wins over the variable, that over `[serve]` in kg.toml; the token comes from its variable alone."""
+    (tmp_path / "kg.toml").write_text("[serve]\nport = 1\nmax_rows = 7\ntimeout = 2\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("KG_TOKEN", "from-the-environment")
-    found = options({"port": "0", "timeout": "1.5", "max_memory": "3G", "max_rows": "7", "slow": None}, write=True)
+    monkeypatch.setenv("KG_SERVE_PORT", "2")
+    monkeypatch.setenv("KG_SERVE_TIMEOUT", "1.5")
+    found = options({"port": "0", "memory": "3G", "slow": None, "write": True})
     assert (found.port, found.seconds, found.memory, found.rows, found.write) == (0, 1.5, 3 << 30, 7, True)
     assert found.token == "from-the-environment"  # noqa: S105 - of a test
-    with pytest.raises(UsageError):
-        options({"grace": "soon"})
+
+
+@pytest.mark.parametrize(
+    "line", ['host = "0.0.0.0"', "write = true", "no_auth = true", 'cors = ["https://evil.example"]']
+)
+def test_a_file_cannot_open_the_server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str) -> None:
+    """Whom the server lets in is set by flags and variables; a kg.toml that tries is refused with its line."""
+    (tmp_path / "kg.toml").write_text(f"[serve]\nport = 0\n{line}\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UsageError, match="cannot be set in a file") as caught:
+        options({})
+    assert str(caught.value.place).endswith("kg.toml:3")

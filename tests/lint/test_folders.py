@@ -12,7 +12,8 @@ from typer.testing import CliRunner
 import kg
 from kg.cli.app import app
 from kg.errors import StoreError
-from kg.lint.running import Question, check_store, own_store, read_folders
+from kg.lint.question import Question
+from kg.lint.running import check_store, own_store, read_folders
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 

@@ -6,7 +6,8 @@ import pytest
 from lint.robot import read
 
 from kg.errors import UnknownNameError
-from kg.lint.running import Question, check, own_store
+from kg.lint.question import Question
+from kg.lint.running import check, own_store
 from kg.settings import load
 
 if TYPE_CHECKING:

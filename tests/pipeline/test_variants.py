@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from kg.errors import UsageError
-from kg.lint.running import Question, check_store
+from kg.lint.question import Question
+from kg.lint.running import check_store
 from kg.pipeline.build import build
 from kg.pipeline.variants import MOST_VARIANTS, united, variants
 from kg.settings import load

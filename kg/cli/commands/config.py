@@ -7,6 +7,9 @@ import typer
 from kg.cli.options import Json
 from kg.cli.output import Column, json_lines, print_table
 from kg.cli.session import session
+from kg.lint import question
+from kg.server import options as server
+from kg.settings import table_values
 
 __all__ = ["setting_rows", "show"]
 
@@ -14,12 +17,15 @@ __all__ = ["setting_rows", "show"]
 def setting_rows(context: typer.Context) -> list[dict[str, object]]:
     """Return each setting with its value, origin and sentence, as `kg config show --json` writes them."""
     rows: list[dict[str, object]] = []
-    for declaration, value, origin in session(context).settings().values():
+    found = [*session(context).settings().values()]
+    for table in (question.DECLARED, server.DECLARED):
+        found += table_values(table)
+    for declaration, value, origin in found:
         plain = [str(path) for path in value] if isinstance(value, tuple) else value
         plain = plain if isinstance(plain, int | float | str | list | None) else str(plain)
         rows.append(
             {
-                "setting": declaration.name,
+                "setting": ".".join(filter(None, (declaration.table, declaration.key))),
                 "value": plain,
                 "origin": str(origin),
                 "flag": declaration.flag,
@@ -39,6 +45,8 @@ def show(context: typer.Context, *, json: Json = False) -> None:
         # kg.toml
         store = "/data/kg"
         jobs = 8
+        [serve]
+        port = 8080
     """
     rows = setting_rows(context)
     if json:

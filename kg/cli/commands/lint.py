@@ -3,22 +3,24 @@
 from contextlib import nullcontext
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 from kg.cli.diagnostics import colored, note, say
-from kg.cli.options import Families, Jobs, Json, PackageName, Rules, Store
+from kg.cli.options import Families, Jobs, Json, PackageName, Rules, Store, takes
 from kg.cli.output import json_lines, write
-from kg.cli.remarks import Form, Level, require_known
+from kg.cli.remarks import Form, require_known
 from kg.cli.session import session
 from kg.cli.systems import Arguments, Environment, Launch, Variants, given, tell_left_out
 from kg.errors import Exit, UsageError
+from kg.lint.question import DECLARED, Question
 from kg.render.text import count
+from kg.settings import load_table
 from kg.store.opening import layout_of, reading
 
 if TYPE_CHECKING:
-    from kg.lint.running import Checked, Question
+    from kg.lint.running import Checked
     from kg.settings import Settings
 
 __all__ = ["lint"]
@@ -31,16 +33,6 @@ Paths = Annotated[
         metavar="PATH", help="Folders to read first, into a temporary store; by default the store is checked."
     ),
 ]
-Every = Annotated[
-    bool,
-    typer.Option("--all", "-a", help="Include findings that might only arise because a file is meant to be included."),
-]
-Codes = Annotated[
-    list[str] | None, typer.Option("--code", metavar="CODE", help="Show only findings with this code; may be repeated.")
-]
-Baseline = Annotated[
-    str | None, typer.Option("--baseline", metavar="FILE", help="Hide the findings listed in this file.")
-]
 WriteBaseline = Annotated[
     str | None, typer.Option("--write-baseline", metavar="FILE", help="Write the findings to FILE, for --baseline.")
 ]
@@ -50,6 +42,7 @@ Xunit = Annotated[
 ]
 
 
+@takes(DECLARED.values())
 def lint(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
     paths: Paths = None,
@@ -60,10 +53,6 @@ def lint(  # noqa: PLR0913 - the options of a command
     variants: Variants = False,
     package: PackageName = None,
     form: Form = "text",
-    level: Level = "note",
-    every: Every = False,
-    codes: Codes = None,
-    baseline: Baseline = None,
     write_baseline: WriteBaseline = None,
     xunit_file: Xunit = None,
     why: Why = False,
@@ -72,6 +61,7 @@ def lint(  # noqa: PLR0913 - the options of a command
     rule_families: Families = None,
     jobs: Jobs = None,
     store: Store = None,
+    **chosen: Any,
 ) -> None:
     """Report problems in the wiring of launch files.
 
@@ -86,17 +76,14 @@ def lint(  # noqa: PLR0913 - the options of a command
     """
     began = perf_counter()
     form = "json" if json else form
-    require_known(form, level, _OTHER_FORMATS)
+    require_known(form, hints=_OTHER_FORMATS)
     arguments, environment = given(launch, arg, env)
     if why:
         _require_provable(stored=not (arg or env or variants), form=form)
-    from kg.lint.running import Question  # noqa: PLC0415 - start-up time
-
-    chosen = frozenset(code.upper() for code in codes or ())
-    known = Path(baseline) if baseline else None
-    question = Question(launch, package, chosen, level, every, known, arguments, environment, variants)
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, jobs=jobs)
     folders = [Path(path) for path in paths or ()]
+    own = load_table(DECLARED, chosen, folder=_folder(folders))
+    question = Question(launch, package, arguments=arguments, environment=environment, variants=variants, **own)
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, jobs=jobs)
     if folders:
         settings = _read(settings, folders)
     checked = _checked(settings, folders, question)
@@ -130,7 +117,7 @@ def _prove(context: typer.Context, checked: "Checked", settings: "Settings") -> 
 
 
 def _checked(settings: "Settings", folders: list[Path], question: "Question") -> "Checked":
-    """Return what is found; kg.toml is looked for in the first of the folders, or in the working folder."""
+    """Return what is found."""
     from kg.lint.running import check_store  # noqa: PLC0415 - start-up time
 
     if question.package is not None:
@@ -138,8 +125,12 @@ def _checked(settings: "Settings", folders: list[Path], question: "Question") ->
 
         with reading(settings) as snapshot:
             known_package(snapshot, question.package)
-    folder = folders[0] if folders and folders[0].is_dir() else Path.cwd()
-    return check_store(settings, question, folder.absolute())
+    return check_store(settings, question, _folder(folders))
+
+
+def _folder(folders: list[Path]) -> Path:
+    """Return where `kg.toml` is looked for: the first of the folders, or the working folder."""
+    return (folders[0] if folders and folders[0].is_dir() else Path.cwd()).absolute()
 
 
 def _read(settings: "Settings", folders: list[Path]) -> "Settings":

@@ -8,12 +8,13 @@ import typer
 from kg.cli.completion import features
 from kg.cli.diagnostics import note
 from kg.cli.numbers import whole
-from kg.cli.options import Json, PackageName, SearchModel, Store
+from kg.cli.options import Json, PackageName, SearchModel, Store, with_options
 from kg.cli.output import Column, listing, terminal
 from kg.cli.search_view import row, show_hits, tell
 from kg.cli.session import session
 from kg.errors import Exit, UsageError
 from kg.render.text import count
+from kg.search.options import FILTERS
 from kg.store.opening import existing, reading
 
 if TYPE_CHECKING:
@@ -25,67 +26,28 @@ __all__ = ["search"]
 
 COLUMNS: Final = tuple(map(Column, ("rank", "score", "package", "node", "why", "also in", "file:line")))
 Words = Annotated[list[str] | None, typer.Argument(metavar="TEXT", help="What the node does, in words.")]
-Subscribes = Annotated[
-    list[str] | None,
-    typer.Option("--subscribes", metavar="TYPE", help="Subscribes to it.", autocompletion=features("subscribes")),
-]
-Publishes = Annotated[
-    list[str] | None,
-    typer.Option("--publishes", metavar="TYPE", help="Publishes it.", autocompletion=features("publishes")),
-]
-Services = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--services", metavar="TYPE", help="Offers the service or action.", autocompletion=features("services")
-    ),
-]
-Calls = Annotated[
-    list[str] | None,
-    typer.Option("--calls", metavar="TYPE", help="Calls the service or action.", autocompletion=features("calls")),
-]
-Hardware = Annotated[
-    list[str] | None,
-    typer.Option("--hardware", metavar="NAME", help="Works with it.", autocompletion=features("hardware")),
-]
-Function = Annotated[
-    list[str] | None,
-    typer.Option("--function", metavar="NAME", help="Is for it: navigation, ...", autocompletion=features("function")),
-]
-Capability = Annotated[
-    list[str] | None,
-    typer.Option("--capability", metavar="NAME", help="Lets a robot do it.", autocompletion=features("capability")),
-]
-Ros = Annotated[list[str] | None, typer.Option("--ros", metavar="1|2", help="For this version of ROS.")]
-License = Annotated[
-    list[str] | None,
-    typer.Option("--license", metavar="NAME", help="Under it: BSD is any BSD.", autocompletion=features("license")),
-]
-Kind = Annotated[
-    list[str] | None,
-    typer.Option("--kind", metavar="KIND", help="executable, script, nodelet, ...", autocompletion=features("kind")),
-]
+FILTER_OPTIONS: Final = {
+    one.name: Annotated[
+        list[str] | None,
+        typer.Option(f"--{one.name}", metavar=one.metavar, help=one.sentence, autocompletion=features(one.name)),
+    ]
+    for one in FILTERS.values()
+    if one.name != "package"  # an option that other commands have too
+}
 Most = Annotated[str, typer.Option("--limit", "-n", metavar="N", help="Number of hits to show.")]
 
 
+@with_options(FILTER_OPTIONS)
 def search(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
     text: Words = None,
     *,
-    subscribes: Subscribes = None,
-    publishes: Publishes = None,
-    services: Services = None,
-    calls: Calls = None,
-    hardware: Hardware = None,
-    function: Function = None,
-    capability: Capability = None,
-    ros: Ros = None,
-    license_: License = None,
-    kind: Kind = None,
     package: PackageName = None,
     model: SearchModel = None,
     limit: Most = "10",
     json: Json = False,
     store: Store = None,
+    **given: list[str] | None,
 ) -> None:
     """Find nodes by what they do, with the reasons.
 
@@ -100,20 +62,9 @@ def search(  # noqa: PLR0913 - the options of a command
     from kg.search.searching import hit_object, open_search  # noqa: PLC0415 - start-up time
     from kg.search.wording import near  # noqa: PLC0415 - start-up time
 
-    given = {
-        "subscribes": subscribes,
-        "publishes": publishes,
-        "services": services,
-        "calls": calls,
-        "hardware": hardware,
-        "function": function,
-        "capability": capability,
-        "ros": ros,
-        "license": license_,
-        "kind": kind,
-        "package": [package] if package else None,
-    }
     filters = {name: values for name, values in given.items() if values}
+    if package:
+        filters["package"] = [package]
     words = " ".join(text or ())
     if not words.strip() and not filters:
         hint = 'For example `kg search "merge two laser scans"`, or `kg search --publishes LaserScan`.'

@@ -1,0 +1,179 @@
+"""Forms of values that users type: each function reads a text, or what TOML holds, into the value.
+
+The second argument is the folder that relative paths are relative to. `FormError` has the form as its text, which
+completes "X, which is not ...".
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = [
+    "Form",
+    "FormError",
+    "address",
+    "codes",
+    "file",
+    "iri",
+    "number",
+    "one_of",
+    "path",
+    "paths",
+    "pipeline",
+    "size",
+    "size_or_none",
+    "switch",
+    "text",
+    "whole",
+    "word",
+    "words",
+]
+
+
+class FormError(ValueError):
+    """A value has another form; the text is the form that it should have."""
+
+
+Form: TypeAlias = "Callable[[object, Path], Any]"
+_UNITS: Final = {"k": 10, "m": 20, "g": 30}
+
+
+def number(least: float) -> Form:
+    """Return the form of finite numbers of at least `least`."""
+    return lambda value, _base: _number(value, least)
+
+
+def whole(least: int, most: int | None = None) -> Form:
+    """Return the form of whole numbers within bounds."""
+    bounds = f"a whole number of at least {least}" if most is None else f"a whole number from {least} to {most}"
+
+    def read(value: object, _base: Path) -> int:
+        found = _number(value, float("-inf"), bounds)
+        if found != int(found) or found < least or (most is not None and found > most):
+            raise FormError(bounds)
+        return int(found)
+
+    return read
+
+
+def size(value: object, _base: Path) -> int:
+    """Read a number of bytes: `800`, `500K`, `4M` or `1G`."""
+    text = str(value).strip()
+    unit = _UNITS.get(text[-1:].lower(), 0)
+    found = _number(text[:-1] if unit else text, float("-inf"), "a size: bytes, or 500K, 4M, 1G")
+    if found * (1 << unit) < 1:
+        raise FormError("a size of at least 1 byte")
+    return int(found * (1 << unit))
+
+
+def size_or_none(value: object, base: Path) -> int:
+    """Read a number of bytes; 0 is without limit."""
+    return 0 if str(value).strip() == "0" else size(value, base)
+
+
+def switch(value: object, _base: Path) -> bool:
+    """Read yes or no, as a flag, a variable (`1`, `true`, `yes`, `on` and their opposites) or TOML says it."""
+    word = str(value).strip().lower()
+    if word in {"1", "true", "yes", "on"}:
+        return True
+    if word in {"0", "false", "no", "off"}:
+        return False
+    raise FormError("true or false")
+
+
+def text(value: object, _base: Path) -> str:
+    """Read any text that is not empty."""
+    if not isinstance(value, str) or not value.strip():
+        raise FormError("a text")
+    return value.strip()
+
+
+def words(value: object, _base: Path) -> tuple[str, ...]:
+    """Read a list of words; a text separates them by commas or spaces."""
+    found = value.replace(",", " ").split() if isinstance(value, str) else value
+    if not isinstance(found, list | tuple) or not all(isinstance(one, str) and one for one in found):
+        raise FormError("a list of words")
+    return tuple(found)
+
+
+def codes(value: object, base: Path) -> tuple[str, ...]:
+    """Read a list of codes, in upper case."""
+    return tuple(one.upper() for one in words(value, base))
+
+
+def word(value: object, _base: Path) -> str:
+    """Read a word, in lower case."""
+    if not isinstance(value, str) or not value.strip():
+        raise FormError("a word")
+    return value.strip().lower()
+
+
+def one_of(*choices: str) -> Form:
+    """Return the form of the words `choices`."""
+
+    def read(value: object, _base: Path) -> str:
+        found = str(value).lower()
+        if found not in choices:
+            raise FormError("one of " + ", ".join(choices))
+        return found
+
+    return read
+
+
+def path(value: object, base: Path) -> Path:
+    """Read a path."""
+    if not isinstance(value, str | Path) or not str(value).strip():
+        raise FormError("a path")
+    return base / Path(value).expanduser()
+
+
+def paths(value: object, base: Path) -> tuple[Path, ...]:
+    """Read a list of paths; a text separates them as `PATH` does."""
+    parts = [part for part in value.split(os.pathsep) if part] if isinstance(value, str) else value
+    if not isinstance(parts, list | tuple):
+        raise FormError("a list of paths")
+    return tuple(path(part, base) for part in parts)
+
+
+def file(value: object, base: Path) -> str:
+    """Read a path, or nothing."""
+    return str(path(value, base)) if value else ""
+
+
+def pipeline(value: object, base: Path) -> str:
+    """Read the name or path of a spaCy pipeline."""
+    if not isinstance(value, str):
+        raise FormError("the name or path of a spaCy pipeline")
+    return str(path(value, base)) if "/" in value or value.startswith((".", "~")) else value.strip()
+
+
+def iri(value: object, _base: Path) -> str:
+    """Read an IRI that others are made from; it ends with a slash."""
+    found = str(value)
+    host = found.partition("://")[2].partition("/")[0]
+    if not found.startswith(("http://", "https://")) or not host or any(sign in found for sign in ' <>"{}|\\^`#?'):
+        raise FormError("an IRI that starts with http:// or https:// and has no # or ?")
+    return found if found.endswith("/") else found + "/"
+
+
+def address(value: object, _base: Path) -> str:
+    """Read the address of a robot."""
+    if not isinstance(value, str) or any(sign.isspace() for sign in value.strip()):
+        raise FormError("the address of a robot")
+    return value.strip()
+
+
+def _number(value: object, least: float, form: str = "") -> float:
+    form = form or f"a number of at least {least:g}"
+    try:
+        found = float(str(value).replace("_", ""))
+    except ValueError:
+        raise FormError(form) from None
+    if isinstance(value, bool) or not least <= found < float("inf"):
+        raise FormError(form)
+    return found

@@ -1,0 +1,57 @@
+"""What `kg lint` is asked, and its settings: flags, variables `KG_LINT_...` and the table `[lint]` of `kg.toml`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from kg import forms
+from kg.codes.severities import SEVERITIES
+from kg.settings import declared, setting
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+__all__ = ["DECLARED", "Question"]
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """Which findings are wanted.
+
+    `launch` names a launch file, `arguments` and `environment` are what it is evaluated with; `package` is the package
+    that launch files must be of. With `variants`, findings that only variants of the launch file have are added.
+    """
+
+    launch: str | None = None
+    package: str | None = None
+    codes: tuple[str, ...] = setting(
+        (),
+        forms.codes,
+        "CODE",
+        "Show only findings with this code; may be repeated.",
+        option="code",
+        several=True,
+    )
+    level: str = setting(
+        SEVERITIES[-1],
+        forms.one_of(*SEVERITIES),
+        "SEVERITY",
+        f"Lowest severity to show: {', '.join(SEVERITIES[:-1])} or {SEVERITIES[-1]}.",
+    )
+    every: bool = setting(
+        False,
+        forms.switch,
+        "",
+        "Include findings that might only arise because a file is meant to be included.",
+        option="all",
+        short="-a",
+    )
+    baseline: Path | None = setting(None, forms.path, "FILE", "Hide the findings listed in this file.")
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    environment: Mapping[str, str] = field(default_factory=dict)
+    variants: bool = False
+
+
+DECLARED: Final = declared(Question, "lint")
