@@ -102,8 +102,7 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
 
 def _inferred(classes: Classes) -> Iterable[Text]:
     """Yield what the node is for and works with; `kg why` explains both."""
-    if classes.functions:
-        yield _field("function", ", ".join(classes.functions))
+    yield _field("function", ", ".join(classes.functions) or "unknown")
     if classes.hardware or classes.devices:
         yield _field("hardware", ", ".join((*classes.hardware, *classes.devices)))
 

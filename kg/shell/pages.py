@@ -87,6 +87,7 @@ def lines_of_node(found: Mapping[str, Any]) -> tuple[Line, ...]:
         Line(f"package {found['package']['name']}", iri=found["package"]["iri"]),
         Line(f"repository {found['repository']['name']}", iri=found["repository"]["iri"], note=found["commit"] or ""),
         *([Line(f"start: {found['start']}")] if found["start"] else []),
+        *([] if found["functions"] else [Line("function: unknown")]),
     ]
     classes = [
         line
