@@ -107,7 +107,9 @@ def rnkg_rows(ours: Counted) -> Iterator[tuple[str, str, str]]:
         yield f"of these {kind}", _plain(number), "-"
 
 
-def _plain(value: float) -> str:
+def _plain(value: float | None) -> str:
+    if value is None:
+        return "-"
     return f"{value:,}" if isinstance(value, int) else f"{value:,.2f}".removesuffix(".00")
 
 

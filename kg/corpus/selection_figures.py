@@ -44,19 +44,15 @@ def figures(values: Sequence[int]) -> Figures:
     }
     if len(values) > 1:
         found["sd"] = statistics.stdev(values)
-    return _with_variation(found)
+    if found.get("mean") and "sd" in found:
+        found["cv"] = found["sd"] / found["mean"]
+    return found
 
 
 @cache
 def paper_figures() -> PaperFigures:
-    """Return the figures of the paper (`corpus/rnkg.toml`); its variation is worked out from what it prints."""
+    """Return the figures of the paper (`corpus/rnkg.toml`)."""
     content = tomllib.loads((folder("corpus") / "rnkg.toml").read_text("utf-8"))
     projects = content["projects"]
-    table = {name: _with_variation(dict(one)) for name, one in projects.items() if isinstance(one, dict)}
+    table = {name: dict(one) for name, one in projects.items() if isinstance(one, dict)}
     return PaperFigures(content["source"], projects["count"], table, content["graph"])
-
-
-def _with_variation(found: Figures) -> Figures:
-    if found.get("mean") and "sd" in found:
-        found["cv"] = found["sd"] / found["mean"]
-    return found

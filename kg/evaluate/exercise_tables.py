@@ -77,7 +77,7 @@ def _mark(has: bool) -> str:  # noqa: FBT001 - what it marks
     return "yes" if has else ""
 
 
-def exercises_table(of: Mapping[str, Capabilities], paper: Mapping[str, Mapping[str, int]] | None = None) -> Table:
+def exercises_table(of: Mapping[str, Capabilities], paper: Mapping[str, Mapping[str, float]] | None = None) -> Table:
     """Return Table 2: what each exercise takes as a program, and as the code of an expert that does the same.
 
     The code is the one that `kg robot convert --to rospy` writes for the robot. With `paper`, figures by exercise and

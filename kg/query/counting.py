@@ -7,14 +7,16 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from statistics import fmean
 from typing import TYPE_CHECKING
 
 from kg.query import stored
 from kg.query.core import run
 from kg.query.result import Solutions
-from kg.query.stats import connectivity
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from kg.store.interface import Snapshot
 
 __all__ = ["Counted", "counted"]
@@ -25,15 +27,15 @@ class Counted:
     """Figures as RNKG has them.
 
     `entities` and `triples` in all, `by_kind` the entities from the most; `entities_per_node` the mean number of
-    entities that a node is related to; mean and median of the lengths of shortest paths between entities that are
-    connected.
+    entities that a node is related to; `path_to_hardware` and `path_to_function` the mean number of relations from a
+    node to the nearest hardware and function, over the nodes that are connected to one (None without any).
     """
 
     entities: int
     triples: int
     entities_per_node: float
-    path_mean: float
-    path_median: float
+    path_to_hardware: float | None
+    path_to_function: float | None
     by_kind: tuple[tuple[str, int], ...]
 
 
@@ -55,14 +57,25 @@ def counted(snapshot: Snapshot) -> Counted:
             ends.append(number)
         neighbours[ends[0]].add(ends[1])
         neighbours[ends[1]].add(ends[0])
-    paths = connectivity([sorted(ones) for ones in neighbours])
     nodes = [len(ones) for ones, kind in zip(neighbours, kinds, strict=True) if kind == "node"]
     by_kind = sorted(Counter(kinds).items(), key=lambda pair: (-pair[1], pair[0]))
     return Counted(
         entities=len(kinds),
         triples=len(rows),
         entities_per_node=sum(nodes) / len(nodes) if nodes else 0.0,
-        path_mean=paths.path,
-        path_median=paths.path_median,
+        path_to_hardware=_path(kinds, neighbours, "hardware"),
+        path_to_function=_path(kinds, neighbours, "function"),
         by_kind=tuple(by_kind),
     )
+
+
+def _path(kinds: Sequence[str], neighbours: Sequence[set[int]], to: str) -> float | None:
+    """Return the mean length of the shortest paths from nodes to the nearest entity of a kind; None without paths."""
+    ring = {number for number, kind in enumerate(kinds) if kind == to}
+    seen, distance, lengths = set(ring), 0, list[int]()
+    while ring:
+        distance += 1
+        ring = {other for one in ring for other in neighbours[one]} - seen
+        seen |= ring
+        lengths += [distance for one in ring if kinds[one] == "node"]
+    return fmean(lengths) if lengths else None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from pytest import approx  # noqa: PT013 - the only name used
 
-from kg.query.counting import counted
+from kg.query.counting import _path, counted
 from kg.query.stats import connectivity, statistics
 
 if TYPE_CHECKING:
@@ -23,7 +23,18 @@ def test_entities_are_those_of_the_kinds_of_rnkg(examples: EmbeddedSnapshot) -> 
     assert found.entities == sum(kinds.values())
     assert found.triples >= found.entities - 1
     assert found.entities_per_node > 1
-    assert 1 < found.path_median <= found.path_mean * 2
+    assert found.path_to_hardware is not None
+    assert found.path_to_hardware >= 1
+    assert found.path_to_function is not None
+    assert found.path_to_function >= 1
+
+
+def test_paths_lead_to_the_nearest_entity_of_a_kind() -> None:
+    """From each node that is connected to hardware, the shortest path counts; other nodes do not count."""
+    kinds = ["node", "topic", "node", "hardware", "node", "hardware"]
+    neighbours = [{1}, {0, 2}, {1, 3, 5}, {2}, set(), {2}]
+    assert _path(kinds, neighbours, "hardware") == approx((3 + 1) / 2)
+    assert _path(kinds, neighbours, "function") is None
 
 
 def test_median_of_paths() -> None:
