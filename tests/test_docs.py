@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+import tomllib
 from functools import cache
 from shutil import which
 from typing import TYPE_CHECKING, Any, Final
@@ -129,6 +130,14 @@ def test_the_documentation_has_an_index() -> None:
     assert "(docs/README.md)" in text(README)
     index = text(DOCS / "README.md")
     assert not [page.name for page in DOCS.glob("*.md") if page.name != "README.md" and f"({page.name})" not in index]
+
+
+def test_every_extra_is_documented() -> None:
+    """The table of docs/install.md has every extra of pyproject.toml but that of contributors."""
+    extras = tomllib.loads(text(ROOT / "pyproject.toml"))["project"]["optional-dependencies"]
+    table = text(DOCS / "install.md").partition("\n## Extras\n")[2].partition("\n## ")[0]
+    rows = [row.split("|")[1] for row in table.splitlines() if row.startswith("| `")]
+    assert sorted(re.findall(r"`(\w+)`", " ".join(rows))) == sorted(set(extras) - {"dev"})
 
 
 def test_two_lines_set_everything_up() -> None:

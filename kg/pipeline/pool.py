@@ -39,6 +39,8 @@ _DEFECTS: Final = (ArithmeticError, AttributeError, LookupError, OSError, Runtim
 """What is reported by its message; anything else ends the worker, which is reported too."""
 _FIRST_OWN_FILE: Final = 3
 """Files below are the standard streams."""
+_MOST_FILES: Final = 1 << 16
+"""Where files are not limited, macOS gives a number that no loop reaches."""
 _GC_THRESHOLD: Final = 100_000
 
 
@@ -197,7 +199,7 @@ def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool
         other.close()
     if forked:
         os.closerange(_FIRST_OWN_FILE, pipe.fileno())
-        os.closerange(pipe.fileno() + 1, os.sysconf("SC_OPEN_MAX"))
+        os.closerange(pipe.fileno() + 1, min(os.sysconf("SC_OPEN_MAX"), _MOST_FILES))
     gc.set_threshold(_GC_THRESHOLD)
     with contextlib.suppress(EOFError, OSError):
         while True:

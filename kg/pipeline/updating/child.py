@@ -55,10 +55,10 @@ def _serve(requests: BinaryIO, answers: BinaryIO) -> None:
 
 
 def _cap_memory(most: int | None) -> None:
-    """Bound the address space of this process: past it the engine ends the process, which its owner sees."""
+    """Bound the address space of this process: past it the engine ends the process. On Linux alone."""
     import resource  # noqa: PLC0415 - not on every system
 
-    if most is not None:
+    if most is not None and sys.platform == "linux":
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 

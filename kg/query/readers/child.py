@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import resource
+import sys
 import threading
 import time
 from functools import cached_property
@@ -190,8 +191,11 @@ def _term(name: str, text: str) -> NamedNode | Literal:
 def _cap_memory(most: int | None) -> None:
     """Bound the address space to what it is now and `most` bytes more; past that the engine ends the process.
 
-    Much of what it is now is only reserved: stacks, and room for the memory of threads.
+    Much of what it is now is only reserved: stacks, and room for the memory of threads. Only Linux bounds it: macOS
+    refuses a limit below the hundreds of gigabytes that it reserves for each process.
     """
+    if sys.platform != "linux":
+        return
     now = _memory_bytes(0) or _RESERVED_BYTES
     wanted = _HARD_LIMIT if most is None else now + most
     bounded = wanted if _HARD_LIMIT == resource.RLIM_INFINITY else min(wanted, _HARD_LIMIT)

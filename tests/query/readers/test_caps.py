@@ -6,6 +6,7 @@ import asyncio
 import json
 import os
 import re
+import resource
 import sys
 import time
 from pathlib import Path
@@ -16,14 +17,32 @@ from patience import patient
 from query.readers.asking import ALL, descendants, outcome, program, until, whole
 
 from kg.errors import KgError
+from kg.pipeline.updating import child as updating
+from kg.query.readers import child
 from kg.query.readers.pool import Readers
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from types import ModuleType
 
     from kg.store.layout import Layout
 
 PRODUCT = "SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i } ORDER BY ?i ?a"
+
+
+@pytest.mark.parametrize("module", [child, updating])
+def test_readers_run_where_memory_cannot_be_bounded(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MacOS refuses a bound on address space: processes there run without one instead of failing."""
+
+    def refuse(*_: object) -> None:
+        raise ValueError("current limit exceeds maximum limit")
+
+    monkeypatch.setattr(resource, "setrlimit", refuse)
+    monkeypatch.setattr(sys, "platform", "darwin")
+    module._cap_memory(300 << 20)
+    monkeypatch.setattr(sys, "platform", "linux")
+    with pytest.raises(ValueError, match="exceeds"):
+        module._cap_memory(300 << 20)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the address space is bounded on Linux")
