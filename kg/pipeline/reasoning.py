@@ -200,8 +200,17 @@ def _kept(  # noqa: PLR0913, PLR0917 - what rules are made of
     found, broken = _cut(folders, installed, families, mark, axioms)
     if broken:
         return found, broken
+    packed = _packed(folders, installed, families, mark, axioms)
     with translated(str(cache)):
-        return compiled.save(cache, whole, found), ()
+        return compiled.write(cache, whole, packed), ()
+
+
+@lru_cache(maxsize=1)
+def _packed(
+    folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], mark: str, axioms: bytes
+) -> compiled.Packed:
+    """Return rules that were put in order before in this process, for another store."""
+    return compiled.pack(_cut(folders, installed, families, mark, axioms)[0])
 
 
 @lru_cache(maxsize=1)

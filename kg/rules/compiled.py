@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import io
 import pickle
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kg.rules.form import Rule
     from kg.rules.stratify import Stratum
 
-__all__ = ["load", "save"]
+__all__ = ["Packed", "load", "pack", "save", "write"]
 
 _NAME: Final = "compiled"
 _UNCUT: Final = "uncut"
@@ -40,6 +40,14 @@ _CLASSES: Final = frozenset(
         ("builtins", "frozenset"),
     }
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Packed:
+    """Rules as `load` returns them, and pickled."""
+
+    rules: RuleSet
+    content: bytes
 
 
 class _Writer(pickle.Pickler):
@@ -83,16 +91,25 @@ def save(cache: Path, mark: str, rule_set: RuleSet, *, cut: bool = True) -> Rule
 
     Raises OSError when they cannot be written, and RuleError KG202, KG204 where they have no order.
     """
+    return write(cache, mark, pack(rule_set, cut=cut), cut=cut)
+
+
+def pack(rule_set: RuleSet, *, cut: bool = True) -> Packed:
+    """Put rules in order and pickle them, which does not depend on where they are kept; errors as `save`."""
     strata = tuple(stratify(rule_set.rules, bounded=True)) if cut else ()
     prefixes = {name: iri for file in rule_set.files for name, iri in (file.prefixes or {}).items()}
     parts = (rule_set.rules, rule_set.data, prefixes, strata, rule_set.digest)
     written = io.BytesIO()
     _Writer(written, pickle.HIGHEST_PROTOCOL).dump(parts)
-    packed = written.getvalue()
-    content = _digest(mark.encode()) + _digest(packed) + packed
+    return Packed(_together(*parts), written.getvalue())
+
+
+def write(cache: Path, mark: str, packed: Packed, *, cut: bool = True) -> RuleSet:
+    """Keep packed rules below the folder `cache`, and return them. Raises OSError when they cannot be written."""
+    content = _digest(mark.encode()) + _digest(packed.content) + packed.content
     cache.mkdir(parents=True, exist_ok=True)
     write_atomically(cache / (_NAME if cut else _UNCUT), content, durable=False)
-    return _together(*parts)
+    return packed.rules
 
 
 def _together(

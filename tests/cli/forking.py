@@ -22,7 +22,9 @@ import sys
 from typing import Any, Final, TextIO
 
 import kg.cli.commands
-from kg.language.loading import pipeline
+from kg.language.annotating import prepare
+from kg.pipeline.reasoning import rules_in_force
+from kg.settings import load
 
 __all__ = ["ANSWER"]
 
@@ -40,8 +42,10 @@ _LATER: Final = (
     "kg.views.why",
 )
 """What commands import when they run, for those that tests run most."""
-_TAGGING: Final = {"build", "demo"}
-"""Commands that read workspaces and tag what is written there."""
+_BUILDING: Final = {"build", "demo"}
+"""Commands that read workspaces, tag what is written there and run rules."""
+_BUILDERS: Final = ("kg.pipeline.pool", "kg.extract.package", "kg.rules.running")
+"""What these import when they run."""
 
 
 def _serve(orders: socket.socket) -> None:
@@ -57,14 +61,25 @@ def _serve(orders: socket.socket) -> None:
         if not content:
             return
         order = json.loads(content)
-        if _TAGGING & set(order["arguments"]):
-            pipeline("")  # which keeps it
-            gc.freeze()
+        if _BUILDING & set(order["arguments"]):
+            _prepare_builds()
         if not os.fork():
             orders.close()
             _attend(order, *files)
         for file in files:
             os.close(file)
+
+
+def _prepare_builds() -> None:
+    """Import what builds need, and read the tagger and the rules, all of which this process keeps.
+
+    A run reads rules again where their files have changed.
+    """
+    for name in _BUILDERS:
+        importlib.import_module(name)
+    prepare()
+    rules_in_force(load({}, environment={}), [])
+    gc.freeze()
 
 
 def _attend(order: dict[str, Any], out: int, err: int, answers: int) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, cast
 import pytest
 from pyoxigraph import RdfFormat
 
+from kg.language.annotating import prepare
 from kg.pipeline.build import build
 from kg.pipeline.calls import call_files, read_calls
 from kg.settings import load
@@ -96,6 +97,12 @@ def _settings_only(settings: Settings, _folder: Path | None = None) -> str:
     return (
         f"{settings.base} {settings.max_file_bytes} {settings.nlp_model} {[*read_calls(call_files(settings)).values()]}"
     )
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _tagger() -> None:
+    """Load the tagger once, for the processes that builds start."""
+    prepare()
 
 
 @pytest.fixture(autouse=True)

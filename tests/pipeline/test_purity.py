@@ -19,7 +19,6 @@ from pyoxigraph import RdfFormat
 
 from kg.corpus.workspace import scan_tree
 from kg.graph.vocabulary import PREFIXES
-from kg.language.annotating import prepare
 from kg.pipeline import pool, writing
 from kg.pipeline.build import build
 from kg.pipeline.pending import pending
@@ -265,12 +264,6 @@ class Step(NamedTuple):
 def contents(variants: Mapping[str, int]) -> dict[str, str | None]:
     """Return the contents of all files: those chosen, else the usual ones."""
     return {path: FILES[path][variants.get(path, 0)] for path in FILES}
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _tagger() -> None:
-    """Load the tagger once, for the processes that builds start."""
-    prepare()
 
 
 @pytest.fixture(autouse=True)
