@@ -49,7 +49,6 @@ class Reach:
         self._program = program
         self._known: dict[int, bool] = {}
         self._changed: dict[int, frozenset[str]] = {}
-        self._used: dict[int, frozenset[str]] = {}
         self._revision = 0
 
     def reaches(self, function: Function) -> bool:
@@ -86,22 +85,18 @@ class Reach:
         self._forget()
         known = self._changed.get(id(function))
         if known is None:
-            assigned = map(self._program.assigned, self._closure(function))
+            assigned = map(self._program.assigned, self._closure([function])[0])
             known = self._changed[id(function)] = frozenset().union(*assigned)
         return known
 
-    def uses(self, function: Function) -> frozenset[str]:
-        """Return the words in the code that a run of a function can reach."""
-        self._forget()
-        known = self._used.get(id(function))
-        if known is None:
-            words = (self._program.words(code) or () for code in self._closure(function))
-            known = self._used[id(function)] = frozenset().union(*words)
-        return known
+    def uses(self, functions: Iterable[Function]) -> set[str]:
+        """Return the words in the code that runs of some functions can reach."""
+        return self._closure(functions)[1]
 
-    def _closure(self, function: Function) -> list[Code]:
-        found: list[Code] = [function]
-        seen = {id(function)}
+    def _closure(self, functions: Iterable[Function]) -> tuple[list[Code], set[str]]:
+        """Return the code that runs of some functions can reach, with its words."""
+        found: list[Code] = [*functions]
+        seen = set(map(id, found))
         looked = set[str]()
         for code in found:
             words = (self._program.words(code) or frozenset()) - looked
@@ -111,7 +106,7 @@ class Reach:
                     if id(called) not in seen:
                         seen.add(id(called))
                         found.append(called)
-        return found
+        return found, looked
 
     def _forget(self) -> None:
         """Forget what may be otherwise now that the program has more code."""
@@ -119,7 +114,6 @@ class Reach:
             self._revision = self._program.revision
             self._known = {key: reaching for key, reaching in self._known.items() if reaching}
             self._changed.clear()
-            self._used.clear()
 
     def _has_effect(self, words: frozenset[str]) -> bool:
         for word in words & self._effects.keys():

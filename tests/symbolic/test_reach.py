@@ -121,4 +121,4 @@ def test_changes_are_those_of_all_functions_that_can_run() -> None:
 def test_uses_are_the_words_of_all_functions_that_can_run() -> None:
     """What a function can use includes the words of the functions that it names."""
     program = Toy(run="helper one", helper="two")
-    assert reach(program).uses(program.made["run"]) == {"helper", "one", "two"}
+    assert reach(program).uses([program.made["run"]]) == {"helper", "one", "two"}

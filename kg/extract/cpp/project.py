@@ -104,6 +104,8 @@ class Project:
         self._nearness: dict[FilePath, dict[CppUnit, int]] = {}
         self._listed: set[CppUnit] = set()
         """The headers in the index that follows."""
+        self._macros: dict[str, dict[str, None]] = defaultdict(dict)
+        """What the macros of these and of all programs expand to, by name."""
         self._declaring: dict[tuple[str, str], list[CppUnit]] = defaultdict(list)
         self._implementations: dict[Place, dict[bytes, list[FilePath]]] = {}
         """For each package its sources, by the names in them with the `::` or `(` that follows."""
@@ -209,9 +211,10 @@ class Project:
         if unit.key not in self._used:
             self._used[unit.key] = unit
             self.revision += 1
-            for kind in ("function", "inline", "class", "alias", "macro"):
+            for kind in ("function", "inline", "class", "alias"):
                 for name in unit.names[kind]:
                     self._declared_in[kind, name].append(unit)
+            self._add_macros(unit)
 
     def add_methods(self, methods: dict[str, list[Function]]) -> None:
         """Add the methods of a class that a program uses."""
@@ -228,11 +231,9 @@ class Project:
         own = code.words if isinstance(code, CppFunction | CppClass) else words_of(unit.code(cast("Function", code)))
         if not own:
             return own
-        return own.union(*unit.uses, *(words_of(one.macros[word].text) for word in own for one in self._macros(word)))
-
-    def _macros(self, word: str) -> list[CppUnit]:
-        """Return the files of the programs that define a macro."""
-        return [*self._declaring.get(("macro", word), ()), *self._declared_in.get(("macro", word), ())]
+        return own.union(
+            *unit.uses, *(words_of(text) for word in own & self._macros.keys() for text in self._macros[word])
+        )
 
     def assigned(self, code: Function | Class) -> frozenset[str]:
         """Return the names of variables and fields that the code of a function changes."""
@@ -319,7 +320,12 @@ class Project:
                     for kind, names in one.names.items():
                         for name in names:
                             self._declaring[kind, name].append(one)
+                    self._add_macros(one)
         return known
+
+    def _add_macros(self, unit: CppUnit) -> None:
+        for name, macro in unit.macros.items():
+            self._macros[name][macro.text] = None
 
 
 @lru_cache(maxsize=512)  # the sources of a library are searched for each package that uses it
