@@ -31,8 +31,8 @@ class Program(Protocol):
     def assigned(self, code: Code) -> frozenset[str]:
         """Return the names of variables and fields that the code of a function changes."""
 
-    def definitions(self, word: str) -> Iterable[Code]:
-        """Return the functions and classes that a word can name, constructors among them."""
+    def definitions(self, words: frozenset[str]) -> Iterable[Code]:
+        """Return the functions and classes that some words can name, constructors among them."""
 
     def is_alias(self, word: str) -> bool:
         """Check whether a word is also declared as another name of something."""
@@ -68,15 +68,14 @@ class Reach:
                 return True
             words -= looked
             looked |= words
-            for word in words:
-                for called in self._program.definitions(word):
-                    key = id(called)
-                    if self._known.get(key):
-                        self._known[id(function)] = True
-                        return True
-                    if key not in seen and key not in self._known:
-                        seen.add(key)
-                        pending.append(called)
+            for called in self._program.definitions(words):
+                key = id(called)
+                if self._known.get(key):
+                    self._known[id(function)] = True
+                    return True
+                if key not in seen and key not in self._known:
+                    seen.add(key)
+                    pending.append(called)
         self._known.update(dict.fromkeys(seen, False))
         return False
 
@@ -101,11 +100,10 @@ class Reach:
         for code in found:
             words = (self._program.words(code) or frozenset()) - looked
             looked |= words
-            for word in words:
-                for called in self._program.definitions(word):
-                    if id(called) not in seen:
-                        seen.add(id(called))
-                        found.append(called)
+            for called in self._program.definitions(words):
+                if id(called) not in seen:
+                    seen.add(id(called))
+                    found.append(called)
         return found, looked
 
     def _forget(self) -> None:

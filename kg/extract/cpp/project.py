@@ -92,6 +92,8 @@ class Project:
         """The files of all programs of the package."""
         self._declared_in: dict[tuple[str, str], list[CppUnit]] = defaultdict(list)
         """These files by the functions, classes and aliases in them."""
+        self._definable: set[str] = set()
+        """The names of functions and classes of all programs and of the headers that they include."""
         self._defined: dict[str, tuple[int, tuple[Function | Class, ...]]] = {}
         """What names stand for, with the revision of which that is true."""
         self._mentioned: dict[str, bool] = {}
@@ -214,7 +216,7 @@ class Project:
             for kind in ("function", "inline", "class", "alias"):
                 for name in unit.names[kind]:
                     self._declared_in[kind, name].append(unit)
-            self._add_macros(unit)
+            self._index(unit)
 
     def add_methods(self, methods: dict[str, list[Function]]) -> None:
         """Add the methods of a class that a program uses."""
@@ -223,6 +225,7 @@ class Project:
             before = len(known)
             known.update((id(one), one) for one in functions)
             self.revision += len(known) > before
+        self._add_names(methods)
 
     def words(self, code: Function | Class) -> frozenset[str] | None:
         """Return the identifiers in the code of a function, or in what the creation of an object runs."""
@@ -241,13 +244,14 @@ class Project:
             return code.assigned
         return assigned_in(cast("CppUnit", code.unit).code(code)) if isinstance(code, Function) else frozenset()
 
-    def definitions(self, word: str) -> Iterable[Function | Class]:
-        """Return the functions and classes of the programs that have a name."""
-        revision, known = self._defined.get(word, (-1, ()))
-        if revision != self.revision:
-            known = tuple(self._definitions(word)) if word != "main" else ()
-            self._defined[word] = (self.revision, known)
-        return known
+    def definitions(self, words: frozenset[str]) -> Iterator[Function | Class]:
+        """Yield the functions and classes of the programs that have one of some names."""
+        for word in words & self._definable:
+            revision, known = self._defined.get(word, (-1, ()))
+            if revision != self.revision:
+                known = tuple(self._definitions(word))
+                self._defined[word] = (self.revision, known)
+            yield from known
 
     def _definitions(self, word: str) -> Iterator[Function | Class]:
         yield from self._methods.get(word, {}).values()
@@ -320,12 +324,17 @@ class Project:
                     for kind, names in one.names.items():
                         for name in names:
                             self._declaring[kind, name].append(one)
-                    self._add_macros(one)
+                    self._index(one)
         return known
 
-    def _add_macros(self, unit: CppUnit) -> None:
+    def _index(self, unit: CppUnit) -> None:
+        """Add what the macros of a file expand to, and the names that it defines."""
         for name, macro in unit.macros.items():
             self._macros[name][macro.text] = None
+        self._add_names((*unit.functions, *unit.inline, *unit.classes))
+
+    def _add_names(self, names: Iterable[str]) -> None:
+        self._definable.update(name for name in names if name != "main")
 
 
 @lru_cache(maxsize=512)  # the sources of a library are searched for each package that uses it
