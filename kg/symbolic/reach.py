@@ -31,8 +31,8 @@ class Program(Protocol):
     def assigned(self, code: Code) -> frozenset[str]:
         """Return the names of variables and fields that the code of a function changes."""
 
-    def definitions(self, word: str) -> Iterable[Code]:
-        """Return the functions and classes that a word can name, constructors among them."""
+    def definitions(self, words: frozenset[str]) -> Iterable[Code]:
+        """Return the functions and classes that some words can name, constructors among them."""
 
     def is_alias(self, word: str) -> bool:
         """Check whether a word is also declared as another name of something."""
@@ -49,7 +49,6 @@ class Reach:
         self._program = program
         self._known: dict[int, bool] = {}
         self._changed: dict[int, frozenset[str]] = {}
-        self._used: dict[int, frozenset[str]] = {}
         self._revision = 0
 
     def reaches(self, function: Function) -> bool:
@@ -69,15 +68,14 @@ class Reach:
                 return True
             words -= looked
             looked |= words
-            for word in words:
-                for called in self._program.definitions(word):
-                    key = id(called)
-                    if self._known.get(key):
-                        self._known[id(function)] = True
-                        return True
-                    if key not in seen and key not in self._known:
-                        seen.add(key)
-                        pending.append(called)
+            for called in self._program.definitions(words):
+                key = id(called)
+                if self._known.get(key):
+                    self._known[id(function)] = True
+                    return True
+                if key not in seen and key not in self._known:
+                    seen.add(key)
+                    pending.append(called)
         self._known.update(dict.fromkeys(seen, False))
         return False
 
@@ -86,32 +84,27 @@ class Reach:
         self._forget()
         known = self._changed.get(id(function))
         if known is None:
-            assigned = map(self._program.assigned, self._closure(function))
+            assigned = map(self._program.assigned, self._closure([function])[0])
             known = self._changed[id(function)] = frozenset().union(*assigned)
         return known
 
-    def uses(self, function: Function) -> frozenset[str]:
-        """Return the words in the code that a run of a function can reach."""
-        self._forget()
-        known = self._used.get(id(function))
-        if known is None:
-            words = (self._program.words(code) or () for code in self._closure(function))
-            known = self._used[id(function)] = frozenset().union(*words)
-        return known
+    def uses(self, functions: Iterable[Function]) -> set[str]:
+        """Return the words in the code that runs of some functions can reach."""
+        return self._closure(functions)[1]
 
-    def _closure(self, function: Function) -> list[Code]:
-        found: list[Code] = [function]
-        seen = {id(function)}
+    def _closure(self, functions: Iterable[Function]) -> tuple[list[Code], set[str]]:
+        """Return the code that runs of some functions can reach, with its words."""
+        found: list[Code] = [*functions]
+        seen = set(map(id, found))
         looked = set[str]()
         for code in found:
             words = (self._program.words(code) or frozenset()) - looked
             looked |= words
-            for word in words:
-                for called in self._program.definitions(word):
-                    if id(called) not in seen:
-                        seen.add(id(called))
-                        found.append(called)
-        return found
+            for called in self._program.definitions(words):
+                if id(called) not in seen:
+                    seen.add(id(called))
+                    found.append(called)
+        return found, looked
 
     def _forget(self) -> None:
         """Forget what may be otherwise now that the program has more code."""
@@ -119,7 +112,6 @@ class Reach:
             self._revision = self._program.revision
             self._known = {key: reaching for key, reaching in self._known.items() if reaching}
             self._changed.clear()
-            self._used.clear()
 
     def _has_effect(self, words: frozenset[str]) -> bool:
         for word in words & self._effects.keys():

@@ -57,9 +57,9 @@ class Toy:
         """Return the words that a function assigns."""
         return frozenset(word[1:] for word in self.code[code.name].split() if word.startswith("="))
 
-    def definitions(self, word: str) -> Iterable[Function]:
-        """Return the function of a name."""
-        return [self.made[word]] if word in self.made else []
+    def definitions(self, words: frozenset[str]) -> Iterable[Function]:
+        """Return the functions of some names."""
+        return [self.made[word] for word in words & self.made.keys()]
 
     def is_alias(self, word: str) -> bool:
         """Return False: nothing has other names."""
@@ -121,4 +121,4 @@ def test_changes_are_those_of_all_functions_that_can_run() -> None:
 def test_uses_are_the_words_of_all_functions_that_can_run() -> None:
     """What a function can use includes the words of the functions that it names."""
     program = Toy(run="helper one", helper="two")
-    assert reach(program).uses(program.made["run"]) == {"helper", "one", "two"}
+    assert reach(program).uses([program.made["run"]]) == {"helper", "one", "two"}

@@ -350,7 +350,7 @@ class _Nodes:
         if not reaching:
             return []
         fields = {name for cls, _ in language.chain(kind)[0] for name in cls.fields}
-        used = fields & frozenset[str]().union(*(reach.uses(methods[name]) for name in reaching))
+        used = fields & reach.uses(methods[name] for name in reaching)
         return [name for name, one in methods.items() if name in reaching or not used.isdisjoint(reach.changes(one))]
 
     def _libraries(self, plugin: PluginClass) -> Iterator[list[FilePath]]:

@@ -92,6 +92,8 @@ class Project:
         """The files of all programs of the package."""
         self._declared_in: dict[tuple[str, str], list[CppUnit]] = defaultdict(list)
         """These files by the functions, classes and aliases in them."""
+        self._definable: set[str] = set()
+        """The names of functions and classes of all programs and of the headers that they include."""
         self._defined: dict[str, tuple[int, tuple[Function | Class, ...]]] = {}
         """What names stand for, with the revision of which that is true."""
         self._mentioned: dict[str, bool] = {}
@@ -104,6 +106,8 @@ class Project:
         self._nearness: dict[FilePath, dict[CppUnit, int]] = {}
         self._listed: set[CppUnit] = set()
         """The headers in the index that follows."""
+        self._macros: dict[str, dict[str, None]] = defaultdict(dict)
+        """What the macros of these and of all programs expand to, by name."""
         self._declaring: dict[tuple[str, str], list[CppUnit]] = defaultdict(list)
         self._implementations: dict[Place, dict[bytes, list[FilePath]]] = {}
         """For each package its sources, by the names in them with the `::` or `(` that follows."""
@@ -209,9 +213,10 @@ class Project:
         if unit.key not in self._used:
             self._used[unit.key] = unit
             self.revision += 1
-            for kind in ("function", "inline", "class", "alias", "macro"):
+            for kind in ("function", "inline", "class", "alias"):
                 for name in unit.names[kind]:
                     self._declared_in[kind, name].append(unit)
+            self._index(unit)
 
     def add_methods(self, methods: dict[str, list[Function]]) -> None:
         """Add the methods of a class that a program uses."""
@@ -220,6 +225,7 @@ class Project:
             before = len(known)
             known.update((id(one), one) for one in functions)
             self.revision += len(known) > before
+        self._add_names(methods)
 
     def words(self, code: Function | Class) -> frozenset[str] | None:
         """Return the identifiers in the code of a function, or in what the creation of an object runs."""
@@ -228,11 +234,9 @@ class Project:
         own = code.words if isinstance(code, CppFunction | CppClass) else words_of(unit.code(cast("Function", code)))
         if not own:
             return own
-        return own.union(*unit.uses, *(words_of(one.macros[word].text) for word in own for one in self._macros(word)))
-
-    def _macros(self, word: str) -> list[CppUnit]:
-        """Return the files of the programs that define a macro."""
-        return [*self._declaring.get(("macro", word), ()), *self._declared_in.get(("macro", word), ())]
+        return own.union(
+            *unit.uses, *(words_of(text) for word in own & self._macros.keys() for text in self._macros[word])
+        )
 
     def assigned(self, code: Function | Class) -> frozenset[str]:
         """Return the names of variables and fields that the code of a function changes."""
@@ -240,13 +244,14 @@ class Project:
             return code.assigned
         return assigned_in(cast("CppUnit", code.unit).code(code)) if isinstance(code, Function) else frozenset()
 
-    def definitions(self, word: str) -> Iterable[Function | Class]:
-        """Return the functions and classes of the programs that have a name."""
-        revision, known = self._defined.get(word, (-1, ()))
-        if revision != self.revision:
-            known = tuple(self._definitions(word)) if word != "main" else ()
-            self._defined[word] = (self.revision, known)
-        return known
+    def definitions(self, words: frozenset[str]) -> Iterator[Function | Class]:
+        """Yield the functions and classes of the programs that have one of some names."""
+        for word in words & self._definable:
+            revision, known = self._defined.get(word, (-1, ()))
+            if revision != self.revision:
+                known = tuple(self._definitions(word))
+                self._defined[word] = (self.revision, known)
+            yield from known
 
     def _definitions(self, word: str) -> Iterator[Function | Class]:
         yield from self._methods.get(word, {}).values()
@@ -319,7 +324,17 @@ class Project:
                     for kind, names in one.names.items():
                         for name in names:
                             self._declaring[kind, name].append(one)
+                    self._index(one)
         return known
+
+    def _index(self, unit: CppUnit) -> None:
+        """Add what the macros of a file expand to, and the names that it defines."""
+        for name, macro in unit.macros.items():
+            self._macros[name][macro.text] = None
+        self._add_names((*unit.functions, *unit.inline, *unit.classes))
+
+    def _add_names(self, names: Iterable[str]) -> None:
+        self._definable.update(name for name in names if name != "main")
 
 
 @lru_cache(maxsize=512)  # the sources of a library are searched for each package that uses it

@@ -259,7 +259,7 @@ def without_others(nodes: Sequence[StartedNode]) -> tuple[StartedNode, ...]:
 
 def _is_own(key: str, asked: Asked) -> bool | None:
     """Tell whether a key is that of the node alone; None where it may be for the node, or for others of its process."""
-    written = f"/{key.strip('/')}"
+    written = _key(key)
     if written == asked.full:
         return True
     if not asked.loaded:
@@ -283,11 +283,15 @@ def _written(
                 yield _given(own, given_parameter(context, source))
         else:
             with context.at(source.location):
-                yield from _of_file(context, source, own if asked.loaded else None)
+                yield from _of_file(context, source, asked, own if asked.loaded else None)
 
 
 def _given(key: str, parameter: LaunchParameter) -> _Given:
-    return key, parameter, replace(parameter, node=f"/{key.strip('/')}")
+    return key, parameter, replace(parameter, node=_key(key))
+
+
+def _key(node: str) -> str:
+    return f"/{node.strip('/')}"
 
 
 def _addressed(parameter: LaunchParameter) -> _Given:
@@ -296,8 +300,11 @@ def _addressed(parameter: LaunchParameter) -> _Given:
     return _given(node, replace(parameter, name=name)) if colon and node else _given(_ALL, parameter)
 
 
-def _of_file(context: Context, source: ParameterFile | GlobalFile, flat: str | None) -> Iterator[_Given]:
-    """Yield the parameters of a file; `flat` is the node that a file is for which names no nodes at all."""
+def _of_file(context: Context, source: ParameterFile | GlobalFile, asked: Asked, flat: str | None) -> Iterator[_Given]:
+    """Yield the parameters of a file, of one for many loaded nodes only those that are not certainly for others.
+
+    `flat` is the node that a file is for which names no nodes at all.
+    """
     substitutions = isinstance(source, ParameterFile) and source.substitutions
     path = source.path if isinstance(source, GlobalFile) else context.perform(source.read)
     found = read_parameters(context, path, substitutions=substitutions)
@@ -308,7 +315,11 @@ def _of_file(context: Context, source: ParameterFile | GlobalFile, flat: str | N
     doubt = source.reason if isinstance(source, GlobalFile) else None
     known = context.found.given.setdefault((file, context.chain, doubt), {})
     repository = place(context.files, file, 1).repository
+    named = {entry.node for entry in listed} if asked.loaded else ()
+    others = {node for node in named if node is not None and _is_own(node, asked) is False}
     for entry in listed:
+        if entry.node in others:
+            continue
         if id(entry) in known:
             yield known[id(entry)][1]
             continue
@@ -319,7 +330,8 @@ def _of_file(context: Context, source: ParameterFile | GlobalFile, flat: str | N
         reason = doubt or (_AT_RUN_TIME if value is None else None)
         where = entry.location or Location(file.path, entry.line, repository)
         name = ".".join(entry.names)
-        made = _given(node, LaunchParameter(name, value, where, context.chain, entry.type, reason))
+        parts = (name, value, where, context.chain, entry.type, reason)
+        made = (node, LaunchParameter(*parts), LaunchParameter(*parts, node=_key(node)))
         if entry.node is not None:
             known[id(entry)] = (entry, made)
         yield made
