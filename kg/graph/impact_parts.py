@@ -21,18 +21,33 @@ if TYPE_CHECKING:
     from kg.graph.reading import Queryable
     from kg.graph.usual_ends import UsualEnd
 
-__all__ = ["at_channel", "at_file", "at_node", "at_parameter", "of_types"]
+__all__ = ["at_channel", "at_file", "at_node", "at_parameter", "of_types", "partly_known", "set_names"]
 
 _Parts: TypeAlias = "list[tuple[str, str]]"
 _HAVING: Final = "?instance ros:hasComponent ?part"
 _STARTED: Final = "GRAPH ?graph { ?instance rnkg:startedWith ?part }"
 _UNKNOWN: Final = 'SELECT DISTINCT ?name WHERE { ?end rnkg:resolvedName ?name FILTER(CONTAINS(?name, "{")) }'
+_SETTABLE: Final = """
+SELECT DISTINCT ?name WHERE { ?start rnkg:hasSetting ?part . ?part rnkg:name|(rnkg:sets/rnkg:name) ?name }"""
 
 
-def at_channel(graph: Queryable, kind: str, name: str) -> tuple[_Parts, list[UsualEnd]]:
-    """Return the ends that have a name or may have it, and the settings and remappings that hold it."""
+def partly_known(graph: Queryable) -> list[str]:
+    """Return the names of ends that are not known whole, sorted."""
+    return sorted(row["name"].value for row in select(graph, _UNKNOWN))
+
+
+def set_names(graph: Queryable) -> list[str]:
+    """Return the names of the settings of instances and those of the parameters that they set, sorted."""
+    return sorted(row["name"].value for row in select(graph, _SETTABLE))
+
+
+def at_channel(graph: Queryable, kind: str, name: str, partly: Iterable[str]) -> tuple[_Parts, list[UsualEnd]]:
+    """Return the ends that have a name or may have it, and the settings and remappings that hold it.
+
+    `partly` are the names that are not known whole.
+    """
     text, bare = literal(name), literal(name.lstrip("/"))
-    unknown = {own for row in select(graph, _UNKNOWN) if fits(own := row["name"].value, name)}
+    unknown = {own for own in partly if fits(own, name)}
     ends = (
         f"GRAPH ?graph {{ ?channel rdfs:label {text} . ?part rnkg:connectsTo ?channel . {_HAVING} }}",
         f"{_values('?name', unknown)} GRAPH ?graph {{ ?part rnkg:resolvedName ?name . {_HAVING} }}",
@@ -43,12 +58,18 @@ def at_channel(graph: Queryable, kind: str, name: str) -> tuple[_Parts, list[Usu
     return [*((v.HAS_COMPONENT, end) for end in ends), (v.HAS_SETTING, _setting(_holding("?part", bare)))], usual
 
 
-def at_parameter(name: str) -> _Parts:
-    """Return the settings whose name may be that of a parameter, the ends that these name, and whom those meet."""
-    last = literal(re.split(r"[./~]", name)[-1])
-    named = f"{_named('?setting', last)} GRAPH ?graph {{ ?named rnkg:namedBy ?setting }}"
+def at_parameter(name: str, known: Iterable[str]) -> _Parts:
+    """Return the settings whose name may be that of a parameter, the ends that these name, and whom those meet.
+
+    `known` are the names of settings and of the parameters that they set.
+    """
+    last = re.split(r"[./~]", name)[-1]
+    names = {one for one in known if last in one}
+    if not names:
+        return []
+    named = f"{_named('?setting', names)} GRAPH ?graph {{ ?named rnkg:namedBy ?setting }}"
     return [
-        (v.HAS_SETTING, _setting(_named("?part", last))),
+        (v.HAS_SETTING, _setting(_named("?part", names))),
         (
             v.HAS_COMPONENT,
             f"{named} GRAPH ?graph {{ ?named rnkg:connectsTo ?met . ?part rnkg:connectsTo ?met . {_HAVING} }}",
@@ -72,7 +93,7 @@ def at_node(graph: Queryable, name: str, types: Iterable[str]) -> _Parts:
 
     names = {row["name"].value for row in select(graph, _names(own("?instance")))} | {name}
     lasts = {one.rpartition("/")[2] for one in names if one.startswith("/")}
-    listing = f"{_values('?last', lasts)} {_holding('?part', '?last')}"
+    tests = " || ".join(f"CONTAINS(?value, {literal(last)})" for last in sorted(lasts))
     meeting = f"?named ros:hasComponent/rnkg:connectsTo ?met . ?part rnkg:connectsTo ?met . {_HAVING}"
     return [
         (v.STARTED_WITH, f"{own('?instance')} {_STARTED}"),
@@ -81,7 +102,7 @@ def at_node(graph: Queryable, name: str, types: Iterable[str]) -> _Parts:
         (v.HAS_COMPONENT, f"{own('?named')} GRAPH ?graph {{ {meeting} }}"),
         (v.HOST, f"{own('?part')} GRAPH ?graph {{ ?instance rnkg:host ?part }}"),
         (v.STARTED_WITH, f"{kinds} GRAPH ?graph {{ ?instance rnkg:loadsPlugin ?type }} {_STARTED}"),
-        (v.HAS_SETTING, _setting(listing)),
+        *((v.HAS_SETTING, _setting(f"?part rnkg:value ?value FILTER({tests})")) for _ in range(bool(tests))),
     ]
 
 
@@ -114,8 +135,8 @@ def _holding(variable: str, text: str) -> str:
     return f"{variable} rnkg:value ?value FILTER(CONTAINS(?value, {text}))"
 
 
-def _named(variable: str, text: str) -> str:
-    return f"{variable} rnkg:name|(rnkg:sets/rnkg:name) ?name FILTER(CONTAINS(?name, {text}))"
+def _named(variable: str, names: Iterable[str]) -> str:
+    return f"{_values('?name', names)} {variable} rnkg:name|(rnkg:sets/rnkg:name) ?name ."
 
 
 def _names(pattern: str) -> str:

@@ -12,31 +12,32 @@ from kg.graph.queries import select
 from kg.impact import DefinitionRecord, FileRecord, PackageRecord
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable
 
     from kg.graph.reading import Queryable
 
 __all__ = [
     "arguments",
+    "configurations_in",
+    "configurations_with",
     "definition_records",
+    "dependents",
     "file_records",
-    "package_records",
     "systems_naming",
     "type_names",
 ]
 
-_PACKAGES: Final = """
+_DEPENDENTS: Final = """
 SELECT ?package ?repository ?name ?folder ?manifest ?on ?kind ?line WHERE {
-  ?r a rnkg:Repository ; rnkg:name ?repository ; rnkg:contains ?package .
-  ?package a rnkg:Package ; rnkg:name ?name ; rnkg:path ?manifest .
+  VALUES ?on { %s }
+  ?dependency rnkg:onPackage/rdfs:label ?on ; rnkg:dependencyKind ?kind ; rnkg:line ?line .
+  ?package rnkg:hasDependency ?dependency ; a rnkg:Package ; rnkg:name ?name ; rnkg:path ?manifest .
+  ?r rnkg:contains ?package ; a rnkg:Repository ; rnkg:name ?repository .
   OPTIONAL { ?package rnkg:folder ?folder }
-  OPTIONAL {
-    ?package rnkg:hasDependency ?dependency .
-    ?dependency rnkg:onPackage/rdfs:label ?on ; rnkg:dependencyKind ?kind ; rnkg:line ?line .
-  }
 }"""
 _DEFINITIONS: Final = """
 SELECT ?definition ?repository ?package ?name ?kind ?path ?line WHERE {
+  %s
   ?r a rnkg:Repository ; rnkg:name ?repository ; rnkg:contains ?p .
   ?p rnkg:name ?package ; rnkg:contains ?definition .
   ?definition a rnkg:InterfaceDefinition ; rnkg:name ?name ; rnkg:definitionKind ?kind ; rnkg:path ?path ;
@@ -44,6 +45,7 @@ SELECT ?definition ?repository ?package ?name ?kind ?path ?line WHERE {
 }"""
 _FIELDS: Final = """
 SELECT ?definition ?section ?name ?type ?line ?default ?constant WHERE {
+  %s
   ?definition a rnkg:InterfaceDefinition ; rnkg:hasField ?field .
   ?field rnkg:section ?section ; rnkg:name ?name ; rnkg:fieldType ?type ; rnkg:line ?line .
   OPTIONAL { ?field rnkg:defaultValue ?default }
@@ -52,16 +54,27 @@ SELECT ?definition ?section ?name ?type ?line ?default ?constant WHERE {
 ORDER BY ?definition ?line"""
 _FILES: Final = """
 SELECT ?repository ?package ?path ?kind WHERE {
+  %s
   ?r a rnkg:Repository ; rnkg:name ?repository ; rnkg:contains ?p .
   ?p rnkg:name ?package ; rnkg:contains ?file .
   ?file rnkg:fileKind ?kind ; rnkg:path ?path .
 }"""
-_LABELS: Final = "SELECT DISTINCT ?name WHERE { ?thing a %s ; rdfs:label ?name }"
+_LABELS: Final = "SELECT DISTINCT ?name WHERE { ?thing a %s ; rdfs:label ?name %s }"
 _ARGUMENTS: Final = """
 SELECT DISTINCT ?name ?launch WHERE {
   %s
   ?argument a rnkg:LaunchArgument ; rnkg:name ?name .
   ?configuration rnkg:hasArgument ?argument ; rnkg:name ?launch .
+}"""
+_DECLARING: Final = """
+SELECT DISTINCT ?configuration WHERE {
+  ?argument rnkg:name %s ; a rnkg:LaunchArgument .
+  ?configuration rnkg:hasArgument ?argument .
+}"""
+_DESCRIBED: Final = """
+SELECT DISTINCT ?configuration WHERE {
+  VALUES ?graph { %s }
+  GRAPH ?graph { ?configuration rnkg:launchDialect ?dialect }
 }"""
 _TYPES: Final = ("ros:Message", "rnkg:ServiceType", "rnkg:ActionType")
 _STATING: Final = """
@@ -88,16 +101,15 @@ SELECT DISTINCT ?graph WHERE {
 }"""
 
 
-def package_records(graph: Queryable) -> list[PackageRecord]:
-    """Return the packages of the store with their dependencies, sorted by source and name."""
+def dependents(graph: Queryable, package: str) -> list[PackageRecord]:
+    """Return the packages that depend on one, with their dependencies on it, sorted by source and name."""
     found: dict[str, PackageRecord] = {}
     lines: defaultdict[str, list[Dependency]] = defaultdict(list)
-    for row in select(graph, _PACKAGES):
+    for row in select(graph, _DEPENDENTS % literal(package)):
         iri = row["package"].value
         folder = row["folder"].value if row["folder"] else "."
         found[iri] = PackageRecord(row["repository"].value, row["name"].value, folder, row["manifest"].value)
-        if row["on"] is not None:
-            lines[iri].append(Dependency(row["on"].value, row["kind"].value, int(row["line"].value)))
+        lines[iri].append(Dependency(row["on"].value, row["kind"].value, int(row["line"].value)))
     whole = [
         PackageRecord(one.repository, one.name, one.folder, one.manifest, tuple(sorted(lines[iri], key=repr)))
         for iri, one in found.items()
@@ -105,10 +117,11 @@ def package_records(graph: Queryable) -> list[PackageRecord]:
     return sorted(whole, key=lambda one: (one.repository, one.name, one.folder))
 
 
-def definition_records(graph: Queryable) -> list[DefinitionRecord]:
-    """Return the definitions of the store, sorted by source, name and kind."""
+def definition_records(graph: Queryable, iris: Collection[str] | None = None) -> list[DefinitionRecord]:
+    """Return the definitions of the store, or those of some IRIs, sorted by source, name and kind."""
+    those = "" if iris is None else f"VALUES ?definition {{ {' '.join(f'<{iri}>' for iri in sorted(iris))} }}"
     fields: defaultdict[str, list[Field]] = defaultdict(list)
-    for row in select(graph, _FIELDS):
+    for row in select(graph, _FIELDS % those):
         field = Field(
             section=row["section"].value,
             name=row["name"].value,
@@ -119,7 +132,7 @@ def definition_records(graph: Queryable) -> list[DefinitionRecord]:
         )
         fields[row["definition"].value].append(field)
     found = []
-    for row in select(graph, _DEFINITIONS):
+    for row in select(graph, _DEFINITIONS % those):
         package, own = row["package"].value, tuple(fields[row["definition"].value])
         location = Location(row["path"].value, int(row["line"].value))
         definition = InterfaceDefinition(row["kind"].value, package, row["name"].value, own, location)
@@ -128,11 +141,21 @@ def definition_records(graph: Queryable) -> list[DefinitionRecord]:
     return sorted(found, key=lambda one: (one.repository, one.name, one.definition.kind))
 
 
-def file_records(graph: Queryable) -> list[FileRecord]:
-    """Return the files of the packages of the store, sorted by source and path."""
+def file_records(
+    graph: Queryable, *, sources: Iterable[str] | None = None, path: str | None = None, ending: str | None = None
+) -> list[FileRecord]:
+    """Return the files of the packages of the store, sorted by source and path.
+
+    They may be limited to those of some sources, of one path, or to those whose path ends in some segments.
+    """
+    those = "" if sources is None else f"VALUES ?repository {{ {' '.join(map(literal, sorted(sources)))} }}"
+    if path is not None:
+        those = f"VALUES ?path {{ {literal(path)} }}"
+    elif ending is not None:
+        those = f'FILTER(STRENDS(CONCAT("/", ?path), {literal(f"/{ending}")}))'
     found = [
         FileRecord(row["repository"].value, row["package"].value, row["path"].value, FileKind(row["kind"].value))
-        for row in select(graph, _FILES)
+        for row in select(graph, _FILES % those)
     ]
     return sorted(found, key=lambda one: (one.repository, one.path))
 
@@ -143,9 +166,21 @@ def arguments(graph: Queryable, name: str | None = None) -> list[tuple[str, str]
     return sorted((row["name"].value, row["launch"].value) for row in select(graph, _ARGUMENTS % given))
 
 
-def type_names(graph: Queryable) -> list[str]:
-    """Return the names of the types of messages, services and actions, sorted."""
-    return sorted({name for term in _TYPES for name in _labels(graph, term)})
+def configurations_with(graph: Queryable, argument: str) -> set[str]:
+    """Return the IRIs of the launch configurations that declare an argument."""
+    return {row["configuration"].value for row in select(graph, _DECLARING % literal(argument))}
+
+
+def configurations_in(graph: Queryable, graphs: Iterable[str]) -> set[str]:
+    """Return the IRIs of the configurations that some named graphs describe."""
+    listed = " ".join(f"<{iri}>" for iri in sorted(graphs))
+    return {row["configuration"].value for row in select(graph, _DESCRIBED % listed)}
+
+
+def type_names(graph: Queryable, last: str | None = None) -> list[str]:
+    """Return the names of the types of messages, services and actions, or those with a `last` part, sorted."""
+    chosen = "" if last is None else f'FILTER(STRENDS(CONCAT("/", ?name), {literal(f"/{last}")}))'
+    return sorted({row["name"].value for term in _TYPES for row in select(graph, _LABELS % (term, chosen))})
 
 
 def systems_naming(
@@ -163,10 +198,6 @@ def systems_naming(
     return {
         row["graph"].value for query, values in asked if values for row in select(graph, query % {"values": values})
     }
-
-
-def _labels(graph: Queryable, term: str) -> list[str]:
-    return sorted({row["name"].value for row in select(graph, _LABELS % term)})
 
 
 def _value(term: Any) -> str | None:

@@ -57,6 +57,12 @@ SELECT ?node ?code ?class ?name ?origin ?type WHERE {
     OPTIONAL { ?code ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType ?type }
   }
 }"""
+_TYPED: Final = """
+SELECT DISTINCT ?node WHERE {
+  %s
+  ?type rdfs:label ?label . ?code ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType ?type ; rnkg:implicit true .
+  ?node ros:hasComponent ?code .
+}"""
 _ORIGINS: Final = ("ros1.node", "ros2.node", "ros2.lifecycle", "bond")
 """How the origins of such ends begin. What else is implicit (transforms, diagnostics) tells what a node does."""
 _ROLES: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
@@ -101,10 +107,12 @@ class UsualEnd(NamedTuple):
 
 def unstated_ends(graph: Queryable, name: str | None = None, types: Collection[str] | None = None) -> list[UsualEnd]:
     """Return the usual ends that systems have without stating them, or those of one absolute name, or of some types."""
-    if name is None:
-        implicit, started = list(_values(graph, _IMPLICIT % "")), list(_values(graph, _STARTED % ""))
-    else:
+    if name is not None:
         implicit, started = _near(graph, name)
+    elif types is not None:
+        implicit, started = _of_types(graph, types)
+    else:
+        implicit, started = list(_values(graph, _IMPLICIT % "")), list(_values(graph, _STARTED % ""))
     usual: defaultdict[str, list[tuple[str, Role, str, str | None]]] = defaultdict(list)
     for node, code, role, own, origin, kind in implicit:
         if not (origin.startswith(_ORIGINS) and role in _ROLES):
@@ -140,6 +148,14 @@ def _near(graph: Queryable, name: str) -> tuple[list[Any], list[Any]]:
     others = set(_values(graph, _IMPLICIT % _listed("name", written)))
     started.update(_values(graph, _STARTED % _listed("type", {NamedNode(row[0]) for row in others})))
     return sorted(implicit | others, key=str), sorted(started, key=str)
+
+
+def _of_types(graph: Queryable, types: Collection[str]) -> tuple[list[Any], list[Any]]:
+    """Return the implicit ends of node types that have some of some types, and the instances of these node types."""
+    labels = _listed("label", {Literal(one) for one in types})
+    having = {NamedNode(node) for (node,) in _values(graph, _TYPED % labels)}
+    implicit = list(_values(graph, _IMPLICIT % _listed("node", having)))
+    return implicit, list(_values(graph, _STARTED % _listed("type", having)))
 
 
 def _listed(variable: str, terms: Collection[NamedNode | Literal]) -> str:

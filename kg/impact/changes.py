@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import NodeReference
 from kg.holes import is_known
 from kg.impact.assessing import impact
 from kg.impact.files import file_effects, file_mentions
 from kg.impact.model import GIVING, VERBS, Area, Effect, Grade, Kind, Subject, merged
+from kg.impact.nodes import node_records_of
 from kg.impact.parameters import same_parameter
 from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of
@@ -22,9 +22,9 @@ from kg.launch.comparison import Level
 from kg.launch.comparison.wording import change_words, sign
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from kg.facts import InstanceInterface, Location, NodeInstance, System
+    from kg.facts import InstanceInterface, Location, NodeInstance, NodeReference, System
     from kg.impact.model import DefinitionRecord, World
     from kg.impact.started import End
     from kg.launch.comparison import Change, Difference
@@ -70,12 +70,7 @@ def broken(
     state after does not have.
     """
     found: dict[Broken, list[Effect]] = {}
-    partly_known = {
-        NodeReference(one.repository, one.package, one.node.name)
-        for one in worlds[1].nodes
-        if one.node.bounds or not all(is_known(parameter.name) for parameter in one.node.parameters)
-    }
-    lost = [one for pair in systems for one in (*_lost(*pair), *_unset(*pair, partly_known), *_unmatched(*pair))]
+    lost = [one for pair in systems for one in (*_lost(*pair), *_unset(*pair, worlds[1]), *_unmatched(*pair))]
     caused: set[int] = set()
     for change in difference.at(*_SHOWN):
         side = change.after or change.before
@@ -225,11 +220,8 @@ def _loss(system: System, lost: End) -> _Loss:
     return _Loss(system.configuration.name, instance, end.owner, words, instance.started.location, repository, end=end)
 
 
-def _unset(before: System, after: System, partly_known: Collection[NodeReference]) -> Iterator[tuple[_Loss, Effect]]:
-    """Yield the settings whose parameter the code does not have any more.
-
-    Of node types that are `partly_known` a parameter may have a name that is not known.
-    """
+def _unset(before: System, after: System, world: World) -> Iterator[tuple[_Loss, Effect]]:
+    """Yield the settings whose parameter the code does not have any more; `world` is the state after."""
     now = {one.name: one for one in after.instances}
     for instance in before.instances:
         declared = {one.name: one for one in instance.parameters if one.declared is not None}
@@ -242,11 +234,22 @@ def _unset(before: System, after: System, partly_known: Collection[NodeReference
             repository = location.repository or launch.repository
             reason = "the code does not have the parameter any more"
             name, grade = known.declared.name or "", Grade.BREAKS
-            if now[instance.name].type is None or known.owner in partly_known:
+            if now[instance.name].type is None or _is_partly_known(known.owner, world):
                 grade, reason = Grade.MAY, "the code is not known to have the parameter any more"
             effect = Effect(grade, area_of(location), what, reason, location, repository, (launch.name,))
             words = f"- parameter {name} of {instance.name}"
             yield _Loss(launch.name, instance, known.owner, words, None, "", parameter=name), effect
+
+
+def _is_partly_known(owner: NodeReference | None, world: World) -> bool:
+    """Check whether a parameter of a node type may have a name that is not known."""
+    records = node_records_of(Subject(Kind.NODE, f"{owner.package}/{owner.node}"), world) if owner else ()
+    return any(
+        one.repository == owner.repository
+        and (one.node.bounds or not all(is_known(parameter.name) for parameter in one.node.parameters))
+        for one in records
+        if owner
+    )
 
 
 def _unmatched(before: System, after: System) -> Iterator[tuple[_Loss, Effect]]:

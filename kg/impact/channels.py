@@ -44,7 +44,7 @@ def channel_about(subject: Subject, world: World) -> list[str]:
 
 
 def _declared(subject: Subject, world: World) -> Iterator[tuple[NodeReference, Interface]]:
-    for record in world.nodes:
+    for record in world.nodes(subject):
         owner = NodeReference(record.repository, record.package, record.node.name)
         for end in record.node.interfaces:
             if end.role.channel == subject.kind and end.resolved == subject.name:

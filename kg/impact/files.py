@@ -28,12 +28,12 @@ def declared_subjects(subject: Subject, world: World) -> list[Subject]:
     place = subject.owner, subject.name
     nodes = [
         Subject(Kind.NODE, f"{one.package}/{one.node.name}")
-        for one in world.nodes
+        for one in world.nodes(subject)
         if place == (one.node.location.repository or one.repository, one.node.location.path)
     ]
     types = [
         Subject(Kind.TYPE, one.name)
-        for one in world.definitions
+        for one in world.definitions(subject)
         if place == (one.repository, one.definition.location.path)
     ]
     return [*dict.fromkeys([*nodes, *types])]
@@ -42,14 +42,14 @@ def declared_subjects(subject: Subject, world: World) -> list[Subject]:
 def file_about(subject: Subject, world: World) -> list[str]:
     """Return the kind of a file and what it declares."""
     place = subject.owner, subject.name
-    kinds = [f"{one.kind} file of {one.package}" for one in world.files if place == (one.repository, one.path)]
+    kinds = [f"{one.kind} file of {one.package}" for one in world.files_at(subject.name) if place[0] == one.repository]
     return [*kinds, *(f"declares {one.kind} {one.text}" for one in declared_subjects(subject, world))]
 
 
 def file_effects(subject: Subject, world: World) -> Iterator[Effect]:
     """Yield what is read from a file: node types, launch configurations and parameters."""
     place = subject.owner, subject.name
-    for record in world.nodes:
+    for record in world.nodes(subject):
         yield from _node(record, place)
     systems = world.systems(subject)
     yield from include_effects(subject.name, subject.owner, systems, world)

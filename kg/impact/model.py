@@ -145,7 +145,7 @@ class Impact:
 
 @dataclass(frozen=True, slots=True)
 class PackageRecord:
-    """A package: its source, name, folder and dependencies, with the path of its manifest."""
+    """A package: its source, name, folder and some of its dependencies, with the path of its manifest."""
 
     repository: str
     name: str
@@ -181,24 +181,25 @@ class FileRecord:
 class World(Protocol):
     """The sources that a change may reach."""
 
-    @property
-    def nodes(self) -> Sequence[Record]:
-        """All node types."""
+    def nodes(self, subject: Subject) -> Sequence[Record]:
+        """Return the node types that may have to do with a subject, at least."""
         ...
 
-    @property
-    def packages(self) -> Sequence[PackageRecord]:
-        """All packages."""
+    def definitions(self, subject: Subject) -> Sequence[DefinitionRecord]:
+        """Return the definitions of messages, services and actions that may have to do with a subject, at least."""
         ...
 
-    @property
-    def definitions(self) -> Sequence[DefinitionRecord]:
-        """All definitions of messages, services and actions."""
+    def dependents(self, package: str) -> Sequence[PackageRecord]:
+        """Return the packages that depend on one, each with its dependencies on that."""
         ...
 
     @property
     def files(self) -> Sequence[FileRecord]:
-        """All files of packages, and files of the user that hold names (rules, queries, programs)."""
+        """The files of packages that can be read, and files of the user that hold names (rules, queries, programs)."""
+        ...
+
+    def files_at(self, path: str) -> Sequence[FileRecord]:
+        """Return the files of this path, of any source, whether they can be read or not."""
         ...
 
     def systems(self, subject: Subject) -> Sequence[System]:

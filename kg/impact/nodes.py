@@ -27,7 +27,7 @@ _LISTS: Final = "node_names"
 
 def node_records_of(subject: Subject, world: World) -> list[Record]:
     """Return the node types that a subject means; none for a started node."""
-    return [one for one in world.nodes if f"{one.package}/{one.node.name}" == subject.name]
+    return [one for one in world.nodes(subject) if f"{one.package}/{one.node.name}" == subject.name]
 
 
 def node_about(subject: Subject, world: World) -> list[str]:
@@ -46,7 +46,7 @@ def node_effects(subject: Subject, world: World) -> Iterator[Effect]:
     references = {NodeReference(one.repository, one.package, one.node.name) for one in records}
     for record in records:
         yield from _registered(record)
-    yield from _defaults(references, world)
+    yield from _defaults(references, world.nodes(subject))
     for system in world.systems(subject):
         own = [one for one in system.instances if one.name == subject.name or one.type in references]
         for instance in own:
@@ -169,15 +169,15 @@ def _registered(record: Record) -> Iterator[Effect]:
         yield Effect(Grade.BREAKS, Area.PACKAGES, what, "names the class of the node", node.exported, repository)
 
 
-def _defaults(references: set[NodeReference], world: World) -> Iterator[Effect]:
+def _defaults(references: set[NodeReference], nodes: Sequence[Record]) -> Iterator[Effect]:
     """Yield the node types that load a plugin unless parameters say otherwise."""
     plugins = {
         one.node.plugin: f"{one.package}/{one.node.name}"
-        for one in world.nodes
+        for one in nodes
         if one.node.plugin and NodeReference(one.repository, one.package, one.node.name) in references
     }
     spelled = {plugin.replace("/", "::"): name for plugin, name in plugins.items()}
-    for record in world.nodes:
+    for record in nodes:
         for slot in record.node.slots:
             for default in slot.defaults:
                 name = spelled.get(default.class_name.replace("/", "::"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from itertools import product
 from typing import TYPE_CHECKING, Final
 
 from kg.impact.model import VERBS, Area, Effect, Grade
@@ -18,14 +19,34 @@ if TYPE_CHECKING:
     from kg.impact.model import Subject, World
     from kg.launch.comparison.changes import Record
 
-__all__ = ["declared_settings", "has_parameter", "names_node", "parameter_about", "parameter_effects", "same_parameter"]
+__all__ = [
+    "declared_settings",
+    "has_parameter",
+    "names_node",
+    "parameter_about",
+    "parameter_effects",
+    "same_parameter",
+    "spellings",
+]
 
 _VERBS: Final = {"read": "reads", "write": "writes", "declare": "declares"}
+_MOST_SIGNS: Final = 8
+"""The parts of a name that has more signs between them are all parted by the same sign."""
 
 
 def same_parameter(one: str | None, other: str) -> bool:
     """Check whether two names as nodes give them mean one parameter: `~/rate`, `~rate` and `rate`."""
     return one is not None and _bare(one) == _bare(other)
+
+
+def spellings(name: str) -> set[str]:
+    """Return the names, as code spells them, that mean the same parameter as `name`."""
+    bare = _bare(name)
+    parts = bare.split(".")
+    number = len(parts) - 1
+    signs = product("./", repeat=number) if number <= _MOST_SIGNS else [("." * number), ("/" * number)]
+    spelled = {"".join(map(str.__add__, parts, (*one, ""))) for one in signs}
+    return {name, *(f"{front}{one}" for one in spelled for front in ("", "~", "~/"))}
 
 
 def _bare(name: str) -> str:
@@ -44,7 +65,7 @@ def has_parameter(record: Record, subject: Subject) -> bool:
 
 
 def _owned(subject: Subject, world: World) -> list[Record]:
-    return [record for record in world.nodes if has_parameter(record, subject)]
+    return [record for record in world.nodes(subject) if has_parameter(record, subject)]
 
 
 def parameter_about(subject: Subject, world: World) -> list[str]:

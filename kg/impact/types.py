@@ -10,7 +10,7 @@ from kg.impact.model import VERBS, Area, Effect, Grade, Kind
 from kg.impact.texts import mentions
 
 if TYPE_CHECKING:
-    from collections.abc import Hashable, Iterator, Mapping
+    from collections.abc import Hashable, Iterator, Mapping, Sequence
 
     from kg.facts import Interface
     from kg.impact.model import DefinitionRecord, FileRecord, Subject, World
@@ -28,11 +28,11 @@ _Type = tuple[str, str]
 def type_effects(subject: Subject, world: World) -> Iterator[Effect]:
     """Yield what depends on a type or, for a field, on the type that has it."""
     name = subject.owner if subject.kind is Kind.FIELD else subject.name
-    affected = affected_types(world, name)
+    affected = affected_types(name, world.definitions(subject))
     yield from _embedding(subject, world, affected)
     started = _started(subject, world)
     using: set[tuple[str, str]] = set()
-    for record in world.nodes:
+    for record in world.nodes(subject):
         for end in record.node.interfaces:
             if uses_type(end, affected):
                 using.add((record.repository, record.package))
@@ -44,14 +44,14 @@ def type_effects(subject: Subject, world: World) -> Iterator[Effect]:
 def type_about(subject: Subject, world: World) -> list[str]:
     """Return where a type is defined."""
     name = subject.owner if subject.kind is Kind.FIELD else subject.name
-    found = [f"defined at {one.definition.location}" for one in world.definitions if one.name == name]
+    found = [f"defined at {one.definition.location}" for one in world.definitions(subject) if one.name == name]
     return found or ["defined outside of the sources"]
 
 
-def affected_types(world: World, name: str) -> Mapping[_Type, tuple[str, ...]]:
+def affected_types(name: str, definitions: Sequence[DefinitionRecord]) -> Mapping[_Type, tuple[str, ...]]:
     """Return the types whose definition changes with that of `name`, each with the types that lead to it."""
     holders: dict[str, list[DefinitionRecord]] = {}
-    for one in world.definitions:
+    for one in definitions:
         for embedded in {*one.embeds.values()}:
             holders.setdefault(embedded, []).append(one)
     found: dict[_Type, tuple[str, ...]] = {(kind, name): () for kind in _CHANNEL_KINDS.values()}
@@ -76,7 +76,7 @@ def _type_of(end: Interface) -> _Type:
 
 
 def _embedding(subject: Subject, world: World, affected: Mapping[_Type, tuple[str, ...]]) -> Iterator[Effect]:
-    for one in world.definitions:
+    for one in world.definitions(subject):
         path = affected.get((one.definition.kind, one.name))
         if not path:
             continue
@@ -131,10 +131,8 @@ def _endpoint(
 def _dependents(name: str, world: World, using: set[tuple[str, str]]) -> Iterator[Effect]:
     """Yield the packages that depend on the package of a type."""
     owner = name.partition("/")[0]
-    for package in world.packages:
-        lines = [one.line for one in package.dependencies if one.name == owner]
-        if not lines:
-            continue
+    for package in world.dependents(owner):
+        lines = [one.line for one in package.dependencies]
         certain = (package.repository, package.name) in using
         yield Effect(
             Grade.BREAKS if certain else Grade.MAY,
@@ -163,9 +161,9 @@ def type_mentions(subject: Subject, world: World) -> Iterator[Effect]:
 
 def field_mentions(subject: Subject, world: World) -> Iterator[Effect]:
     """Yield the lines that may use a field: in the files of nodes with ends whose messages have it."""
-    affected = affected_types(world, subject.owner)
+    affected = affected_types(subject.owner, world.definitions(subject))
     places: set[tuple[str, str]] = set()
-    for record in world.nodes:
+    for record in world.nodes(subject):
         ends = [one for one in record.node.interfaces if uses_type(one, affected)]
         places.update((end.location.repository or record.repository, end.location.path) for end in ends)
         places.update((record.repository, path) for path in (record.node.sources if ends else ()))
@@ -186,9 +184,7 @@ def _names(world: World, file: FileRecord, name: str) -> bool:
 
 def _near(world: World, package: str) -> list[FileRecord]:
     """Return the files of a package and of those that depend on it."""
-    names = {
-        (one.repository, one.name) for one in world.packages if package in {each.name for each in one.dependencies}
-    }
+    names = {(one.repository, one.name) for one in world.dependents(package)}
     return [one for one in world.files if one.package == package or (one.repository, one.package) in names]
 
 

@@ -32,6 +32,7 @@ class EmbeddedSnapshot:
     """
 
     def __init__(self, layout: Layout) -> None:
+        self.layout: Layout | None = layout
         self.generation, self._handle = hold_generation(layout)
         folder = str(layout.generation(self.generation))
         try:
@@ -143,5 +144,6 @@ class MemorySnapshot(EmbeddedSnapshot):
     """Quads in memory, asked as a snapshot of a store is; whoever gives the store does not change it any more."""
 
     def __init__(self, store: Store) -> None:
+        self.layout = None
         self.generation, self._handle = 0, -1
         self._db = store

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Final, TypeVar
 import msgspec
 
 from kg import resources
-from kg.graph import overview
+from kg.graph import impact_parts, overview
+from kg.graph.channels_reading import every_name
 from kg.graph.overview import Channel
 from kg.graph.reading import node_records
 from kg.graph.records import node_object
@@ -26,15 +27,13 @@ from kg.query.counting import Counted, counted
 from kg.query.stats import Statistics, statistics
 from kg.render.text import json_text
 from kg.store.kept import keep, kept
-from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["Figures", "NodeLine", "channels", "figures", "node_lines"]
+__all__ = ["Figures", "NodeLine", "channel_names", "channels", "figures", "node_lines", "partly_known", "set_names"]
 
 _FOLDER: Final = "answers"
 _CODE: Final = ("facts", "graph", "launch/wiring", "query", "render", "views")
@@ -59,36 +58,47 @@ class NodeLine:
     text: str
 
 
-def figures(snapshot: EmbeddedSnapshot, settings: Settings) -> Figures:
-    """Return the figures of the store in force, of which `snapshot` is the content."""
-    return _answer(snapshot, settings, "stats", Figures, lambda: Figures(statistics(snapshot), counted(snapshot)))
+def figures(snapshot: EmbeddedSnapshot) -> Figures:
+    """Return the figures of the store whose content `snapshot` is."""
+    return _answer(snapshot, "stats", Figures, lambda: Figures(statistics(snapshot), counted(snapshot)))
 
 
-def channels(snapshot: EmbeddedSnapshot, settings: Settings, kind: str, *, implicit: bool = False) -> list[Channel]:
-    """Return the topics, services or actions of the store in force, as `kg.graph.overview.channels` does."""
+def channels(snapshot: EmbeddedSnapshot, kind: str, *, implicit: bool = False) -> list[Channel]:
+    """Return the topics, services or actions of the store, as `kg.graph.overview.channels` does."""
     name = f"{kind}-all" if implicit else kind
-    return _answer(
-        snapshot, settings, name, list[Channel], lambda: overview.channels(snapshot, kind, implicit=implicit)
-    )
+    return _answer(snapshot, name, list[Channel], lambda: overview.channels(snapshot, kind, implicit=implicit))
 
 
-def node_lines(snapshot: EmbeddedSnapshot, settings: Settings) -> list[NodeLine]:
-    """Return all node types of the store in force as lines of JSON, in the order of `kg.graph.reading.node_records`."""
+def node_lines(snapshot: EmbeddedSnapshot) -> list[NodeLine]:
+    """Return all node types of the store as lines of JSON, in the order of `kg.graph.reading.node_records`."""
 
     def make() -> list[NodeLine]:
         return [NodeLine(str(one.node.kind), json_text(node_object(one))) for one in node_records(snapshot)]
 
-    return _answer(snapshot, settings, "nodes", list[NodeLine], make)
+    return _answer(snapshot, "nodes", list[NodeLine], make)
 
 
-def _answer(
-    snapshot: EmbeddedSnapshot, settings: Settings, name: str, kind: type[_Answer], make: Callable[[], _Answer]
-) -> _Answer:
+def channel_names(snapshot: EmbeddedSnapshot) -> dict[str, list[str]]:
+    """Return all names of topics, services and actions, as `kg.graph.channels_reading.every_name` does."""
+    return _answer(snapshot, "names", dict[str, list[str]], lambda: every_name(snapshot))
+
+
+def partly_known(snapshot: EmbeddedSnapshot) -> list[str]:
+    """Return the names of ends that are not known whole, as `kg.graph.impact_parts.partly_known` does."""
+    return _answer(snapshot, "partly-known", list[str], lambda: impact_parts.partly_known(snapshot))
+
+
+def set_names(snapshot: EmbeddedSnapshot) -> list[str]:
+    """Return the names of settings and of what they set, as `kg.graph.impact_parts.set_names` does."""
+    return _answer(snapshot, "set-names", list[str], lambda: impact_parts.set_names(snapshot))
+
+
+def _answer(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer], make: Callable[[], _Answer]) -> _Answer:
     """Return a kept answer of a type, or compute it and keep it; where nothing can be written it is computed."""
     version = _version()
-    if version is None:
+    if version is None or snapshot.layout is None:
         return make()
-    folder = layout_of(settings).cache / _FOLDER / name
+    folder = snapshot.layout.cache / _FOLDER / name
     body = kept(folder, snapshot.identity, version)
     if body is not None:
         return msgspec.json.decode(body, type=kind)

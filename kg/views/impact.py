@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
 from kg.graph.channels_reading import channels_called
-from kg.graph.impact_reading import arguments, type_names
+from kg.graph.impact_nodes import nodes_called, nodes_with_parameter, qualified_names, settable_names, types_called
+from kg.graph.impact_reading import arguments, file_records, type_names
 from kg.graph.systems_reading import started_names
-from kg.impact import Kind, Subject
+from kg.impact import CHANNELS, Kind, Subject
 from kg.impact.assessing import impact as assess
-from kg.impact.parameters import names_node, same_parameter
+from kg.impact.parameters import has_parameter, spellings
 from kg.impact.writing import impact_object
 from kg.pipeline.launch_names import matching
 from kg.similar import did_you_mean, unknown
@@ -21,7 +21,7 @@ from kg.views.impact_world import StoredWorld
 from kg.views.systems import known_names
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from kg.impact import Impact
     from kg.settings import Settings
@@ -84,16 +84,17 @@ def _types(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterato
     front, _, last = name.rpartition("/")
     bare, _, field = last.partition(".")
     package = "/".join(part for part in front.split("/") if part not in _SECTIONS)
-    known = (
-        set(type_names(snapshot)) | {one.name for one in world.definitions} if front or bare[:1].isupper() else set()
-    )
-    for found in sorted(known):
-        if found != f"{package}/{bare}" and (front or found.rpartition("/")[2] != bare):
-            continue
+    if front:
+        known = types_called(snapshot, f"{package}/{bare}")
+    else:
+        known = type_names(snapshot, bare) if bare[:1].isupper() else []
+    for found in known:
+        subject = Subject(Kind.TYPE, found)
         if not field:
-            yield Subject(Kind.TYPE, found)
+            yield subject
             continue
-        fields = {each.name for one in world.definitions if one.name == found for each in one.definition.fields}
+        held = [one.definition for one in world.definitions(subject) if one.name == found]
+        fields = {each.name for one in held for each in one.fields}
         if not fields or field.partition(".")[0] in fields:
             yield Subject(Kind.FIELD, field, found)
 
@@ -102,20 +103,20 @@ def _nodes(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterato
     if name.startswith("/"):
         yield from (Subject(Kind.NODE, name) for _ in range(name in started_names(snapshot, name)))
         return
-    for record in world.nodes:
-        if name in {record.node.name, f"{record.package}/{record.node.name}"}:
-            yield Subject(Kind.NODE, f"{record.package}/{record.node.name}")
+    for record in world.records(nodes_called(snapshot, name)):
+        yield Subject(Kind.NODE, f"{record.package}/{record.node.name}")
 
 
 def _parameters(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterator[Subject]:
-    if any(same_parameter(one.name, name) for record in world.nodes for one in record.node.parameters):
+    if nodes_with_parameter(snapshot, spellings(name)):
         yield Subject(Kind.PARAMETER, name)
     splits = [(name[:at], name[at + 1 :]) for at, sign in enumerate(name) if sign == "."]
     for owner, inner in splits:
         if owner.startswith("/") and owner in started_names(snapshot, owner):
             yield Subject(Kind.PARAMETER, inner, owner)
-        for record in world.nodes:
-            if names_node(record, owner) and any(same_parameter(one.name, inner) for one in record.node.parameters):
+        subject = Subject(Kind.PARAMETER, inner, owner)
+        for record in world.nodes(subject):
+            if has_parameter(record, subject):
                 yield Subject(Kind.PARAMETER, inner, f"{record.package}/{record.node.name}")
 
 
@@ -135,31 +136,29 @@ def _files(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str, *, whole: 
     repository, _, path = name.rpartition(":")
     real = Path(name).resolve() if whole and Path(name).is_file() else None
     roots = {source.name: Path(source.root).resolve() for source in places(snapshot).sources.values() if source.root}
-    for one in world.files:
-        on_disk = real is not None and one.repository in roots and roots[one.repository] / one.path == real
-        named = one.path == path if whole else f"/{one.path}".endswith(f"/{path}")
-        if on_disk or (named and repository in {"", one.repository}):
-            yield Subject(Kind.FILE, one.path, one.repository)
+    own = [one for one in world.own if f"/{one.path}".endswith(f"/{path}")]
+    named = world.files_at(path) if whole else [*file_records(snapshot, ending=path), *own]
+    found = {(one.repository, one.path) for one in named if repository in {"", one.repository}}
+    for source, root in roots.items():
+        if real is not None and real.is_relative_to(root):
+            inner = real.relative_to(root).as_posix()
+            found |= {(source, one.path) for one in world.files_at(inner) if one.repository == source}
+    yield from (Subject(Kind.FILE, inner, source) for source, inner in sorted(found, key=lambda one: (not one[0], one)))
 
 
 def _known(snapshot: EmbeddedSnapshot, world: StoredWorld, kind: str) -> set[str]:
     """Return the names that a misspelt one may mean."""
-    known = dict(world.channels)
-    nodes = {f"{one.package}/{one.node.name}" for one in world.nodes} | {one.node.name for one in world.nodes}
-    known |= {
-        Kind.TYPE: type_names(snapshot),
-        Kind.NODE: [*nodes, *started_names(snapshot)],
-        Kind.PARAMETER: [
-            name
-            for record in world.nodes
-            for one in record.node.parameters
-            for name in (one.name, f"{record.node.name}.{one.name}")
-            if one.name and name
-        ],
-        Kind.ARGUMENT: [name for name, _ in arguments(snapshot)],
-        Kind.FILE: [one.path.rpartition("/")[2] for one in world.files],
+    if kind in CHANNELS:
+        return set(world.channels[kind])
+    known: dict[str, Callable[[], Iterable[str]]] = {
+        Kind.TYPE: lambda: type_names(snapshot),
+        Kind.NODE: lambda: [*qualified_names(snapshot), *started_names(snapshot)],
+        Kind.PARAMETER: lambda: settable_names(snapshot),
+        Kind.ARGUMENT: lambda: [name for name, _ in arguments(snapshot)],
+        Kind.FILE: lambda: [one.path.rpartition("/")[2] for one in (*file_records(snapshot), *world.own)],
     }
-    return set(chain.from_iterable(names for one, names in known.items() if kind in {"", str(one)}))
+    found = {name for one, names in known.items() if kind in {"", one} for name in names()}
+    return found if kind else found.union(*world.channels.values())
 
 
 def _kinds() -> str:

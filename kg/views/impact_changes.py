@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.facts import Location
+from kg.graph.impact_reading import definition_records, file_records
 from kg.graph.reading import node_records
 from kg.graph.systems_reading import systems
 from kg.impact import Kind, Subject
@@ -39,13 +40,13 @@ def broken_between(before: EmbeddedStore, after: EmbeddedStore, settings: Settin
             if (key := (one.configuration.repository, one.configuration.path)) in pairs
         ]
         worlds = StoredWorld(old, settings), StoredWorld(new, settings)
-        kept = {(one.repository, one.path) for one in worlds[1].files}
+        kept = {(one.repository, one.path) for one in file_records(new)}
         files = [
             Subject(Kind.FILE, one.path, one.repository)
-            for one in worlds[0].files
-            if one.repository and (one.repository, one.path) not in kept
+            for one in file_records(old)
+            if (one.repository, one.path) not in kept
         ]
-        gone = [*definition_changes(worlds[0].definitions, worlds[1].definitions), *files]
+        gone = [*definition_changes(definition_records(old), definition_records(new)), *files]
         return broken(compare(*sides), worlds, both, gone)
 
 

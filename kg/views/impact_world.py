@@ -1,4 +1,4 @@
-"""The sources of a store as `kg.impact` takes them: each part is read when it is first needed."""
+"""The sources of a store as `kg.impact` takes them: what may have to do with a subject is read, once for each."""
 
 from __future__ import annotations
 
@@ -7,21 +7,37 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import FileKind, Location
-from kg.graph.channels_reading import every_name
+from kg.graph.impact_nodes import (
+    definitions_at,
+    definitions_of,
+    nodes_at_channel,
+    nodes_called,
+    nodes_in_file,
+    nodes_loading,
+    nodes_of_types,
+    nodes_with_parameter,
+)
 from kg.graph.impact_parts import at_channel, at_file, at_node, at_parameter, of_types
-from kg.graph.impact_reading import definition_records, file_records, package_records, systems_naming
+from kg.graph.impact_reading import (
+    configurations_in,
+    configurations_with,
+    definition_records,
+    dependents,
+    file_records,
+    systems_naming,
+)
 from kg.graph.iris import Iris
 from kg.graph.reading import node_records
-from kg.graph.systems_reading import partial_systems
+from kg.graph.systems_reading import partial_systems, system_names
 from kg.impact import CHANNELS, FileRecord, Kind
-from kg.impact.parameters import has_parameter
+from kg.impact.parameters import has_parameter, spellings
 from kg.impact.types import affected_types, uses_type
 from kg.settings import user_paths
+from kg.views.answers import channel_names, partly_known, set_names
 from kg.views.evidence import places
-from kg.views.systems import known_names
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from kg.facts import System
     from kg.graph.reading import NodeRecord
@@ -46,47 +62,71 @@ class StoredWorld:
         self._iris = Iris(settings.base)
         self._lines: dict[tuple[str, str], Sequence[str]] = {}
         self._systems: dict[Subject, Sequence[System]] = {}
-
-    @cached_property
-    def nodes(self) -> Sequence[NodeRecord]:
-        """All node types."""
-        return node_records(self._snapshot)
+        self._nodes: dict[Subject, Sequence[NodeRecord]] = {}
+        self._definitions: dict[Subject, Sequence[DefinitionRecord]] = {}
+        self._dependents: dict[str, Sequence[PackageRecord]] = {}
 
     @cached_property
     def channels(self) -> Mapping[str, Sequence[str]]:
-        """The names of topics, services and actions by kind, in systems and in code alone."""
-        return every_name(self._snapshot)
+        """The names of all topics, services and actions by kind, in systems and in code alone."""
+        return channel_names(self._snapshot)
+
+    def nodes(self, subject: Subject) -> Sequence[NodeRecord]:
+        """Return the node types that may have to do with a subject."""
+        if subject not in self._nodes:
+            self._nodes[subject] = self.records(self._concerned(subject))
+        return self._nodes[subject]
+
+    def records(self, iris: Collection[str]) -> list[NodeRecord]:
+        """Return the node types of some IRIs."""
+        return node_records(self._snapshot, iris=iris) if iris else []
+
+    def definitions(self, subject: Subject) -> Sequence[DefinitionRecord]:
+        """Return the definitions that a subject means or changes, and those in a file."""
+        if subject not in self._definitions:
+            iris: Collection[str] = ()
+            if subject.kind in {Kind.TYPE, Kind.FIELD}:
+                iris = definitions_of(self._snapshot, [subject.owner or subject.name])
+            elif subject.kind is Kind.FILE:
+                iris = definitions_at(self._snapshot, subject.name)
+            self._definitions[subject] = definition_records(self._snapshot, iris) if iris else []
+        return self._definitions[subject]
+
+    def dependents(self, package: str) -> Sequence[PackageRecord]:
+        """Return the packages that depend on one, each with its dependencies on that."""
+        if package not in self._dependents:
+            self._dependents[package] = dependents(self._snapshot, package)
+        return self._dependents[package]
 
     @cached_property
-    def packages(self) -> Sequence[PackageRecord]:
-        """All packages."""
-        return package_records(self._snapshot)
-
-    @cached_property
-    def definitions(self) -> Sequence[DefinitionRecord]:
-        """All definitions."""
-        return definition_records(self._snapshot)
+    def own(self) -> Sequence[FileRecord]:
+        """The rules, queries and programs of the user."""
+        folders = {*user_paths(self._settings, "rules"), *user_paths(self._settings, "queries")}
+        found = sorted({path for folder in folders for path in folder.rglob("*") if path.suffix in _OWN})
+        return [FileRecord("", "", str(path), FileKind.CONFIG) for path in found]
 
     @cached_property
     def files(self) -> Sequence[FileRecord]:
-        """The files of packages, and the rules, queries and programs of the user."""
-        folders = {*user_paths(self._settings, "rules"), *user_paths(self._settings, "queries")}
-        own = sorted({path for folder in folders for path in folder.rglob("*") if path.suffix in _OWN})
-        return [*file_records(self._snapshot), *(FileRecord("", "", str(path), FileKind.CONFIG) for path in own)]
+        """The files of packages whose source is on this machine, and those of the user."""
+        sources = places(self._snapshot).sources
+        there = [name for name, source in sources.items() if source.root and Path(source.root).is_dir()]
+        return [*(file_records(self._snapshot, sources=there) if there else ()), *self.own]
+
+    def files_at(self, path: str) -> Sequence[FileRecord]:
+        """Return the files of this path, of any source and of the user."""
+        return [*file_records(self._snapshot, path=path), *(one for one in self.own if one.path == path)]
 
     def systems(self, subject: Subject) -> Sequence[System]:
         """Return the launch configurations that state a subject, or start what declares it, with its parts of them."""
         if subject not in self._systems:
-            graphs, (parts, usual) = self._graphs(subject), self._parts(subject)
-            having = {end.system for end in usual}
-            names = [
-                one
-                for one in known_names(self._snapshot)
-                if self._iris.system_graph(one.repository, one.path) in graphs
-                or self._iris.configuration(one.repository, one.path) in having
-            ]
-            base = self._settings.base
-            self._systems[subject] = partial_systems(self._snapshot, names, parts, base, usual, launches=True)
+            snapshot, base, (parts, usual) = self._snapshot, self._settings.base, self._parts(subject)
+            if subject.kind is Kind.PARAMETER and not subject.owner:
+                found = partial_systems(snapshot, None, parts, base, usual)
+            else:
+                having = {end.system for end in usual} | configurations_in(snapshot, self._graphs(subject))
+                names = system_names(snapshot, having) if having else []
+                found = partial_systems(snapshot, names, parts, base, usual, launches=True)
+            self._systems[subject] = found
         return self._systems[subject]
 
     def lines(self, repository: str, path: str) -> Sequence[str]:
@@ -100,43 +140,64 @@ class StoredWorld:
     def _graphs(self, subject: Subject) -> set[str]:
         """Return the named graphs of the launch configurations that may have to do with a subject."""
         if subject.kind in CHANNELS:
-            named = [one for one in self.nodes if any(end.resolved == subject.name for end in one.node.interfaces)]
+            named = [
+                one for one in self.nodes(subject) if any(end.resolved == subject.name for end in one.node.interfaces)
+            ]
             return systems_naming(self._snapshot, [subject.name], [one.iri for one in named])
         if subject.kind in {Kind.TYPE, Kind.FIELD}:
-            affected = affected_types(self, subject.owner or subject.name)
-            using = [one for one in self.nodes if any(uses_type(end, affected) for end in one.node.interfaces)]
+            affected = affected_types(subject.owner or subject.name, self.definitions(subject))
+            using = [one for one in self.nodes(subject) if any(uses_type(end, affected) for end in one.node.interfaces)]
             return systems_naming(self._snapshot, (), [one.iri for one in using])
         if subject.kind is Kind.NODE:
-            return systems_naming(self._snapshot, [subject.name], self._types_called(subject.name))
+            return systems_naming(self._snapshot, [subject.name], self._types_called(subject))
         if subject.kind is Kind.PARAMETER and subject.owner and not subject.owner.startswith("/"):
-            return systems_naming(self._snapshot, (), [one.iri for one in self.nodes if has_parameter(one, subject)])
+            having = [one.iri for one in self.nodes(subject) if has_parameter(one, subject)]
+            return systems_naming(self._snapshot, (), having)
         if subject.kind is Kind.PARAMETER and subject.owner:
             return systems_naming(self._snapshot, [subject.owner], ())
         if subject.kind is Kind.FILE:
             own = [
                 one.iri
-                for one in self.nodes
+                for one in self.nodes(subject)
                 if (subject.owner, subject.name) == (one.repository, one.node.location.path)
             ]
             included = [self._iris.configuration(subject.owner, subject.name)]
             return systems_naming(self._snapshot, [subject.name], own, included)
-        return {self._iris.system_graph(one.repository, one.path) for one in known_names(self._snapshot)}
+        return systems_naming(self._snapshot, (), (), configurations_with(self._snapshot, subject.name))
 
     def _parts(self, subject: Subject) -> tuple[list[tuple[str, str]], list[UsualEnd]]:
         """Return the parts of systems that may have to do with a subject: those that are stated, and usual ends."""
         if subject.kind in CHANNELS:
-            return at_channel(self._snapshot, subject.kind, subject.name)
+            return at_channel(self._snapshot, subject.kind, subject.name, partly_known(self._snapshot))
         if subject.kind in {Kind.TYPE, Kind.FIELD}:
-            affected = affected_types(self, subject.owner or subject.name)
+            affected = affected_types(subject.owner or subject.name, self.definitions(subject))
             return of_types(self._snapshot, (name for _, name in affected))
         if subject.kind is Kind.NODE:
-            return at_node(self._snapshot, subject.name, self._types_called(subject.name)), []
+            return at_node(self._snapshot, subject.name, self._types_called(subject)), []
         if subject.kind is Kind.PARAMETER:
-            return at_parameter(subject.name), []
+            return at_parameter(subject.name, set_names(self._snapshot)), []
         return at_file(subject.name) if subject.kind is Kind.FILE else [], []
 
-    def _types_called(self, name: str) -> list[str]:
-        return [one.iri for one in self.nodes if f"{one.package}/{one.node.name}" == name]
+    def _concerned(self, subject: Subject) -> set[str]:
+        """Return the IRIs of the node types that a subject may be in."""
+        snapshot, name = self._snapshot, subject.name
+        if subject.kind in CHANNELS:
+            return nodes_at_channel(snapshot, name)
+        if subject.kind in {Kind.TYPE, Kind.FIELD}:
+            affected = affected_types(subject.owner or name, self.definitions(subject))
+            return nodes_of_types(snapshot, (one for _, one in affected))
+        if subject.kind is Kind.NODE:
+            own = nodes_called(snapshot, name)
+            plugins = {one.node.plugin for one in self.records(own) if one.node.plugin}
+            return own | nodes_loading(snapshot, plugins)
+        if subject.kind is Kind.PARAMETER and subject.owner:
+            return nodes_called(snapshot, subject.owner, at_run_time=True)
+        if subject.kind is Kind.PARAMETER:
+            return nodes_with_parameter(snapshot, spellings(name))
+        return nodes_in_file(snapshot, name) if subject.kind is Kind.FILE else set()
+
+    def _types_called(self, subject: Subject) -> list[str]:
+        return [one.iri for one in self.nodes(subject) if f"{one.package}/{one.node.name}" == subject.name]
 
 
 def _read(file: Path) -> Sequence[str]:

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from kg.errors import UnknownNameError, UsageError
-from kg.graph.impact_reading import arguments
+from kg.graph.impact_reading import arguments, definition_records, file_records
+from kg.graph.reading import node_records
 from kg.graph.systems_reading import started_names, systems
 from kg.impact import Kind, Subject
 from kg.impact.assessing import impact as assess
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kg.facts import System
+    from kg.graph.reading import NodeRecord
+    from kg.impact import DefinitionRecord, FileRecord
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
@@ -84,16 +87,33 @@ def test_an_unknown_name_gets_those_that_were_meant(store: EmbeddedStore) -> Non
 
 
 class WholeWorld(StoredWorld):
-    """A world whose systems are read whole."""
+    """A world whose systems are read whole, and all node types, definitions and files for any subject."""
 
     def __init__(self, snapshot: EmbeddedSnapshot) -> None:
         super().__init__(snapshot, settings())
-        self.snapshot = snapshot
+        self._every_system = systems(snapshot, known_names(snapshot), settings().base)
+        self._every_node = node_records(snapshot)
+        self._every_definition = definition_records(snapshot)
+        self._every_file = [*file_records(snapshot), *self.own]
 
     def systems(self, subject: Subject) -> Sequence[System]:
         """Return the systems of a subject with all of their parts."""
+        if subject.kind is Kind.ARGUMENT or (subject.kind is Kind.PARAMETER and not subject.owner):
+            return self._every_system
         meant = {one.configuration.path for one in super().systems(subject)}
-        return systems(self.snapshot, [one for one in known_names(self.snapshot) if one.path in meant], settings().base)
+        return [one for one in self._every_system if one.configuration.path in meant]
+
+    def nodes(self, _subject: Subject) -> Sequence[NodeRecord]:
+        """Return all node types."""
+        return self._every_node
+
+    def definitions(self, _subject: Subject) -> Sequence[DefinitionRecord]:
+        """Return all definitions."""
+        return self._every_definition
+
+    def files_at(self, path: str) -> Sequence[FileRecord]:
+        """Return the files of a path."""
+        return [one for one in self._every_file if one.path == path]
 
 
 def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld) -> Iterator[Subject]:
@@ -101,10 +121,10 @@ def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld) -> Iterator[Subject
     yield from (Subject(Kind(kind), name) for kind, names in world.channels.items() for name in names)
     yield from (Subject(Kind.ARGUMENT, name, launch) for name, launch in arguments(snapshot))
     yield from (Subject(Kind.FILE, one.path, one.repository) for one in world.files)
-    for one in world.definitions:
+    for one in definition_records(snapshot):
         yield Subject(Kind.TYPE, one.name)
         yield from (Subject(Kind.FIELD, field.name, one.name) for field in one.definition.fields)
-    for record in world.nodes:
+    for record in node_records(snapshot):
         owner = f"{record.package}/{record.node.name}"
         started = [name for name in started_names(snapshot) if name.endswith(f"/{record.node.name}")]
         yield from (Subject(Kind.NODE, name) for name in (owner, *started))
@@ -113,7 +133,7 @@ def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld) -> Iterator[Subject
 
 
 def test_the_parts_of_systems_that_are_read_suffice(store: EmbeddedStore) -> None:
-    """Whole systems show the same effects of each subject."""
+    """Whole systems, and all that the store has, show the same effects of each subject."""
     with store.read() as snapshot:
         world, whole = StoredWorld(snapshot, settings()), WholeWorld(snapshot)
         asked = sorted(set(subjects(snapshot, world)))

@@ -36,16 +36,16 @@ def folder(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path
         path.unlink()
 
 
-def test_kept_answers_are_those_of_the_store(settings: Settings, snapshot: EmbeddedSnapshot, folder: Path) -> None:
+def test_kept_answers_are_those_of_the_store(snapshot: EmbeddedSnapshot, folder: Path) -> None:
     """What is computed at first, and what is read back after that, is what the store gives."""
     for _ in range(2):
-        found = answers.figures(snapshot, settings)
+        found = answers.figures(snapshot)
         assert (found.graph, found.rnkg) == (statistics(snapshot), counted(snapshot))
         for kind in ("topic", "service", "action"):
             for implicit in (False, True):
                 expected = overview.channels(snapshot, kind, implicit=implicit)
-                assert answers.channels(snapshot, settings, kind, implicit=implicit) == expected
-        lines = answers.node_lines(snapshot, settings)
+                assert answers.channels(snapshot, kind, implicit=implicit) == expected
+        lines = answers.node_lines(snapshot)
         records = node_records(snapshot)
         assert [json.loads(one.text) for one in lines] == [json.loads(json.dumps(node_object(one))) for one in records]
         assert [one.kind for one in lines] == [str(one.node.kind) for one in records]
@@ -54,10 +54,10 @@ def test_kept_answers_are_those_of_the_store(settings: Settings, snapshot: Embed
 
 @pytest.mark.parametrize("change", ["damaged", "of other code", "of another generation"])
 def test_answers_that_cannot_be_used_are_computed_again(
-    settings: Settings, snapshot: EmbeddedSnapshot, folder: Path, monkeypatch: pytest.MonkeyPatch, change: str
+    snapshot: EmbeddedSnapshot, folder: Path, monkeypatch: pytest.MonkeyPatch, change: str
 ) -> None:
     """A damaged file, one that other code wrote, or one of other data, counts as missing."""
-    expected = answers.figures(snapshot, settings)
+    expected = answers.figures(snapshot)
     file = folder / snapshot.identity
     if change == "damaged":
         file.write_bytes(file.read_bytes().replace(b'"quads":', b'"quads":9'))
@@ -72,16 +72,16 @@ def test_answers_that_cannot_be_used_are_computed_again(
         return statistics(graph)
 
     monkeypatch.setattr(answers, "statistics", counting)
-    assert answers.figures(snapshot, settings) == expected
-    assert answers.figures(snapshot, settings) == expected
+    assert answers.figures(snapshot) == expected
+    assert answers.figures(snapshot) == expected
     assert len(computed) == 1
     assert [path.name for path in folder.iterdir()] == [snapshot.identity]
 
 
 def test_answers_are_computed_while_code_changes(
-    settings: Settings, snapshot: EmbeddedSnapshot, folder: Path, monkeypatch: pytest.MonkeyPatch
+    snapshot: EmbeddedSnapshot, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nothing is kept as long as the next change of a file of the code could go unnoticed."""
     monkeypatch.setattr(answers, "_version", lambda: None)
-    assert answers.figures(snapshot, settings).graph == statistics(snapshot)
+    assert answers.figures(snapshot).graph == statistics(snapshot)
     assert not list(folder.glob("*"))

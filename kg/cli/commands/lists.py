@@ -77,7 +77,7 @@ def _list(context: typer.Context, kind: str, store: str | None, *, every: bool, 
 
     settings = session(context).settings(store=store)
     with reading(settings) as snapshot:
-        found = [asdict(one) for one in channels(snapshot, settings, kind, implicit=every)]
+        found = [asdict(one) for one in channels(snapshot, kind, implicit=every)]
     channel_rows(kind, found, json=json)
     if terminal() and not json:
         note(count(len(found), kind))

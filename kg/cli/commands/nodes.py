@@ -15,7 +15,6 @@ from kg.views.names import known_package
 
 if TYPE_CHECKING:
     from kg.graph.overview import NodeSummary
-    from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["nodes"]
@@ -53,16 +52,16 @@ def nodes(
         if package:
             known_package(snapshot, package)
         if json:
-            _objects(snapshot, settings, package, kind)
+            _objects(snapshot, package, kind)
         else:
             _table(snapshot, package, kind)
 
 
-def _objects(snapshot: "EmbeddedSnapshot", settings: "Settings", package: str | None, kind: str | None) -> None:
+def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
     if package is None:
         from kg.views.answers import node_lines  # noqa: PLC0415 - start-up time
 
-        for one in node_lines(snapshot, settings):
+        for one in node_lines(snapshot):
             if kind in {None, one.kind}:
                 write(one.text)
         return

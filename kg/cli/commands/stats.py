@@ -34,7 +34,7 @@ def stats(context: typer.Context, *, json: Json = False, store: Store = None) ->
 
     settings = session(context).settings(store=store)
     with reading(settings) as snapshot:
-        figured = figures(snapshot, settings)
+        figured = figures(snapshot)
     found, ours = figured.graph, figured.rnkg
     if json:
         pairs = ("entities", "triples", "per_node", "degree_by_kind")
