@@ -38,7 +38,7 @@ _DATES: Final = {"GIT_AUTHOR_DATE": "2026-01-01T00:00:00Z", "GIT_COMMITTER_DATE"
 """Fixed dates, so that the commit always has the same hash."""
 _AUTHOR: Final = ("-c", "user.name=kg", "-c", "user.email=kg@localhost", "-c", "commit.gpgsign=false")
 
-_ROOMS: Final = {
+_AREAS: Final = {
     "0": "Usage and settings",
     "1": "Reading sources",
     "2": "Rules",
@@ -52,13 +52,13 @@ _ROOMS: Final = {
 }
 
 _EXITS: Final = {
-    Exit.OK: "it worked",
-    Exit.FOUND: "it worked and there is something to report, or what was asked for was not found",
-    Exit.USAGE: "the command, an option or a setting is wrong",
-    Exit.SOURCE: "a source could not be read at all",
+    Exit.OK: "success",
+    Exit.FOUND: "success with findings, or nothing found",
+    Exit.USAGE: "invalid command, option or setting",
+    Exit.SOURCE: "unreadable source",
     Exit.STORE: "the store is missing, busy, damaged or full",
     Exit.QUERY: "a query was refused or failed",
-    Exit.TIMEOUT: "a deadline or a limit ended the work",
+    Exit.TIMEOUT: "a deadline or another limit stopped the work",
     Exit.INTERNAL: "a defect in `kg`",
     Exit.INTERRUPTED: "Ctrl-C",
 }
@@ -68,8 +68,8 @@ _INTRODUCTION: Final = """\
 
 <!-- Written by docs/generate.py from kg/errors.py. -->
 
-Every error carries a code, the place it is about and the way out. `kg explain CODE` prints the entries below.
-What is wrong in sources does not stop a build: it is reported by name, and the rest is built.
+Every error has a code, a location and a hint. `kg explain CODE` prints the entries below. Errors in sources do not stop
+a build: each is reported, and the rest is built.
 
 ## Exit codes
 
@@ -79,14 +79,14 @@ What is wrong in sources does not stop a build: it is reported by name, and the 
 
 
 def errors_page() -> str:
-    """Return docs/errors.md: the exit codes, then every code of the catalogue under its room."""
+    """Return docs/errors.md: the exit codes, then every code of the catalogue by area."""
     parts = [_INTRODUCTION + "".join(f"| {int(code)} | {when} |\n" for code, when in _EXITS.items())]
-    room = None
+    area = None
     for code, entry in sorted(CATALOGUE.items()):
-        if code[2] != room:
-            room = code[2]
-            parts.append(f"\n## {_ROOMS[room]}\n")
-        parts.append(f"\n### {code}: {entry.title}\n\n{entry.explanation}\n\nWay out: {entry.way_out}\n")
+        if code[2] != area:
+            area = code[2]
+            parts.append(f"\n## {_AREAS[area]}\n")
+        parts.append(f"\n### {code}: {entry.title}\n\n{entry.explanation}\n\nFix: {entry.way_out}\n")
     return "".join(parts)
 
 
@@ -166,7 +166,7 @@ def queries_page() -> str:
             parts.append(f"\n## {family}\n")
         parts.append(f"\n### `{name}`\n\n{query.title}.".replace("?.", "?") + f" {query.description}".rstrip() + "\n")
         if query.parameters:
-            parts.append("\n| parameter | for example | is |\n|---|---|---|\n")
+            parts.append("\n| parameter | example | meaning |\n|---|---|---|\n")
         parts += [f"| `{one.name}` | `{one.example}` | {one.description} |\n" for one in query.parameters]
     return "".join(parts)
 
@@ -189,22 +189,21 @@ _FAMILIES: Final = {
     "capability": "What robots can sense, do and know. Messages, services and actions evoke capabilities, by "
     "ontology/capability.ttl. Otherwise names of nodes and topics do, by ontology/capability-contexts.ttl. "
     "See docs/capabilities.md.",
-    "communication": "Who talks to whom: direct relations of nodes (RNKG), communications (onto-ros), and whether "
-    "types agree.",
+    "communication": "Direct relations of nodes (RNKG), communications (onto-ros), and whether types agree.",
     "copies": "Packages, repositories and definitions that occur in several sources.",
-    "function": "What nodes are for, in seven categories, by the words and types of ontology/function.ttl.",
-    "hardware": "Which devices nodes work with, by the words and types of ontology/hardware.ttl.",
+    "function": "The purpose of nodes, in seven categories, by the words and types of ontology/function.ttl.",
+    "hardware": "The devices that nodes work with, by the words and types of ontology/hardware.ttl.",
     "ontobot": "Answers to the competency questions of OntoBOT, in its terms, by ontology/ontobot-alignment.ttl.",
     "owl": "The entailments of OWL 2 RL that the loaded ontologies use, named as in the profile. Before they run, "
     "they are specialised to the axioms in the store: `prp-spo1` becomes one plain rule for each "
-    "`rdfs:subPropertyOf`. So other rules can negate what they derive, and only useful triples are read. "
+    "`rdfs:subPropertyOf`. Other rules can therefore negate what they derive, and only useful triples are read. "
     "`kg ontology check` reports contradictions.",
-    "owl-rl": "The whole profile, tables 4 to 9, for ontologies that kg does not know. It runs only if "
-    "`rule_families` names it, because rules with negation or new names cannot be stratified together with "
-    "it. The profile's `false` is derived as membership in `owl:Nothing`. Of its 78 rules, three are "
-    "missing: `dt-type2`, `dt-eq` and `dt-diff` have literals as subjects, which RDF does not allow. "
-    "Lists of properties in chains and keys have a maximum length. The triples are the same as those of owlrl, except "
-    "that owlrl knows more data types, and does not derive that a class is a subclass of and equivalent to itself.",
+    "owl-rl": "The whole profile, tables 4 to 9, for foreign ontologies. It runs only if `rule_families` lists it, "
+    "because rules with negation or new names cannot be stratified together with it. The profile's `false` is "
+    "derived as membership in `owl:Nothing`. Of its 78 rules, three are missing: `dt-type2`, `dt-eq` and `dt-diff` "
+    "have literals as subjects, which RDF does not allow. Lists of properties in chains and keys have a maximum "
+    "length. The triples are the same as those of owlrl, except that owlrl supports more data types, and does not "
+    "derive that a class is a subclass of and equivalent to itself.",
 }
 """Descriptions of the rule families."""
 

@@ -1,6 +1,6 @@
-"""The one error of `kg` and its subclasses by cause.
+"""The base error of `kg` and its subclasses by cause.
 
-Every error that reaches a person carries a code, the place it is about and the way out. The codes stand in `kg.codes`.
+Every error that users see has a code, a place and a hint. `kg.codes` lists the codes.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ _NAME_OR_SIGN: Final = re.compile(r"[?$]?[\w:.-]+|\S")
 
 
 class Exit(IntEnum):
-    """What the process returns; a contract with scripts."""
+    """Exit codes of the process, stable for scripts."""
 
     OK = 0
     FOUND = 1
-    """It worked and there is something to report, or what was asked for was not found."""
+    """Success with findings, or nothing found."""
     USAGE = 2
-    """The command, an option or a setting is wrong."""
+    """Invalid command, option or setting."""
     SOURCE = 3
-    """A source could not be read at all."""
+    """Unreadable source."""
     STORE = 4
     """The store is missing, busy, damaged or full."""
     QUERY = 5
     """A query was refused or failed."""
     TIMEOUT = 6
-    """A deadline or a limit ended the work."""
+    """A deadline or another limit stopped the work."""
     INTERNAL = 70
     """A defect in `kg`."""
     INTERRUPTED = 130
@@ -55,10 +55,10 @@ class Exit(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where something is: a file with an optional line and column, both counted from one.
+    """A file with an optional line and column, both counted from one.
 
-    `excerpt` is the text of that line, for places that no file can be read for (a query typed by hand). `end_line` and
-    `end_column` are those behind the last character of what is wrong, where that is known.
+    `excerpt` is the text of that line for places outside files (a query typed by hand). `end_line` and `end_column`
+    are the position after the last wrong character, if known.
     """
 
     path: str
@@ -72,9 +72,9 @@ class Place:
         return ":".join(str(part) for part in (self.path, self.line, self.column) if part is not None)
 
     def span(self, line: str | None = None) -> tuple[int, int, int, int] | None:
-        """Return the line and the column of what is wrong, and those behind it; None for a place without a column.
+        """Return the start and the end of the error as lines and columns; None for a place without a column.
 
-        Where its end is not known it is that of the name or sign there, in `line` or else in the excerpt.
+        Without a known end, the error ends with the name or sign at its start, in `line` or else in the excerpt.
         """
         if self.line is None or self.column is None:
             return None
@@ -85,16 +85,16 @@ class Place:
 
 
 class KgError(Exception):
-    """The base of all errors that `kg` raises on purpose.
+    """Base class of all errors that `kg` raises deliberately.
 
-    `code` is a key of `CATALOGUE`, `message` says what is wrong with the values in it, `place` where,
-    `hint` what to do about it here and now.
+    `code` is a key of `CATALOGUE`. `message` describes the error with its values, `place` locates it, and `hint` is the
+    fix for this case.
     """
 
     exit_code: Exit = Exit.INTERNAL
 
     def __init__(self, code: str, message: str, *, place: Place | None = None, hint: str | None = None) -> None:
-        """Raise `LookupError` for a code that the catalogue does not have."""
+        """Raise `LookupError` for a code missing from the catalogue."""
         if code not in CATALOGUE:
             raise LookupError(code)
         super().__init__(message)
@@ -109,25 +109,25 @@ class KgError(Exception):
 
 
 class UsageError(KgError):
-    """The command line, a setting or a name typed by the user is wrong."""
+    """Invalid command line, setting or name."""
 
     exit_code = Exit.USAGE
 
 
 class UnknownNameError(UsageError):
-    """What was asked for by name is not there."""
+    """Nothing of this name was found."""
 
     exit_code = Exit.FOUND
 
 
 class SourceError(KgError):
-    """A source (folder, repository, list of sources) cannot be read at all."""
+    """Unreadable source (folder, repository, list of sources)."""
 
     exit_code = Exit.SOURCE
 
 
 class StoreError(KgError):
-    """The store is missing, held by another process, damaged, or cannot be written."""
+    """The store is missing, in use by another process, damaged, or not writable."""
 
     exit_code = Exit.STORE
 
@@ -139,24 +139,24 @@ class QueryError(KgError):
 
 
 class GraphError(KgError):
-    """RDF that was given to `kg` (an ontology, an import) cannot be used."""
+    """Unusable RDF input (an ontology, an import)."""
 
     exit_code = Exit.FOUND
 
 
 class RobotError(KgError):
-    """A running robot, or a program for one, does not do what it should; an address that is none is a wrong command."""
+    """A running robot, or a program for one, fails. An invalid address is a usage error."""
 
     exit_code = Exit.FOUND
 
     def __init__(self, code: str, message: str, *, place: Place | None = None, hint: str | None = None) -> None:
-        """Raise `LookupError` for a code that the catalogue does not have."""
+        """Raise `LookupError` for a code missing from the catalogue."""
         super().__init__(code, message, place=place, hint=hint)
         if code == "KG801":
             self.exit_code = Exit.USAGE
 
 
 class RuleError(KgError):
-    """A rule, or a set of rules, cannot be used as it is written."""
+    """Unusable rule or set of rules."""
 
     exit_code = Exit.FOUND

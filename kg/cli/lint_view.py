@@ -122,7 +122,7 @@ def summary(checked: Checked) -> Iterator[str]:
     numbers = Counter(one.code for one in found.findings)
     repeated = sorted(code for code, number in numbers.items() if number > 1 and code in CATALOGUE)
     if repeated:
-        yield f"{', '.join(f'`kg explain {code}`' for code in repeated)}: what is meant, and the way out"
+        yield f"{', '.join(f'`kg explain {code}`' for code in repeated)}: details and fixes"
 
 
 def gone_sources(checked: Checked) -> Iterator[str]:

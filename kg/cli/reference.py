@@ -25,24 +25,24 @@ _HEAD: Final = """\
 
 """
 _STREAMS: Final = """\
-## What goes where
+## Output
 
-Standard output carries data and nothing else; standard error carries words: notes, warnings, errors, progress.
-Off a terminal there is no colour, no progress bar and no folding of lines: lists come as TSV with a head,
-`--json` gives JSON Lines, one object a line. When rows are left out, a note says so and names the option that
-brings them back. A reader that closes the pipe early ends `kg` quietly.
+Results go to standard output. Notes, warnings, errors and progress go to standard error. Off a terminal, output has no
+colour, no progress bar and unlimited line length. Lists become TSV with a header; `--json` prints JSON Lines, one
+object per line. If rows are left out, a note names the option that shows them. `kg` ends quietly if the reader closes
+the pipe.
 
-Answers of queries are tables on a terminal, which end after `--limit` rows (1000 unless set) and join `?file` and
-`?line` to a place that a click opens. Elsewhere they are TSV as SPARQL 1.1 has it, whole unless `--limit` is given;
-graphs are Turtle. `--format` chooses another form.
+On a terminal, query results are tables of at most `--limit` rows (1000 by default). `?file` and `?line` become one
+clickable place. Elsewhere results are SPARQL 1.1 TSV, complete unless `--limit` is given. Graphs are Turtle. `--format`
+selects another format.
 
-`kg completions` prints what lets a shell complete commands, options, and the names of nodes, packages and queries.
-`kg --spec` describes all of this page as JSON.
+`kg completions` prints a shell script that completes commands, options, and names of nodes, packages and queries.
+`kg --spec` prints this page as JSON.
 
-Options that are [settings](settings.md) can also stand in the environment or in `kg.toml`; their variable stands in
+Options that are [settings](settings.md) can also be set in the environment or in `kg.toml`. Their variable is listed in
 brackets below.
 
-An error has a code (`kg explain CODE` says more), the place when there is one, and the way out:
+An error has a code (run `kg explain CODE`), a place if known, and a hint:
 
     error[KG002]: unknown setting `stroe`
      --> kg.toml:2

@@ -1,7 +1,7 @@
-"""The catalogue of codes: one text for `kg explain KG101`, the documentation and the pages.
+"""Catalogue of error codes, shared by `kg explain KG101`, the documentation and the pages.
 
-Hundreds name the room: 0 usage and settings, 1 reading sources, 2 rules, 3 the store, 4 findings in an architecture,
-5 queries, 6 graph and ontology, 7 search and evaluation, 8 robots, 9 inside `kg` itself.
+The hundreds digit is the area: 0 usage and settings, 1 reading sources, 2 rules, 3 the store, 4 findings in an
+architecture, 5 queries, 6 graph and ontology, 7 search and evaluation, 8 robots, 9 inside `kg` itself.
 """
 
 from __future__ import annotations
@@ -54,4 +54,4 @@ CATALOGUE: Final[dict[str, CodeEntry]] = {
     **robots.CODES,
     **defects.CODES,
 }
-"""Code to its entry, by rising number."""
+"""Entries by code, in ascending order."""

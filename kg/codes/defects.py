@@ -1,4 +1,4 @@
-"""The codes of what should not happen: KG9xx."""
+"""The codes of internal errors: KG9xx."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is known of a code."""
+"""Entry of the catalogue of codes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["CodeEntry"]
 
 @dataclass(frozen=True, slots=True)
 class CodeEntry:
-    """What a code means, for every face that explains it."""
+    """Title, explanation and fix of a code."""
 
     title: str
     explanation: str

@@ -1,4 +1,4 @@
-"""The codes of `kg lint` itself, beside those of what it finds: KG42x."""
+"""The codes of `kg lint` itself, separate from its findings: KG42x."""
 
 from __future__ import annotations
 

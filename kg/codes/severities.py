@@ -1,4 +1,4 @@
-"""How bad a remark is: of `kg lint`, of `kg rules check`, and in the header of a rule."""
+"""Severities of remarks by `kg lint`, `kg rules check` and headers of rules."""
 
 from __future__ import annotations
 
@@ -7,4 +7,4 @@ from typing import Final
 __all__ = ["SEVERITIES"]
 
 SEVERITIES: Final = ("error", "warning", "note")
-"""From the worst to the least."""
+"""From most to least severe."""

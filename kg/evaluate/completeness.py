@@ -51,7 +51,7 @@ def completeness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> t
     ]
     table = Table(
         "completeness",
-        "Entities of references found in the graph",
+        "Entities of references in the graph",
         ("reference", "entity", "known"),
         tuple(rows),
         tuple(remarks(gathered, linked[-1][1])),

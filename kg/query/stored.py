@@ -2,7 +2,7 @@
 
 A file is SPARQL that runs as it stands, under a header of comments:
 
-    # Who publishes a topic                                     the title
+    # Publishers of a topic                                     the title
     #
     # Nodes that publish a topic, with the line of code.        the description, any number of lines
     #

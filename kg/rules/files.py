@@ -5,7 +5,7 @@
 
 A header has the same form in the three notations, all of which begin comments with `#`:
 
-    # Nodes publish the topics of their publishers          the title, one line
+    # Nodes publish to the topics of their publishers       the title, one line
     #
     # ## What it infers
     #

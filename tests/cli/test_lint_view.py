@@ -54,14 +54,14 @@ def test_the_sum_counts_by_severity() -> None:
     found = Report((finding(severity="error"), finding()), allowed=(finding(),), known=(finding(), finding()))
     assert list(summary(Checked(found, (), 3))) == [
         "3 systems checked: 1 error, 1 warning; 1 allowed; 2 in the baseline",
-        "`kg explain KG407`: what is meant, and the way out",
+        "`kg explain KG407`: details and fixes",
     ]
 
 
 def test_codes_that_were_found_more_than_once_are_named_at_the_end() -> None:
     """The help of a code stands at its first finding only; codes of rules of one's own have none."""
     found = Report((finding(), finding(subjects=("/b",)), finding(code="X1"), finding(code="X1", subjects=("/b",))))
-    assert list(summary(Checked(found, (), 1)))[1:] == ["`kg explain KG407`: what is meant, and the way out"]
+    assert list(summary(Checked(found, (), 1)))[1:] == ["`kg explain KG407`: details and fixes"]
 
 
 def test_sources_that_are_gone_are_told(tmp_path: Path) -> None:

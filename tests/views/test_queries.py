@@ -31,7 +31,7 @@ def test_stored_queries_are_listed(snapshot: EmbeddedSnapshot, settings: Setting
     found = {each["query"]: each for each in stored(snapshot, settings)["queries"]}
     (parameter,) = found["explore/who-publishes"]["parameters"]
     assert (parameter["name"], parameter["type"], parameter["example"]) == ("topic", "name", "/emergency_stop")
-    assert found["explore/who-publishes"]["title"] == "Who publishes a topic"
+    assert found["explore/who-publishes"]["title"] == "Publishers of a topic"
 
 
 @pytest.mark.parametrize("values", ['{"topic": "cmd_vel"}', {"topic": "cmd_vel"}])

@@ -35,7 +35,7 @@ def explain(code: Code = None, *, json: Json = False) -> None:
         )
     elif code:
         for key, one in chosen.items():
-            write(f"{key}: {one.title}\n\n{one.explanation}\n\nWay out: {one.way_out}")
+            write(f"{key}: {one.title}\n\n{one.explanation}\n\nFix: {one.way_out}")
     else:
         for key, one in chosen.items():
             write(f"{key}  {one.title}")

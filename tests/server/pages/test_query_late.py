@@ -186,7 +186,7 @@ def test_the_stored_query_asked_for_last_is_opened(browser: Chromium, site: str)
         return await page.locator("#query-text").input_value(), await tabs.count()
 
     text, tabs = visited(browser, site, choose)
-    assert text.startswith("# Who subscribes a topic")
+    assert text.startswith("# Subscribers of a topic")
     assert tabs == 2
 
 

@@ -103,7 +103,7 @@ def test_rows_lead_to_code_and_things(browser: Chromium, site: str) -> None:
     end, nodes, form, value, code = visited(browser, site, rows, name="explore/who-publishes", topic="/scan_filtered")
     assert re.match(r"\d+ rows? in [\d.]+ s, snapshot \d+", end)
     assert nodes == sorted(nodes, key=str.lower)
-    assert (form, value) == ("Who publishes a topic", "/scan_filtered")
+    assert (form, value) == ("Publishers of a topic", "/scan_filtered")
     assert re.fullmatch(r"scan_filter_nodelet\.cpp:\d+ (vscode://file/|https://).*", code)
 
 
