@@ -92,7 +92,7 @@ class Prepared:
             further["base"] = base
         union = dataset.union and not dataset.given and not self.names_data
         try:
-            answer = snapshot.query(self.bound, prefixes=PREFIXES, union=union, **further)
+            answer = snapshot.query(self.bound, prefixes=_prefixes(self.bound), union=union, **further)
         except SyntaxError as error:
             raise self._explained(error, base) from error
         except (RuntimeError, OSError, ValueError) as error:
@@ -130,6 +130,13 @@ def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str 
 
 def _words(found: Iterable[Token]) -> set[str]:
     return {token.text.lower() for token in found if token.kind is Kind.WORD}
+
+
+def _prefixes(text: str) -> Mapping[str, str]:
+    """Return the prefixes that `text` may use, because the engine parses every namespace it is given."""
+    if "\\" in text:  # an escape may be part of a prefix
+        return PREFIXES
+    return {prefix: namespace for prefix, namespace in PREFIXES.items() if f"{prefix}:" in text}
 
 
 def _graphs(dataset: Dataset) -> dict[str, Any]:
