@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from kg.store.interface import Snapshot
     from kg.syntax.lexer import Token
 
-__all__ = ["Dataset", "Evaluation", "Prepared", "prepare"]
+__all__ = ["Dataset", "Evaluation", "Prepared", "evaluation_of", "prefixes_in", "prepare"]
 
 _FRESH: Final = re.compile("now|rand|uuid|bnode")
 """Functions, STRUUID among them, that give another value at each call, or at each query."""
@@ -92,12 +92,12 @@ class Prepared:
             further["base"] = base
         union = dataset.union and not dataset.given and not self.names_data
         try:
-            answer = snapshot.query(self.bound, prefixes=PREFIXES, union=union, **further)
+            answer = snapshot.query(self.bound, prefixes=prefixes_in(self.bound), union=union, **further)
         except SyntaxError as error:
             raise self._explained(error, base) from error
         except (RuntimeError, OSError, ValueError) as error:
             raise _failure(error) from error
-        return _evaluation(answer, snapshot.identity)
+        return evaluation_of(answer, snapshot.identity)
 
     def _explained(self, error: SyntaxError, base: str | None) -> QueryError:
         """Return the error about the text as typed: binding parameters moves what stands behind them."""
@@ -132,6 +132,13 @@ def _words(found: Iterable[Token]) -> set[str]:
     return {token.text.lower() for token in found if token.kind is Kind.WORD}
 
 
+def prefixes_in(text: str) -> Mapping[str, str]:
+    """Return the prefixes that `text` may use, because the engine parses every namespace it is given."""
+    if "\\" in text:  # an escape may be part of a prefix
+        return PREFIXES
+    return {prefix: namespace for prefix, namespace in PREFIXES.items() if f"{prefix}:" in text}
+
+
 def _graphs(dataset: Dataset) -> dict[str, Any]:
     if not dataset.given:
         return {}
@@ -144,9 +151,10 @@ def _graphs(dataset: Dataset) -> dict[str, Any]:
         raise QueryError("KG505", f"a graph of the data set is not an IRI: {error}") from error
 
 
-def _evaluation(
+def evaluation_of(
     answer: pyoxigraph.QuerySolutions | pyoxigraph.QueryBoolean | pyoxigraph.QueryTriples, snapshot: str
 ) -> Evaluation:
+    """Return what the engine found in the data of an identity; its rows and triples raise as `Prepared.evaluate`."""
     if isinstance(answer, pyoxigraph.QueryBoolean):
         return Evaluation("boolean", (), bool(answer), snapshot)
     if isinstance(answer, pyoxigraph.QueryTriples):

@@ -68,7 +68,7 @@ def create_app(settings: Settings, options: Options) -> Starlette:
 
     return Starlette(
         routes=_routes(),
-        middleware=[*safety.middleware(options), Middleware(Compressed)],
+        middleware=[*safety.middleware(options), Middleware(protocol.Endpoint), Middleware(Compressed)],
         exception_handlers={**HANDLERS, 405: methods.not_allowed},
         lifespan=lifespan,
     )

@@ -28,7 +28,18 @@ if TYPE_CHECKING:
 
     from kg.errors import Place
 
-__all__ = ["HANDLERS", "PROBLEM", "ROUTES", "STATUS", "DefectError", "RequestError", "answer", "as_error", "problem"]
+__all__ = [
+    "HANDLERS",
+    "PROBLEM",
+    "ROUTES",
+    "STATUS",
+    "DefectError",
+    "RequestError",
+    "answer",
+    "as_error",
+    "handled",
+    "problem",
+]
 
 STATUS: Final[Mapping[str, int]] = {
     "KG001": 404,
@@ -229,6 +240,11 @@ HANDLERS: Final[dict[type[Exception], Callable[[Request, Exception], Awaitable[R
     ClientLeftError: _of_nobody,
 }
 """Kind of exception to what answers it, as Starlette takes them."""
+
+
+async def handled(request: Request, error: KgError | ClientLeftError) -> Response:
+    """Return what answers an error, as the routes do."""
+    return await (_of_kg if isinstance(error, KgError) else _of_nobody)(request, error)
 
 
 async def _explained(request: Request) -> Response:

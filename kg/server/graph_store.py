@@ -14,7 +14,7 @@ from pyoxigraph import NamedNode, RdfFormat
 from starlette.datastructures import UploadFile
 from starlette.responses import Response
 
-from kg.query.readers.messages import Question
+from kg.query.readers.messages import Question, frame
 from kg.server.errors import RequestError
 from kg.server.methods import route
 from kg.server.negotiation import GRAPH, choose
@@ -92,7 +92,8 @@ async def _get(request: Request) -> Response:
     seconds = state(request).options.seconds
     stream = parameters.flag("stream") and request.scope["http_version"] != "1.0"
     chosen = {"graph": choices["graph"]}
-    return await answer(request, Asked(question, chosen, seconds, None, stream, digest(question, chosen)))
+    message = frame(question)
+    return await answer(request, Asked(question, message, chosen, seconds, None, stream, digest(message, chosen)))
 
 
 async def _exists(request: Request, graph: NamedNode) -> bool:

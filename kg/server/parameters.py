@@ -124,10 +124,10 @@ def in_utf8(request: Request) -> None:
             raise RequestError("KG524", f"the body is in {value.strip()}", hint="Send it in UTF-8.")
 
 
-async def body_text(request: Request) -> str:
-    """Return the body as text; RequestError KG524 for another encoding than UTF-8, KG520 where it is not that."""
+def body_text(request: Request, body: bytes) -> str:
+    """Return a body as text; RequestError KG524 for another encoding than UTF-8, KG520 where it is not that."""
     in_utf8(request)
     try:
-        return (await request.body()).decode("utf-8-sig")
+        return body.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise RequestError("KG520", f"the body is not in UTF-8 at byte {error.start}") from error

@@ -2,21 +2,48 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
+from starlette.requests import Request
 from starlette.responses import RedirectResponse
 
+from kg.errors import KgError
 from kg.server.description import description
+from kg.server.errors import handled
+from kg.server.leaving import ClientLeftError
 from kg.server.methods import route
 from kg.server.negotiation import prefers_pages
 from kg.server.protocol_answer import answer
 from kg.server.protocol_question import asked
+from kg.server.scopes import header
 
 if TYPE_CHECKING:
-    from starlette.requests import Request
     from starlette.responses import Response
+    from starlette.types import ASGIApp, Receive, Scope, Send
 
-__all__ = ["ROUTES"]
+__all__ = ["ROUTES", "Endpoint"]
+
+_PATHS: Final = ("/sparql", "/sparql/")
+_METHODS: Final = frozenset({"GET", "HEAD", "POST", "QUERY"})
+
+
+class Endpoint:
+    """Answer queries, and pass all else on: the way through the routes costs more than a cheap query."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request; raises what fails behind the beginning of an answer."""
+        if scope["type"] != "http" or scope["path"] not in _PATHS or scope["method"] not in _METHODS:
+            await self._app(scope, receive, send)
+            return
+        request = Request(scope, receive)
+        try:
+            response = await _query(request)
+        except (KgError, ClientLeftError) as error:
+            response = await handled(request, error)
+        await response(scope, receive, send)
 
 
 async def _query(request: Request) -> Response:
@@ -28,9 +55,10 @@ async def _query(request: Request) -> Response:
 
 def _is_followed(request: Request) -> bool:
     """Tell whether a person followed a link to the endpoint in a browser: the page of queries shows the same."""
-    if request.method != "GET" or not prefers_pages(request.headers.get("accept")):
+    if request.method != "GET" or not prefers_pages(header(request.scope, b"accept")):
         return False
     return "format" not in request.query_params and "output" not in request.query_params
 
 
-ROUTES = [route(path, GET=_query, POST=_query, QUERY=_query) for path in ("/sparql", "/sparql/")]
+ROUTES = [route(path, GET=_query, POST=_query, QUERY=_query) for path in _PATHS]
+"""The same for methods that queries do not have, which are refused or told what there is."""

@@ -18,6 +18,7 @@ from kg.server.errors import RequestError
 from kg.server.leaving import ClientLeftError, while_connected
 from kg.server.records import record
 from kg.server.safety.tokens import client
+from kg.server.scopes import header
 from kg.server.state import state
 from kg.store.failure import translated
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.types import Receive, Scope, Send
 
+    from kg.query.readers.cache import Kept
     from kg.query.readers.pool import Answer
     from kg.server.protocol_question import Asked
 
@@ -112,16 +114,16 @@ async def answer(request: Request, asked: Asked) -> Response:
         raise RequestError("KG520", "the job of this identity still runs", hint="Choose another `job`.")
     if asked.stream:
         return await _streamed(request, asked)
-    if (known := readers.known(asked.question)) is not None:
-        record(request).cached = True
-        body = b"".join([part async for part in known.parts()])
-        return Response(body, headers={**_headers(asked, known), **_counted(request, asked, known)})
+    known = readers.known(asked.message)
+    record(request).cached = known is not None
+    if (known := known or readers.look_up(asked.question, asked.message)) is not None:
+        return Response(known.body, headers={**_headers(asked, known), **_counted(request, asked, known)})
     return await while_connected(request.receive, _whole(request, asked))
 
 
 def _unchanged(request: Request, asked: Asked) -> bool:
     """Tell whether the client has the answer; only those that are the same each time got a tag to ask with."""
-    tags = request.headers.get("if-none-match")
+    tags = header(request.scope, b"if-none-match")
     if tags is None:
         return False
     current = str(state(request).readers.layout.current())
@@ -157,7 +159,7 @@ def _changed(request: Request, asked: Asked, error: QueryError) -> KgError:
     return RequestError(error.code, error.message, hint=error.hint, headers={"Link": link})
 
 
-def _headers(asked: Asked, found: Answer) -> dict[str, str]:
+def _headers(asked: Asked, found: Answer | Kept) -> dict[str, str]:
     """Return the headers that are known when an answer begins."""
     headers = {
         "Content-Type": asked.choices[found.head.kind].content_type,
@@ -171,7 +173,7 @@ def _headers(asked: Asked, found: Answer) -> dict[str, str]:
     return headers
 
 
-def _counted(request: Request, asked: Asked, found: Answer) -> dict[str, str]:
+def _counted(request: Request, asked: Asked, found: Answer | Kept) -> dict[str, str]:
     """Return the headers that are known when an answer ends."""
     assert found.end is not None  # noqa: S101 - all its parts were read
     record(request).rows = found.end.rows

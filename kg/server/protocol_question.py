@@ -18,6 +18,7 @@ from kg.server.errors import RequestError
 from kg.server.negotiation import choose
 from kg.server.parameters import FORM, Parameters, address, body_text, in_utf8, media_type
 from kg.server.safety.tokens import is_trusted
+from kg.server.scopes import body_of, header
 from kg.server.state import state
 
 if TYPE_CHECKING:
@@ -34,18 +35,21 @@ QUERY: Final = "application/sparql-query"
 
 _REMEMBERED: Final = 512
 """How many requests are known as they are written, so that they need not be read again."""
+_REMEMBERED_BYTES: Final = 4096
+"""How long the body of one of them may be."""
 _JOB: Final = re.compile(r"[A-Za-z0-9_-]{16,128}")
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A query as it was asked: what readers get, and how the answer goes back.
+    """A query as it was asked: what readers get (`message` is `question` as it is sent), and how the answer goes back.
 
     `choices` has the format of each kind of answer, `seconds` is the deadline, `job` the identity that the client
     chose. With `stream` the answer is sent while it is found.
     """
 
     question: Question
+    message: bytes
     choices: Mapping[str, Choice]
     seconds: float
     job: str | None
@@ -65,10 +69,10 @@ class Asked:
         return f"{request.url.path}?{urlencode(pairs)}"
 
 
-def digest(question: Question, choices: Mapping[str, Choice]) -> str:
+def digest(message: bytes, choices: Mapping[str, Choice]) -> str:
     """Return what tells requests apart whose answers are not the same bytes."""
     sent = sorted((kind, choice.content_type) for kind, choice in choices.items())
-    return hashlib.sha256(frame(question) + msgspec.msgpack.encode(sent)).hexdigest()[:24]
+    return hashlib.sha256(message + msgspec.msgpack.encode(sent)).hexdigest()[:24]
 
 
 async def asked(request: Request) -> Asked | None:
@@ -78,21 +82,22 @@ async def asked(request: Request) -> Asked | None:
         RequestError: KG520 a parameter, KG523 no format is acceptable, KG524 the type of the body, KG534 above a limit.
     """
     scope = request.scope
-    if request.method not in {"GET", "HEAD"}:
-        return await _asked(request)
-    headers = request.headers
-    said = (scope["path"], scope["query_string"], headers.get("accept"), headers.get("host"), scope["http_version"])
+    body = b"" if scope["method"] in {"GET", "HEAD"} else await body_of(request.receive)
+    if len(body) > _REMEMBERED_BYTES:
+        return _asked(request, body)
+    # The client is told apart from others by nothing but its token.
+    said = (scope["method"], scope["path"], scope["query_string"], tuple(scope["headers"]), body)
+    key = (*said, scope["http_version"], scope["scheme"], is_trusted(request))
     known = state(request).asked
-    key = (*said, scope["scheme"], is_trusted(request))
     if key not in known:
         if len(known) >= _REMEMBERED:
             known.clear()
-        known[key] = await _asked(request)
+        known[key] = _asked(request, body)
     return known[key]
 
 
-async def _asked(request: Request) -> Asked | None:
-    parameters, text = await _said(request)
+def _asked(request: Request, body: bytes) -> Asked | None:
+    parameters, text = _said(request, body)
     if "update" in parameters:
         raise RequestError(
             "KG520", "updates go to /update, by POST", hint="Send it as `update=` in the body of a POST."
@@ -104,19 +109,21 @@ async def _asked(request: Request) -> Asked | None:
     job = parameters.one("job")
     if job is not None and not _JOB.fullmatch(job):
         raise RequestError("KG520", "`job` must be 16 to 128 letters, digits, `_` and `-`, and hard to guess")
-    choices = choose(request.headers.get("accept"), parameters.formats)
+    choices = choose(header(request.scope, b"accept"), parameters.formats)
     question = _question(request, parameters, text, choices)
+    message = frame(question)
     return Asked(
         question=question,
+        message=message,
         choices=choices,
         seconds=_seconds(request, parameters),
         job=job,
         stream=parameters.flag("stream") and request.scope["http_version"] != "1.0",
-        digest=digest(question, choices),
+        digest=digest(message, choices),
     )
 
 
-async def _said(request: Request) -> tuple[Parameters, str | None]:
+def _said(request: Request, body: bytes) -> tuple[Parameters, str | None]:
     """Return the parameters of a request and the text of its query."""
     said = request.scope["query_string"]
     if request.method in {"GET", "HEAD"}:
@@ -127,10 +134,10 @@ async def _said(request: Request) -> tuple[Parameters, str | None]:
         parameters = Parameters(said)
         if "query" in parameters:
             raise RequestError("KG520", "the address and the body each contain a query")
-        return parameters, await body_text(request)
+        return parameters, body_text(request, body)
     if kind == FORM:
         in_utf8(request)
-        parameters = Parameters(said, await request.body())
+        parameters = Parameters(said, body)
         return parameters, parameters.one("query")
     told = f"`{kind}`" if kind else "no media type"
     raise RequestError("KG524", f"the body has {told}", hint=f"Send {QUERY} or {FORM} in Content-Type.")

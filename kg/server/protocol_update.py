@@ -73,7 +73,7 @@ async def _said(request: Request) -> tuple[Parameters, str | None]:
     if "update" in Parameters(said):
         raise RequestError("KG520", "an update must be in the request body, not in the address")
     if kind == _UPDATE:
-        return Parameters(said), await body_text(request)
+        return Parameters(said), body_text(request, await request.body())
     if kind == FORM:
         in_utf8(request)
         parameters = Parameters(said, await request.body())

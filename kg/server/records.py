@@ -41,5 +41,7 @@ class Record:
 
 def record(request: HTTPConnection) -> Record:
     """Return the record of a request, which the log reads when it has been answered."""
-    found: Record = request.scope.setdefault(_KEY, Record())
+    found: Record | None = request.scope.get(_KEY)
+    if found is None:
+        found = request.scope[_KEY] = Record()
     return found

@@ -36,6 +36,5 @@ class State:
 
 def state(request: Request) -> State:
     """Return what the server of a request shares."""
-    found = request.app.state.server
-    assert isinstance(found, State)  # noqa: S101 - `create_app` put it there
+    found: State = request.scope["app"].state.server
     return found

@@ -230,7 +230,7 @@ def test_disk_that_is_full(client: TestClient, monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(protocol_answer, "_IN_MEMORY", 100)
     monkeypatch.setattr("tempfile.TemporaryFile", full)
-    answer = client.get("/sparql", params={"query": "SELECT * WHERE { ?s ?p ?o } LIMIT 90"})
+    answer = client.get("/sparql", params={"query": "SELECT * WHERE { ?s ?p ?o } LIMIT 900"})
     assert (answer.status_code, answer.json()["code"]) == (507, "KG304")
 
 

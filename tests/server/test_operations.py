@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import re
+import time
 from typing import TYPE_CHECKING
 
 import httpx
@@ -14,12 +15,15 @@ from starlette.routing import Route
 from workspaces import copied
 
 from kg.query.readers.jobs import Job
+from kg.query.readers.messages import Question, frame
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     import pytest
     from starlette.testclient import TestClient
+
+    from kg.query.readers.pool import Readers
 
 QUERY = "SELECT ?secretvariable { ?secretvariable ?p ?o } LIMIT 3"
 
@@ -84,6 +88,24 @@ def test_metrics_count_queries(client: TestClient) -> None:
     assert figure(client, 'kg_queries_total{outcome="KG501"}') == refused + 1
     assert figure(client, "kg_query_seconds_count") > 0
     assert figure(client, "kg_snapshot") == 1
+
+
+def test_look_ups_are_counted_and_kept(store: Path) -> None:
+    """A query that no reader was asked is counted as any other, and its repetition as one that was kept."""
+    with application(store, log="off") as client:
+        readers: Readers = client.app.state.server.readers  # type: ignore[attr-defined]  # it is Starlette
+        asked = Question(text="ASK { ?s ?p ?o }", formats={"boolean": "json"})
+        assert client.portal is not None
+        until = time.monotonic() + patient(20)
+        while client.portal.call(readers.look_up, asked, frame(asked)) is None:
+            assert time.monotonic() < until
+        rows, kept = figure(client, "kg_query_rows_total"), figure(client, "kg_cache_hits_total")
+        answers = [client.get("/sparql", params={"query": QUERY}) for _ in range(2)]
+        assert answers[0].headers.keys() == answers[1].headers.keys()
+        assert answers[0].headers["x-kg-rows"] == "3"
+        assert answers[0].content == answers[1].content
+        assert figure(client, "kg_query_rows_total") - rows == 6
+        assert figure(client, "kg_cache_hits_total") - kept == 1
 
 
 def test_metrics_are_prometheus_text(client: TestClient) -> None:

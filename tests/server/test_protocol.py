@@ -126,6 +126,25 @@ def test_timeout_may_be_lowered_only(limited: TestClient) -> None:
     assert limited.get("/sparql", params={"query": COUNT, "timeout": more}, headers=bearer).status_code == 200
 
 
+def test_remembered_requests_are_told_apart(limited: TestClient) -> None:
+    """What was read of a posted query is used again only for the same request: parameters, headers, token and body."""
+    bearer = {"authorization": f"Bearer {TOKEN}"}
+    more = {"timeout": str(SECONDS + 1)}
+    sparql = {"content-type": "application/sparql-query"}
+    for _ in range(2):
+        for headers, status in ((bearer, 200), ({}, 403)):
+            posted = limited.post("/sparql", params=more, content=COUNT, headers={**sparql, **headers})
+            assert posted.status_code == status
+        for name in ("application/sparql-results+json", "text/csv"):
+            answer = limited.post("/sparql", content=COUNT, headers={**sparql, "accept": name})
+            assert answer.headers["content-type"].startswith(name)
+        form = limited.post("/sparql", content=COUNT, headers={"content-type": "application/x-www-form-urlencoded"})
+        assert form.status_code == 400
+        for text in ("ASK {}", "ASK { FILTER(false) }", "ASK {} #" + "x" * 5000):
+            answer = limited.post("/sparql", content=text, headers=sparql)
+            assert answer.json()["boolean"] == ("false" not in text)
+
+
 def test_lowered_timeout_ends_the_query(client: TestClient) -> None:
     """A query that takes longer than the client gives it is ended with an error."""
     answer = asked(client, "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }", timeout="0.5")

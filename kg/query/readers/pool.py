@@ -24,6 +24,7 @@ from kg.query.readers.answers import Answer
 from kg.query.readers.cache import AnswerCache, CacheStats, Kept, Pointer
 from kg.query.readers.fleet import Fleet
 from kg.query.readers.jobs import Job
+from kg.query.readers.lookups import LookUps
 from kg.query.readers.messages import Call, Configuration, Question, frame
 from kg.query.readers.processes import PROGRAM, Spawner
 from kg.query.readers.scheduler import Run, Scheduler
@@ -98,6 +99,7 @@ class Readers:
         self._scheduler = Scheduler.of(processes, queue, self._fleet)
         self._cache = AnswerCache(cache)
         self._pointer = Pointer(layout)
+        self._look_ups = LookUps(layout)
         self._looking: asyncio.Task[None] | None = None
         self._closed = False
 
@@ -115,6 +117,7 @@ class Readers:
             if task is not None:
                 task.cancel()
                 await asyncio.gather(task, return_exceptions=True)
+        await self._look_ups.close()
         await self._fleet.close()
 
     @asynccontextmanager
@@ -157,13 +160,23 @@ class Readers:
             self.jobs.pop(entry.identity, None)
             run.leave()
 
-    def known(self, question: Question) -> Answer | None:
-        """Return the answer to a question if it was asked before of the same data, without waiting; else None."""
-        message, snapshot = frame(question), self._pointer.snapshot()
+    def known(self, message: bytes) -> Kept | None:
+        """Return the answer to a question, framed as a message, if it is kept for the data in force; else None."""
+        snapshot = self._pointer.snapshot()
         if snapshot is None or not self._cache.has(message, snapshot):
             return None
-        kept = self._cache.get(message, snapshot)
-        return None if kept is None else Answer.of(Job("", question.text), kept)
+        return self._cache.get(message, snapshot)
+
+    def look_up(self, question: Question, message: bytes) -> Kept | None:
+        """Return the answer to a question that needs no reader (see `lookups`), and keep it; else None.
+
+        `message` is the frame of the question.
+        """
+        snapshot = self._pointer.snapshot()
+        found = None if snapshot is None or self._closed else self._look_ups.answer(question, snapshot)
+        if found is not None:
+            self._cache.put(message, found, snapshot)
+        return found
 
     async def call(
         self, name: str, arguments: Mapping[str, Any], *, seconds: float | None = 60, client: str = ""
@@ -181,6 +194,7 @@ class Readers:
 
     def moved(self) -> None:
         """Take note at once that the data has changed, which else takes half a second."""
+        self._look_ups.release(self._pointer.snapshot())
         self._fleet.refresh()
 
     def stats(self) -> Stats:

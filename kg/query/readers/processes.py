@@ -14,8 +14,9 @@ from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import QueryError
+from kg.query.readers.channel import Channel
 from kg.query.readers.forkserver import END, FORK, ORDER, PAUSE, RESUME, YIELD
-from kg.query.readers.messages import PREFIX, decode, frame
+from kg.query.readers.messages import frame
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -41,7 +42,6 @@ _OUT_OF_MEMORY: Final = (
     b"Resource temporarily unavailable",
 )
 """Words of Rust, C++, Python and the system, the last where there is no room for another thread."""
-_BUFFER_BYTES: Final = 256 << 10
 
 
 class _LastWords:
@@ -80,16 +80,13 @@ class Process:
 
     def __init__(
         self,
-        reader: asyncio.StreamReader,
-        writer: asyncio.StreamWriter,
+        channel: Channel,
         words: _LastWords,
         order: Callable[[bytes], None],
     ) -> None:
-        self._reader = reader
-        self._writer = writer
+        self._channel = channel
         self._words = words
         self._order = order
-        self._prefix: tuple[int, int] | None = None
         self.unread = False
         self._began = 0.0
         self.nice = False
@@ -97,28 +94,27 @@ class Process:
 
     def send(self, data: bytes) -> None:
         """Send a frame; a reader that has ended is noticed when its answer is waited for."""
-        self._writer.write(data)
+        self._channel.send(data)
 
     async def receive(self) -> Any:
         """Return the next message or part, None when the reader has ended; may be cancelled and called again."""
+        while not await self._channel.wait():
+            pass
         try:
-            if self._prefix is None:
-                self._prefix = PREFIX.unpack(await self._reader.readexactly(PREFIX.size))
-            length, kind = self._prefix
-            body = await self._reader.readexactly(length)
-        except asyncio.IncompleteReadError:
-            return None
+            return self._channel.take()
         except ConnectionError:
             # The system resets a connection whose other end is closed before all was read there, and only then.
             self.unread = True
             return None
-        self._prefix = None
-        return decode(kind, body)
+
+    async def wait(self, seconds: float) -> bool:
+        """Wait for at most `seconds`; return whether `receive` has a result."""
+        return await self._channel.wait(seconds)
 
     @property
     def ended(self) -> bool:
         """Whether the reader is known to have ended, with all it said taken."""
-        return self._reader.at_eof() or self._reader.exception() is not None
+        return self._channel.ended
 
     @property
     def out_of_memory(self) -> bool:
@@ -159,7 +155,7 @@ class Process:
     def kill(self) -> None:
         """End the reader, whatever it does; who waits for it is told at once."""
         self._order(END)
-        self._writer.transport.abort()
+        self._channel.abort()
 
     def close(self) -> None:
         """End the reader and let go of all that belongs to it."""
@@ -195,11 +191,11 @@ class Spawner:
                 self._start()
                 with suppress(ConnectionError):  # where the server has just ended the reader is seen to have ended
                     self._send(FORK, number, [far.fileno(), said])
-                reader, writer = await asyncio.open_connection(sock=near, limit=_BUFFER_BYTES)
+                _, channel = await asyncio.get_running_loop().create_connection(Channel, sock=near)
                 ours.pop_all()
         except OSError as error:
             raise QueryError("KG508", f"no process for queries can be started: {error}") from error
-        process = Process(reader, writer, words, lambda what: self._tell(what, number))
+        process = Process(channel, words, lambda what: self._tell(what, number))
         process.send(self._first)
         return process
 

@@ -46,13 +46,19 @@ class Hosts:
         named = [value.decode("latin-1") for name, value in request.scope["headers"] if name == b"host"]
         if len(named) != 1:
             return RequestError("KG520", f"the request has {len(named)} headers Host", hint="Send one.")
-        found = _HOST.fullmatch(named[0])
-        if found is None:
+        name = _name(named[0])
+        if name is None:
             return RequestError("KG520", f"the header Host names no host: {named[0]!r}")
-        name = (found["six"] or found["name"]).lower().removesuffix(".")
         if name in self._named or (self._any_address and _is_address(name)):
             return None
         return RequestError("KG527", f"this server does not answer for the host {named[0]!r}")
+
+
+@lru_cache(maxsize=64)
+def _name(host: str) -> str | None:
+    """Return the name or address of a header Host, None for what is none."""
+    found = _HOST.fullmatch(host)
+    return None if found is None else (found["six"] or found["name"]).lower().removesuffix(".")
 
 
 def _is_address(name: str) -> bool:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 from starlette.responses import Response
 
 from kg.server.errors import RequestError
+from kg.server.scopes import header
 
 if TYPE_CHECKING:
     from starlette.requests import HTTPConnection
@@ -40,19 +41,20 @@ class Sites:
         return RequestError("KG528", "a page of another site sent this request")
 
     def _passes(self, request: HTTPConnection) -> bool:
-        headers, scope = request.headers, request.scope
+        scope = request.scope
         safe = scope["method"] in SAFE
-        if headers.get("authorization", "").lower().startswith("bearer ") and "cookie" not in headers:
+        bearer = (header(scope, b"authorization") or "").lower().startswith("bearer ")
+        if bearer and header(scope, b"cookie") is None:
             return True
-        origin = headers.get("origin")
+        origin = header(scope, b"origin")
         if origin in self._origins and (safe or scope["path"] in READING):
             return True
-        site = headers.get("sec-fetch-site")
+        site = header(scope, b"sec-fetch-site")
         if safe:
-            return site not in {"cross-site", "same-site"} or headers.get("sec-fetch-mode") == "navigate"
+            return site not in {"cross-site", "same-site"} or header(scope, b"sec-fetch-mode") == "navigate"
         if site:
             return site in {"same-origin", "none"}
-        return origin is None or origin == f"{scope['scheme']}://{headers.get('host')}"
+        return origin is None or origin == f"{scope['scheme']}://{header(scope, b'host')}"
 
 
 class CrossOrigin:

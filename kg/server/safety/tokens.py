@@ -17,6 +17,7 @@ from starlette.responses import RedirectResponse
 from kg.server.errors import RequestError
 from kg.server.safety.hosts import is_loopback
 from kg.server.safety.sites import SAFE
+from kg.server.scopes import header
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -132,10 +133,11 @@ class Doors:
         return RequestError("KG529", "this request needs the token of the server, which it does not have")
 
     def _has_token(self, request: HTTPConnection) -> bool:
-        kind, _, said = request.headers.get("authorization", "").partition(" ")
+        kind, _, said = (header(request.scope, b"authorization") or "").partition(" ")
         if kind.lower() == "bearer":
             return self._tokens.matches(said.strip())
-        proof = request.cookies.get(cookie_name(request)) if "cookie" in request.headers else None
+        named = header(request.scope, b"cookie") is not None
+        proof = request.cookies.get(cookie_name(request)) if named else None
         return proof is not None and self._tokens.proves(proof)
 
 

@@ -1,0 +1,168 @@
+"""Look-ups: queries so small that the server's own process answers them, without a reader process.
+
+A look-up is an ASK or a SELECT with one triple pattern, in which no variable stands twice, and nothing else but a
+LIMIT. Each quad that the engine reads for it is a row, so a bound on rows bounds the work too. It needs no deadline, no
+memory limit and no process of its own. It has no nesting and no escapes, and calls no server. Everything else is for
+the reader processes, including look-ups with many rows, large terms or errors.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import time
+from contextlib import suppress
+from itertools import islice
+from typing import TYPE_CHECKING, Final, cast
+
+from pyoxigraph import Triple
+
+from kg.errors import KgError
+from kg.query.evaluation import evaluation_of, prefixes_in
+from kg.query.formats import BOOLEAN_FORMATS, SOLUTION_FORMATS, write_boolean, write_rows
+from kg.query.readers.cache import Kept
+from kg.query.readers.messages import End, Head
+from kg.store.snapshot import EmbeddedSnapshot
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.query.evaluation import Evaluation
+    from kg.query.readers.messages import Question
+    from kg.query.result import Row
+    from kg.store.layout import Layout
+
+__all__ = ["LookUps", "is_look_up"]
+
+_CHARS: Final = 2048
+"""Longer texts are not looked at."""
+_ROWS: Final = 256
+"""A look-up with more rows is left to a reader."""
+_VALUE_CHARS: Final = 64 << 10
+"""So is one whose terms have more characters in all."""
+
+_GAP: Final = r"(?:[ \t\r\n]++|\#[^\r\n]*+)*+"
+_IRI: Final = r"<[^\x00-\x20<>\"{}|^`\\]*+>"
+_NAME: Final = r"(?:[a-z][\w-]*+)?+:[a-z_][\w-]*+"
+_TERM: Final = rf"([?$][a-z_]\w*+|{_IRI}|{_NAME})"
+_OBJECT: Final = (
+    rf"([?$][a-z_]\w*+|{_IRI}|{_NAME}|\"[^\"\\\r\n]*+\"(?:@[a-z]++(?:-[a-z0-9]++)*+|\^\^(?:{_IRI}|{_NAME}))?+)"
+)
+_LOOK_UP: Final = re.compile(
+    rf"{_GAP}(?:PREFIX{_GAP}(?:[a-z][\w-]*+)?+:{_GAP}{_IRI}{_GAP})*+"
+    rf"(?:ASK|SELECT{_GAP}(?:\*|[?$][a-z_]\w*+(?:{_GAP}[?$][a-z_]\w*+)*+)){_GAP}(?:WHERE{_GAP})?+"
+    rf"\{{{_GAP}{_TERM}{_GAP}(?:{_TERM}|a){_GAP}{_OBJECT}{_GAP}\.?+{_GAP}\}}{_GAP}(?:LIMIT{_GAP}[0-9]{{1,9}}{_GAP})?+",
+    re.ASCII | re.IGNORECASE,
+)
+
+
+def is_look_up(text: str) -> bool:
+    """Return whether a query is a look-up. An escape could be any character, so a text with one is none."""
+    if len(text) > _CHARS or "\\" in text:
+        return False
+    found = _LOOK_UP.fullmatch(text)
+    if found is None:
+        return False
+    variables = [term[1:] for term in found.groups() if term and term[0] in "?$"]
+    return len(variables) == len(set(variables))
+
+
+class LookUps:
+    """Answers look-ups from the data in force, which it opens for the first of them and until it changes."""
+
+    def __init__(self, layout: Layout) -> None:
+        self._layout = layout
+        self._snapshot: EmbeddedSnapshot | None = None
+        self._identity: str | None = None
+        """The data that was opened or is being opened, as long as it is in force."""
+        self._opening: asyncio.Task[None] | None = None
+
+    def answer(self, question: Question, identity: str) -> Kept | None:
+        """Return the answer to a look-up at the data `identity`; None where a reader has to answer."""
+        plain = not question.parameters and not question.offset and question.snapshot in {None, identity}
+        given = question.default_graphs is not None or question.named_graphs is not None
+        if not plain or given or not is_look_up(question.text):
+            return None
+        if self._snapshot is None or self._snapshot.identity != identity:
+            self._open(identity)
+            return None
+        # What goes wrong is for a reader to say.
+        with suppress(SyntaxError, RuntimeError, OSError, ValueError, KgError):
+            return self._found(self._snapshot, question)
+        return None
+
+    def release(self, identity: str | None) -> None:
+        """Close what is open, unless it is of the data `identity`, which is in force now."""
+        if self._snapshot is not None and self._snapshot.identity != identity:
+            self._snapshot.close()
+            self._snapshot = None
+        if self._identity != identity:
+            self._identity = None
+
+    async def close(self) -> None:
+        """Close what is open."""
+        self.release(None)
+        if self._opening is not None:
+            await asyncio.gather(self._opening, return_exceptions=True)
+
+    def _open(self, identity: str) -> None:
+        """Open the data in force, in the background, once for each identity."""
+        if self._opening is None and self._identity != identity:
+            self._identity = identity
+            self._opening = asyncio.get_running_loop().create_task(self._opened())
+
+    async def _opened(self) -> None:
+        try:
+            fresh = await asyncio.to_thread(EmbeddedSnapshot, self._layout)
+        except (KgError, OSError):
+            return
+        finally:
+            self._opening = None
+        self.release(None if self._identity is None else fresh.identity)
+        if fresh.identity == self._identity:
+            self._snapshot = fresh
+        else:
+            fresh.close()
+
+    @staticmethod
+    def _found(snapshot: EmbeddedSnapshot, question: Question) -> Kept | None:
+        began = time.perf_counter()
+        text = question.text
+        found = snapshot.query(text, prefixes=prefixes_in(text), union=question.union, base=question.base)
+        evaluation = evaluation_of(found, snapshot.identity)
+        name = question.formats.get(evaluation.kind)
+        if name is None or name not in (BOOLEAN_FORMATS if evaluation.kind == "boolean" else SOLUTION_FORMATS):
+            return None
+        count, body = _written(evaluation, name, question.rows)
+        if body is None or (question.size is not None and len(body) > question.size):
+            return None
+        head = Head(evaluation.kind, name, snapshot.identity, evaluation.variables)
+        return Kept(head, body, End(count, time.perf_counter() - began))
+
+
+def _written(evaluation: Evaluation, name: str, most: int | None) -> tuple[int, bytes | None]:
+    """Return how many rows there are, and these in a format; None for more than a look-up may have."""
+    parts: list[bytes] = []
+    if isinstance(evaluation.found, bool):
+        write_boolean(name, parts.append, value=evaluation.found)
+        return 1, b"".join(parts)
+    rows = _rows(cast("Iterator[Row]", evaluation.found))
+    if rows is None or (most is not None and len(rows) > most):
+        return 0, None
+    write_rows(name, evaluation.variables, rows, parts.append)
+    return len(rows), b"".join(parts)
+
+
+def _rows(found: Iterator[Row]) -> list[Row] | None:
+    """Return all rows; None when they are many or large, or have what is not a term of one part."""
+    rows: list[Row] = []
+    chars = 0
+    for row in islice(found, _ROWS + 1):
+        rows.append(row)
+        for term in row:
+            if term is None or isinstance(term, Triple):
+                return None
+            chars += len(term.value)
+        if chars > _VALUE_CHARS:
+            return None
+    return rows if len(rows) <= _ROWS else None
