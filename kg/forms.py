@@ -129,7 +129,10 @@ def path(value: object, base: Path) -> Path:
     """Read a path."""
     if not isinstance(value, str | Path) or not str(value).strip():
         raise FormError("a path")
-    return base / Path(value).expanduser()
+    try:
+        return base / Path(value).expanduser()
+    except (RuntimeError, ValueError):  # a home of nobody, a character that no path has
+        raise FormError("a path") from None
 
 
 def paths(value: object, base: Path) -> tuple[Path, ...]:

@@ -394,18 +394,31 @@ def _from_file(known: Mapping[str, Declaration], folder: Path) -> Iterator[tuple
         yield by_key[key], value, Origin("file", place), file.parent
 
 
-@cache
 def _parsed(file: Path) -> tuple[str, dict[str, Any]]:
+    """Return the text of a file and what it holds, as long as the file stays as it is."""
+    try:
+        state = file.stat()
+    except OSError as problem:
+        raise _unreadable(file, problem) from None
+    return _parsed_at(file, state.st_mtime_ns, state.st_ino, state.st_size)
+
+
+@cache
+def _parsed_at(file: Path, *_state: int) -> tuple[str, dict[str, Any]]:
     import tomllib  # noqa: PLC0415 - a third of a millisecond that only those with a kg.toml pay
 
     try:
         text = file.read_text(encoding="utf-8")
         return text, tomllib.loads(text)
     except (OSError, UnicodeDecodeError) as problem:
-        raise UsageError("KG002", f"the file cannot be read: {problem}", place=Place(str(file))) from None
+        raise _unreadable(file, problem) from None
     except tomllib.TOMLDecodeError as problem:
         message, line, column = toml_place(str(problem))
         raise UsageError("KG002", f"this is not TOML: {message}", place=Place(str(file), line, column)) from None
+
+
+def _unreadable(file: Path, problem: Exception) -> UsageError:
+    return UsageError("KG002", f"the file cannot be read: {problem}", place=Place(str(file)))
 
 
 def toml_place(message: str) -> tuple[str, int | None, int | None]:

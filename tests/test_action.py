@@ -199,6 +199,7 @@ def test_shellcheck_finds_nothing(step: dict[str, Any]) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(not os.environ.get("KG_TEST_DEEP"), reason="installs everything: KG_TEST_DEEP=1 runs it")
 def test_the_action_installs_kg_from_its_own_folder(runner: Runner) -> None:
     """The first step makes an environment with the Python of the runner and the `kg` of the action's commit."""
     shutil.rmtree(runner.folder / "temporary" / "kg")

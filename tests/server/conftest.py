@@ -46,5 +46,5 @@ def standard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Standard]:
     """A server that takes changes, with the data set of the standard; tests of W3C give it the data of each case."""
     layout = create(tmp_path_factory.mktemp("w3c") / ".kg")
     put(layout)
-    with served(layout.root, write=True, token=TOKEN, union=False, log="off") as server:
+    with served(layout.root, write=True, token=TOKEN, no_union=True, log="off") as server:
         yield Standard(Endpoint("127.0.0.1", server.port, headers={"Authorization": f"Bearer {TOKEN}"}), layout)

@@ -102,7 +102,7 @@ def test_counts(client: TestClient) -> None:
 
 def test_what_is_not_there_is_not_described(store: Path) -> None:
     """Updates are described where they are taken, and the union of graphs where it is the default."""
-    with application(store, write=True, token=TOKEN, union=False, log="off") as writing:
+    with application(store, write=True, token=TOKEN, no_union=True, log="off") as writing:
         graph = described(writing)
         assert SD.SPARQL11Update in set(graph.objects(None, SD.supportedLanguage))
         assert "http://127.0.0.1:7878/update" in {str(found) for found in graph.objects(None, SD.endpoint)}

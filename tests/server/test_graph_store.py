@@ -29,7 +29,7 @@ def writing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
     layout.generation(1).mkdir()
     pyoxigraph.Store(str(layout.generation(1))).flush()
     layout.switch(1)
-    with application(layout.root, write=True, token=TOKEN, union=False, log="off") as found:
+    with application(layout.root, write=True, token=TOKEN, no_union=True, log="off") as found:
         found.headers["authorization"] = f"Bearer {TOKEN}"
         yield found
 
