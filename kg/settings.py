@@ -47,8 +47,8 @@ __all__ = [
 FILE_NAME: Final = "kg.toml"
 TABLES: Final = ("lint", "serve")
 """Tables of `kg.toml`: the settings of one command each. What a table holds beside settings, `table` returns."""
-_OTHERS: Final = {"lint": ("allow",)}
-"""Keys of tables that are not settings."""
+_OTHERS: Final = {"": TABLES, "lint": ("allow",)}
+"""Keys that are not settings, of the top level and of tables."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -380,7 +380,7 @@ def _from_file(known: Mapping[str, Declaration], folder: Path) -> Iterator[tuple
         content = dict(found.content) if found else {}
     by_key = {one.key: one for one in known.values()}
     for key, value in content.items():
-        if key in (_OTHERS.get(name, ()) if name else TABLES):
+        if key in _OTHERS.get(name, ()):
             continue
         place = Place(str(file), _line_of(key, text, name))
         if key not in by_key:

@@ -243,12 +243,12 @@ def _unset(before: System, after: System, world: World) -> Iterator[tuple[_Loss,
 
 def _is_partly_known(owner: NodeReference | None, world: World) -> bool:
     """Check whether a parameter of a node type may have a name that is not known."""
-    records = node_records_of(Subject(Kind.NODE, f"{owner.package}/{owner.node}"), world) if owner else ()
+    if owner is None:
+        return False
     return any(
-        one.repository == owner.repository
-        and (one.node.bounds or not all(is_known(parameter.name) for parameter in one.node.parameters))
-        for one in records
-        if owner
+        one.node.bounds or not all(is_known(parameter.name) for parameter in one.node.parameters)
+        for one in node_records_of(Subject(Kind.NODE, f"{owner.package}/{owner.node}"), world)
+        if one.repository == owner.repository
     )
 
 
