@@ -60,11 +60,15 @@ def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, syst
     found += [one for one in view.defaults(code, found) if not absolute or one.absolute == written]
     if absolute:
         types, set_here = {one.start.type for one in found if one.start}, {one.declared for one in found}
-        code = {iri: one for iri, one in code.items() if iri in set_here or view.node(one[0]) in types}
+        code = {
+            iri: (owner, fact)
+            for iri, (owner, fact) in code.items()
+            if iri in set_here or view.node(owner) in types or fact.name == written
+        }
     if not found and not code:
         known = known or declared_names(snapshot)
         every = {one.removeprefix("~/") for one in known if not is_partial(one)} | set(set_names(snapshot))
-        meant = sorted(one for one in every if last and written.lower() in one.lower())
+        meant = sorted(one for one in every if last and one != written and written.lower() in one.lower())
         if not meant:
             raise unknown("parameter", name, every, otherwise="`kg node NAME` lists the parameters of a node.")
         if len(meant) > 1:
