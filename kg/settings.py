@@ -184,6 +184,12 @@ class Settings:
         "The families of rules in force, joined by commas; by default all but those marked optional, as owl-rl is. "
         "+FAMILY adds one to those.",
     )
+    ontology: tuple[Path, ...] = setting(
+        (),
+        forms.paths,
+        "FOLDERS",
+        f"Folders with ontologies of your own, joined by {os.pathsep!r}; by default ontology/ next to kg.toml or here.",
+    )
     calls: tuple[Path, ...] = setting(
         (),
         forms.paths,

@@ -1,4 +1,4 @@
-"""The ontologies in force: the files of the folder `ontology` and what users add, as N-Triples."""
+"""The ontologies in force: those that `kg` brings along and those of the user, as N-Triples."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ from pyoxigraph import BlankNode, RdfFormat, Triple, parse, serialize
 
 from kg.errors import GraphError, Place
 from kg.resources import folder
+from kg.settings import user_paths
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
-__all__ = ["ONTOLOGIES", "SHAPES", "default_ontologies", "ontology_triples", "shapes_file"]
+    from kg.settings import Settings
+
+__all__ = ["ONTOLOGIES", "SHAPES", "default_ontologies", "ontologies_in_force", "ontology_triples", "shapes_file"]
 
 ONTOLOGIES: Final = (
     "onto-ros.ttl",
@@ -32,9 +35,29 @@ SHAPES: Final = "shapes.ttl"
 """The SHACL shapes that `kg` brings along, in the same folder."""
 
 
+_ENDINGS: Final = frozenset({".ttl", ".nt", ".rdf", ".owl", ".jsonld"})
+_TYPE: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type"
+_FUNCTIONAL: Final = "http://www.w3.org/2002/07/owl#FunctionalProperty"
+
+
 def default_ontologies() -> tuple[Path, ...]:
     """Return the paths of the ontologies that `kg` brings along."""
     return tuple(folder("ontology") / name for name in ONTOLOGIES)
+
+
+def ontologies_in_force(settings: Settings) -> tuple[Path, ...]:
+    """Return the paths of the ontologies that `kg` brings along, then those of the setting `ontology`, by name.
+
+    Raises UsageError KG002 for a folder or file that the setting names and that does not exist.
+    """
+    shipped = folder("ontology").resolve()
+    own: list[Path] = []
+    for path in user_paths(settings, "ontology"):
+        if path.is_file():
+            own.append(path)
+        elif path.resolve() != shipped:
+            own += sorted(one for one in path.iterdir() if one.suffix in _ENDINGS and one.is_file())
+    return (*default_ontologies(), *own)
 
 
 def shapes_file() -> Path:
@@ -46,12 +69,30 @@ def ontology_triples(paths: Iterable[Path] | None = None) -> bytes:
     """Return the N-Triples of the graph `ontology`, the same bytes for the same files.
 
     `paths` are files in a format that their ending names (.ttl, .nt, .rdf, .owl, .jsonld); without them it is what
-    `kg` brings along. Raise `GraphError` KG601 for a file that cannot be read as RDF.
+    `kg` brings along. A property that is an `owl:FunctionalProperty` has one value: that of the last file that gives
+    one, so that users can replace a weight or a threshold. Raise `GraphError` KG601 for a file that is not RDF.
     """
     listed = default_ontologies() if paths is None else tuple(paths)
-    triples = [triple for number, path in enumerate(listed) for triple in _named(_parsed(path), f"f{number}b")]
-    written = serialize(triples, format=RdfFormat.N_TRIPLES)
-    return written or b""
+    files = [list(_named(_parsed(path), f"f{number}b")) for number, path in enumerate(listed)]
+    functional = {
+        triple.subject
+        for file in files
+        for triple in file
+        if triple.predicate.value == _TYPE and getattr(triple.object, "value", "") == _FUNCTIONAL
+    }
+    last = {
+        (triple.subject, triple.predicate): number
+        for number, file in enumerate(files)
+        for triple in file
+        if triple.predicate in functional
+    }
+    triples = [
+        triple
+        for number, file in enumerate(files)
+        for triple in file
+        if last.get((triple.subject, triple.predicate), number) == number
+    ]
+    return serialize(triples, format=RdfFormat.N_TRIPLES) or b""
 
 
 def _parsed(path: Path) -> list[Any]:

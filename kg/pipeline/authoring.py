@@ -50,7 +50,7 @@ class Attempt:
         files = library.with_those_in_force(entries)
         names = {entry.name for entry in entries}
         bench = Workbench(snapshot, Names.of(settings.base, RNKG))
-        view = View(snapshot, explained_vocabulary(settings.base))
+        view = View(snapshot, explained_vocabulary(settings))
         chosen = [file for file in files if file.name in names]
         asked = settings.origin("timeout").kind != "default"  # the default is for queries
         return cls(library, files, chosen, bench, view, Limits((settings.timeout or None) if asked else None))

@@ -142,6 +142,8 @@ class _Build:
         written: dict[str, Written] = {}
         if changed or gone:
             written = self._write(workspace, plan, calls, changed, gone, results)
+        if self._rules is None:
+            self._inference.update_ontologies(self._transaction)
         systems, wired = self._wire(sources, results, gone, now, changed=bool(changed or gone))
         inferred = self._infer(changed=bool(changed or gone))
         generation = self._transaction.commit()

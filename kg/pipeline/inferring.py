@@ -1,5 +1,7 @@
 """Rules inside the transactions of the pipeline: what is inferred changes together with what it is inferred from.
 
+The ontologies belong to the rules: their graph is patched where a file of theirs changed, and the rules follow.
+
 What was read is never lost for the sake of a rule. A file that cannot be used is left out. Where the others cannot run
 together, those of the user's folders are left out too; where that does not help, nothing is inferred. So what stands
 in the graph of inferred triples follows from the rules that ran, and is never left from an earlier state of the data.
@@ -8,6 +10,7 @@ in the graph of inferred triples follows from the rules that ran, and is never l
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from hashlib import blake2b
@@ -16,8 +19,9 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg import resources
-from kg.errors import RuleError
+from kg.errors import GraphError, RuleError
 from kg.graph.iris import Iris
+from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.kept import installations, kept, settled, states
 from kg.pipeline.report import Inferred
@@ -30,6 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+    from kg.errors import KgError
     from kg.pipeline.kept import State
     from kg.rules.reading import Pack
     from kg.rules.reports import RunReport
@@ -42,7 +47,6 @@ if TYPE_CHECKING:
 __all__ = [
     "Inference",
     "LastRun",
-    "add_ontologies",
     "costs",
     "digest",
     "installed_packs",
@@ -55,10 +59,13 @@ _LAST: Final = "rules"
 _DIGEST: Final = "rules-digest"
 """The file of the cache in which the digest of the rules is kept, and the next one for whether there are packs."""
 _PACKS: Final = "packs"
+_ONTOLOGIES: Final = "ontologies"
+"""The file that tells which ontologies the store holds, by their digest, and the one in which that digest is kept."""
+_ONTOLOGY_DIGEST: Final = "ontologies-digest"
 
 
 def digest(settings: Settings, cache: Path | None = None) -> str:
-    """Return what changes whenever a file of a rule in force changes, comes or goes.
+    """Return what changes whenever a file of a rule or an ontology in force changes, comes or goes.
 
     It is kept in the folder `cache` for the next process, where one is given.
 
@@ -69,7 +76,25 @@ def digest(settings: Settings, cache: Path | None = None) -> str:
     folders = (resources.folder("rules"), *(pack.folder for pack in installed_packs(cache)), *user_folders(settings))
     seen, families = tuple(state for folder in folders for state in states(folder)), families_in_force(settings)
     made = _digest if settled(seen) else _digest.__wrapped__
-    return kept(cache and cache / _DIGEST, seen, (families, folders), lambda: made(families, folders, seen))
+    rules = kept(cache and cache / _DIGEST, seen, (families, folders), lambda: made(families, folders, seen))
+    return f"{rules} {_ontology_digest(settings, cache)}"
+
+
+def _ontology_digest(settings: Settings, cache: Path | None) -> str:
+    """Return what changes whenever an ontology in force changes, comes or goes; raises as `ontologies_in_force`."""
+    files = ontologies_in_force(settings)
+    seen = tuple(state for file in files for state in states(file))
+    made = _digest_of if settled(seen) else _digest_of.__wrapped__
+    return kept(cache and cache / _ONTOLOGY_DIGEST, seen, files, lambda: made(files, seen))
+
+
+@lru_cache(maxsize=4)
+def _digest_of(files: tuple[Path, ...], _seen: tuple[State, ...]) -> str:
+    found = blake2b(digest_size=16)
+    for file in files:
+        found.update(f"{file.name}\0".encode())
+        found.update(_content(file))
+    return found.hexdigest()
 
 
 def installed_packs(cache: Path | None = None) -> tuple[Pack, ...]:
@@ -154,17 +179,29 @@ def unchanged(settings: Settings, layout: Layout) -> LastRun | None:
 def _content(path: Path) -> bytes:
     try:
         return path.read_bytes()
-    except OSError as error:  # told where the rule is read
+    except OSError as error:  # told where the file is read
         return str(error).encode()
 
 
-def add_ontologies(transaction: EmbeddedTransaction, settings: Settings) -> None:
-    """Give a store the ontologies that rules read, where it has none yet, as the first build does."""
-    from kg.graph.ontology_files import ontology_triples  # noqa: PLC0415 - only where they are missing
+def _known_ontologies(cache: Path) -> str:
+    """Return the digest of the ontologies that the store holds; empty where it is not known."""
+    with suppress(OSError, UnicodeDecodeError):
+        return (cache / _ONTOLOGIES).read_text("utf-8")
+    return ""
 
-    graph = NamedNode(Iris(settings.base).graph("ontology"))
-    if graph not in transaction.graphs():
-        transaction.load(graph, [ontology_triples()])
+
+def _ontologies(settings: Settings, problems: list[KgError] | None) -> bytes:
+    files = ontologies_in_force(settings)
+    if problems is None:
+        return ontology_triples(files)
+    readable = []
+    for file in files:
+        try:
+            ontology_triples([file])
+            readable.append(file)
+        except GraphError as error:
+            problems.append(error)
+    return ontology_triples(readable)
 
 
 class Inference:
@@ -180,6 +217,8 @@ class Inference:
         self._settings = settings
         self._runner: Runner | None = None
         self._last: LastRun | None = None
+        self._ontologies = ""
+        """The digest of the ontologies that the transaction put into the store; empty where it left them alone."""
 
     def prepare(self) -> None:
         """Load the rules in force and what their last run left, for a process that waits for its first transaction.
@@ -200,6 +239,36 @@ class Inference:
         if transaction.base is None and not transaction.changed:
             transaction.changes = Written()
 
+    def outdated(self) -> bool:
+        """Tell whether the ontologies in force are others than the store is known to hold; raises KG002."""
+        cache = self._store.layout.cache
+        return _known_ontologies(cache) != _ontology_digest(self._settings, cache)
+
+    def update_ontologies(self, transaction: EmbeddedTransaction, problems: list[KgError] | None = None) -> bool:
+        """Give a store the ontologies in force, where it has none or their files have changed; tell whether it changed.
+
+        What was imported into their graph stays until then. A file that cannot be read is left out and its error added
+        to `problems`, where they are given.
+
+        Raises:
+            GraphError: KG601 for a file that cannot be read, without `problems`.
+            UsageError: KG002 for a folder or file of the settings that is not there.
+        """
+        cache, graph = self._store.layout.cache, NamedNode(Iris(self._settings.base).graph("ontology"))
+        mark, present = _ontology_digest(self._settings, cache), graph in transaction.graphs()
+        if present and mark == _known_ontologies(cache):
+            return False
+        wanted = _ontologies(self._settings, problems)
+        self._ontologies = mark
+        if not present:
+            transaction.load(graph, [wanted])
+            return True
+        old, new = (set(content.splitlines(keepends=True)) for content in (transaction.content(graph), wanted))
+        if old == new:
+            return False
+        transaction.patch_graph(graph, b"".join(old - new), b"".join(new - old))
+        return True
+
     def _new_runner(self) -> Runner:
         from kg.rules.recording import Names  # noqa: PLC0415 - the same
         from kg.rules.running import Runner  # noqa: PLC0415 - the same
@@ -209,19 +278,21 @@ class Inference:
     def run(self, transaction: EmbeddedTransaction) -> Inferred:
         """Make what is inferred follow from what the transaction has written by now; what cannot run is left out.
 
-        Raises:
+        Ontologies whose files have changed are updated first. Raises:
             RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
             UsageError: KG002 for a folder or a family of the settings that is not there.
         """
         found = digest(self._settings, self._store.layout.cache)
+        unreadable: list[KgError] = []
+        self.update_ontologies(transaction, unreadable)
         problems: list[RuleError] = []
         self._last = LastRun("")
         inferred = self._attempt(transaction, problems, found, own=True)
         if inferred is None:
             inferred = self._attempt(transaction, [], found, own=False) or self._nothing(transaction)
-        self.digest = "" if problems else found
+        self.digest = "" if problems or unreadable else found
         self._last = replace(self._last, digest=self.digest)
-        return replace(inferred, problems=tuple(problems))
+        return replace(inferred, problems=(*unreadable, *problems))
 
     def _attempt(
         self, transaction: EmbeddedTransaction, problems: list[RuleError], mark: str, *, own: bool
@@ -262,6 +333,12 @@ class Inference:
         """
         if self._runner is not None:
             self._runner.remember(generation, save=save)
+        if self._ontologies:
+            cache = self._store.layout.cache
+            with translated(str(cache)):
+                cache.mkdir(parents=True, exist_ok=True)
+                write_atomically(cache / _ONTOLOGIES, self._ontologies.encode(), durable=False)
+            self._ontologies = ""
         if self._last is not None:
             current = generation or self._store.layout.current()
             note_run(self._store.layout.cache, replace(self._last, generation=current))

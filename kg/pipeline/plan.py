@@ -70,7 +70,8 @@ def version(settings: Settings, folder: Path | None = None) -> str:
     long as no file of them changes. Raises as `kg.pipeline.calls.read_calls`.
     """
     package = Path(__file__).resolve().parent.parent
-    own = [*(package / name for name in CODE), resources.folder("ontology")]
+    knowledge = [path for path in resources.folder("ontology").iterdir() if path.suffix != ".ttl"]  # for rules alone
+    own = [*(package / name for name in CODE), *sorted(knowledge)]
     files = (*(state for root in own for state in states(root)), *installations())
     place = folder and folder / _VERSION
     installed = kept(place, files, sys.version, lambda: _digest([resources.digest(own), *_libraries()]))

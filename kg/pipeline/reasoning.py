@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -13,7 +13,7 @@ from pyoxigraph import NamedNode, RdfFormat, parse
 from kg import resources
 from kg.errors import RuleError
 from kg.graph.iris import Iris
-from kg.graph.ontology_files import default_ontologies, ontology_triples
+from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest, installed_packs
 from kg.rules import compiled
@@ -128,8 +128,8 @@ def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Cont
     from kg.rules.checks.stores import StoreOf, nothing  # noqa: PLC0415 - see above
     from kg.rules.explain.view import View  # noqa: PLC0415 - see above
 
-    vocabulary = explained_vocabulary(settings.base)
-    ontologies = _ontologies()
+    vocabulary = explained_vocabulary(settings)
+    ontologies = _ontologies(settings)
     terms = _terms(ontologies.query(_VOCABULARY, prefixes=dict(PREFIXES)))
     if snapshot:
         terms |= _terms(snapshot.query(_VOCABULARY, prefixes=PREFIXES))
@@ -139,14 +139,14 @@ def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Cont
     return Context(RuleSet(()), terms, read, store, nothing(vocabulary), schema=schema_of(snapshot or ontologies))
 
 
-def ontology_schema() -> tuple[Triple, ...]:
+def ontology_schema(settings: Settings) -> tuple[Triple, ...]:
     """Return the axioms of the ontologies in force, for what is asked of rules without a store."""
-    return schema_of(_ontologies())
+    return schema_of(_ontologies(settings))
 
 
-def _ontologies() -> pyoxigraph.Store:
+def _ontologies(settings: Settings) -> pyoxigraph.Store:
     store = pyoxigraph.Store()
-    store.bulk_load(ontology_triples(), RdfFormat.N_TRIPLES)
+    store.bulk_load(ontology_triples(ontologies_in_force(settings)), RdfFormat.N_TRIPLES)
     return store
 
 
@@ -241,29 +241,30 @@ def _terms(rows: Any) -> frozenset[str]:
     return frozenset(row[0].value for row in rows)
 
 
-def explained_vocabulary(base: str) -> Vocabulary:
-    """Return what explanations need to know of a graph with this base."""
+def explained_vocabulary(settings: Settings) -> Vocabulary:
+    """Return what explanations need to know of the graph of these settings."""
     from kg.rules.explain.view import Vocabulary  # noqa: PLC0415 - builds explain nothing
 
-    iris = Iris(base)
+    iris, ontologies = Iris(settings.base), ontologies_in_force(settings)
     path, line, repository, declared_by, seen_at, seen_since = (
         NamedNode(RNKG + name) for name in ("path", "line", "repository", "declaredBy", "seenAt", "seenSince")
     )
     inferred, builds = NamedNode(iris.graph("inferred")), NamedNode(iris.graph("builds"))
-    return Vocabulary(inferred, (builds,), path, line, repository, _ontology_line, declared_by, seen_at, seen_since)
+    line_of = partial(_ontology_line, ontologies)
+    return Vocabulary(inferred, (builds,), path, line, repository, line_of, declared_by, seen_at, seen_since)
 
 
-def _ontology_line(fact: Triple) -> Evidence | None:
+def _ontology_line(ontologies: tuple[Path, ...], fact: Triple) -> Evidence | None:
     """Return the line of an ontology that states a fact."""
     from kg.rules.documents import place_of  # noqa: PLC0415 - only explanations need it
     from kg.rules.explain.proof import Evidence  # noqa: PLC0415 - the same
 
-    found = place_of(fact, _ontology_statements())
+    found = place_of(fact, _ontology_statements(ontologies))
     return Evidence(*found) if found else None
 
 
 @lru_cache(maxsize=1)
-def _ontology_statements() -> dict[str, Statement]:
+def _ontology_statements(ontologies: tuple[Path, ...]) -> dict[str, Statement]:
     from kg.rules.documents import statements  # noqa: PLC0415 - the same
 
-    return statements(default_ontologies())
+    return statements(ontologies)

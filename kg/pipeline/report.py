@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.errors import RuleError
+    from kg.errors import KgError
     from kg.facts import Problem, Repository
     from kg.pipeline.state import Systems
 
@@ -55,7 +55,7 @@ class Inferred:
     """What rules did: how many triples are inferred now, how many came and went.
 
     `mode` is full or incremental, or none where the rules could not run, so that nothing is inferred. `problems` are
-    the errors of the rules that were left out.
+    the errors of the rules and ontologies that were left out.
     """
 
     triples: int
@@ -63,7 +63,7 @@ class Inferred:
     removed: int
     seconds: float
     mode: str
-    problems: tuple[RuleError, ...] = ()
+    problems: tuple[KgError, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pyoxigraph import RdfFormat, parse
 
 from kg.errors import Place, SourceError, UsageError
 from kg.graph.vocabulary import RNKG
-from kg.pipeline.inferring import LastRun, costs, digest, note_run
+from kg.pipeline.inferring import Inference, LastRun, costs, digest, note_run
 from kg.pipeline.reasoning import rules_in_force, rules_over, schema_of
 from kg.rules.filing import rdf_format
 from kg.rules.recording import Names
 from kg.rules.remote.running import run as run_remotely
-from kg.rules.running import run, run_files
+from kg.rules.running import Runner, run, run_files
 from kg.rules.specialise import is_schema, specialised
 from kg.store.opening import existing
 from kg.store.remote import RemoteStore
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from kg.rules.remote.running import RemoteReport
     from kg.rules.reports import RunReport
     from kg.settings import Settings
+    from kg.store.embedded import EmbeddedStore
 
 __all__ = ["run_on_files", "run_on_server", "run_on_store"]
 
@@ -38,20 +40,45 @@ def run_on_store(
 ) -> RunReport:
     """Make what the store in force holds as inferred follow from the rest of it; only with `full` from scratch.
 
-    Raises:
+    Ontologies whose files have changed are updated first. Raises:
+        GraphError: KG601 for an ontology that cannot be read; the store is as it was.
         RuleError: KG2xx for rules that cannot be read or run, KG205 at a limit; the store is as it was.
         StoreError: KG301 without a store, KG302 while another process writes.
     """
     store, mark = existing(settings), digest(settings)
-    with store.read() as snapshot:
-        rules, generation = rules_over(settings, snapshot), snapshot.generation
-    report = run(store, rules, Names.of(settings.base, RNKG), limits=limits, incremental=not full, dry_run=dry_run)
+    inference = Inference(store, settings)
+    if inference.outdated():
+        report = _run_with_ontologies(store, settings, inference, full=full, dry_run=dry_run, limits=limits)
+        base = report.generation
+    else:
+        with store.read() as snapshot:
+            rules, base = rules_over(settings, snapshot), snapshot.generation
+        names = Names.of(settings.base, RNKG)
+        report = run(store, rules, names, limits=limits, incremental=not full, dry_run=dry_run)
     if not dry_run:
-        base = report.generation or generation
+        base = report.generation or base
         spent = costs(report, store.layout.cache)
         last = LastRun(mark, settings.base, base, report.asserted, report.inferred, report.strata, spent)
         note_run(store.layout.cache, last)
     return report
+
+
+def _run_with_ontologies(  # noqa: PLR0913 - what `run_on_store` was asked, and on what
+    store: EmbeddedStore, settings: Settings, inference: Inference, *, full: bool, dry_run: bool, limits: Limits | None
+) -> RunReport:
+    """Update the ontologies and run the rules in one transaction."""
+    runner = Runner(Names.of(settings.base, RNKG), store.layout.cache)
+    with store.write("kg rules run") as transaction:
+        inference.update_ontologies(transaction)
+        rules = rules_over(settings, transaction)
+        report = runner.run_within(transaction, rules, limits=limits, incremental=not full)
+        if dry_run:
+            transaction.roll_back()
+            return replace(report, dry_run=True)
+        generation = transaction.commit()
+    runner.remember(generation)
+    inference.remember(generation)
+    return replace(report, generation=generation)
 
 
 def run_on_server(

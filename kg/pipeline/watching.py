@@ -123,7 +123,7 @@ class _Desk:
         found, problem = None, None
         if bench is not None and (sound or gone):
             found, problem = self._difference(bench, sound)
-        view = View(bench.snapshot, explained_vocabulary(self._settings.base)) if bench else None
+        view = View(bench.snapshot, explained_vocabulary(self._settings)) if bench else None
         seconds = time.perf_counter() - begin
         return Glance(tuple(names), tuple(gone), tuple(findings), results, found, problem, view, seconds)
 

@@ -19,14 +19,13 @@ from kg.errors import Place, StoreError
 from kg.graph import vocabulary as v
 from kg.graph.builds import BuildRecord, Counts, build_triples
 from kg.graph.iris import Iris
-from kg.graph.ontology_files import ontology_triples
 from kg.graph.sources import repository_triples
 from kg.pipeline import cache
 from kg.pipeline.sharing import keep_shared, patch_shared
 from kg.pipeline.state import discard
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
     from pathlib import Path
 
     from kg.corpus.workspace import Source
@@ -83,13 +82,7 @@ class Writing:
         anew = [source for source in changed if source.repository.name not in self._patched]
         if not anew and self._state.version == self._plan.version:
             return
-        ontology = NamedNode(self._iris.graph("ontology"))
-        graphs: dict[NamedNode, Iterable[bytes]] = {self._graph(source.repository.name): () for source in anew}
-        if self._state.version != self._plan.version:
-            graphs[ontology] = [ontology_triples()]
-        self._transaction.replace_graphs(graphs)
-        if ontology not in self._transaction.graphs():
-            self._transaction.load(ontology, [ontology_triples()])
+        self._transaction.replace_graphs({self._graph(source.repository.name): () for source in anew})
         for source in anew:
             name = source.repository.name
             for package in source.packages:

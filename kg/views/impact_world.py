@@ -101,7 +101,7 @@ class StoredWorld:
     @cached_property
     def own(self) -> Sequence[FileRecord]:
         """The rules, queries and programs of the user."""
-        folders = {*user_paths(self._settings, "rules"), *user_paths(self._settings, "queries")}
+        folders = {one for name in ("rules", "queries", "ontology") for one in user_paths(self._settings, name)}
         found = sorted({path for folder in folders for path in folder.rglob("*") if path.suffix in _OWN})
         return [FileRecord("", "", str(path), FileKind.CONFIG) for path in found]
 

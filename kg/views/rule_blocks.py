@@ -123,7 +123,7 @@ def blocks_try(  # noqa: PLR0913 - a rule in one of two forms, and how much is t
     begin = time.perf_counter()
     shown, written, _ = _given(rule, text, name)
     file = _read(written.text if written else text, shown.name if shown else name or f"{FAMILY}/rule")
-    view = View(snapshot, explained_vocabulary(settings.base), file.rules, prefixes=_prefixes(file))
+    view = View(snapshot, explained_vocabulary(settings), file.rules, prefixes=_prefixes(file))
     most = min(max(whole(str(limit), 50), 1), _MOST)
     found = trial(view, file, most)
     telling = Telling(view, RuleSet((file,)), places(snapshot), settings.base)
@@ -196,7 +196,7 @@ def _context(snapshot: EmbeddedSnapshot, settings: Settings) -> Context:
         _LAST.clear()
         _LAST[key] = replace(made, seconds=_SECONDS, rules=rules_in_force(settings, []), schema=schema_of(snapshot))
     used = kept_of(snapshot, settings).known()
-    store = StoreOf(View(snapshot, explained_vocabulary(settings.base)))
+    store = StoreOf(View(snapshot, explained_vocabulary(settings)))
     context = _LAST[key]
     return replace(context, terms=context.terms.union(used.classes, used.properties), store=store)
 

@@ -11,7 +11,7 @@ import pyoxigraph
 from pyoxigraph import RdfFormat
 
 from kg.errors import RuleError
-from kg.graph.ontology_files import ontology_triples
+from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.resources import folder
 from kg.rules.authoring.library import Library
 from kg.rules.authoring.manual import documentation
@@ -21,6 +21,7 @@ from kg.views.complete import kept_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from kg.query.completion.statistics import Statistics
     from kg.settings import Settings
@@ -65,7 +66,7 @@ def blocks(snapshot: EmbeddedSnapshot, settings: Settings, *, fresh: str = "") -
     """
     kept = kept_of(snapshot, settings)
     counted = kept.statistics(fresh=True) if fresh else kept.known()
-    ontology = _ontology()
+    ontology = _ontology(ontologies_in_force(settings))
     return {
         "snapshot": snapshot.identity,
         "ready": bool(counted.properties),
@@ -77,9 +78,9 @@ def blocks(snapshot: EmbeddedSnapshot, settings: Settings, *, fresh: str = "") -
 
 
 @cache
-def _ontology() -> _Ontology:
+def _ontology(files: tuple[Path, ...]) -> _Ontology:
     store = pyoxigraph.Store()
-    store.bulk_load(ontology_triples(), RdfFormat.N_TRIPLES)
+    store.bulk_load(ontology_triples(files), RdfFormat.N_TRIPLES)
 
     def pairs(query: str) -> Iterator[tuple[str, str]]:
         rows: Any = store.query(query, prefixes=dict(PREFIXES))

@@ -66,7 +66,7 @@ def _known(settings: Settings, mark: str) -> _Known:
         library = Library.of(settings)
         files, errors = library.read_all()
         try:
-            graph = rule_graph(files, ontology_schema())
+            graph = rule_graph(files, ontology_schema(settings))
         except RuleError as error:
             graph, errors = RuleGraph((), (), {}, {}), [*errors, error]
         _LAST.clear()
@@ -116,7 +116,7 @@ def rule(snapshot: EmbeddedSnapshot, settings: Settings, name: str) -> dict[str,
     """
     every = _known(settings, digest(settings))
     entry = find_rule(every.library, name)
-    known = manual(every.library, entry, ontology_schema(), every.graph)
+    known = manual(every.library, entry, ontology_schema(settings), every.graph)
     problem = next(iter((known.problem, *every.errors)), None)
     heads = _heads(known.file)
     return {
@@ -238,7 +238,7 @@ def _number(snapshot: EmbeddedSnapshot, settings: Settings, pattern: str) -> int
 def _sample(snapshot: EmbeddedSnapshot, settings: Settings, heads: Mapping[str, str]) -> Iterator[dict[str, Any]]:
     """Yield some inferred triples, as many of each kind."""
     each = max(1, _SAMPLE // max(1, len(heads)))
-    known = View(snapshot, explained_vocabulary(settings.base))
+    known = View(snapshot, explained_vocabulary(settings))
     for pattern in heads.values():
         query = f"SELECT ?s ?p ?o {{ GRAPH {_inferred(settings)} {{ {pattern} }} }} LIMIT {each}"
         for row in _rows(snapshot, query):

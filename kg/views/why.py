@@ -118,7 +118,7 @@ def explaining(
     """
     rules = rules_in_force(settings, [] if broken is None else broken, cache=cache)
     prefixes = {name: iri for file in rules.files for name, iri in (file.prefixes or {}).items()} | PREFIXES
-    return rules, View(snapshot, explained_vocabulary(settings.base), rules.rules, prefixes=prefixes)
+    return rules, View(snapshot, explained_vocabulary(settings), rules.rules, prefixes=prefixes)
 
 
 def absent(fact: Triple, view: View) -> RuleError:

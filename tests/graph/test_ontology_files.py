@@ -1,12 +1,15 @@
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 import pytest
 from graph.samples import loaded, rows, true
 
+from kg import resources
 from kg.errors import GraphError
-from kg.graph.ontology_files import ONTOLOGIES, default_ontologies, ontology_triples
+from kg.graph.ontology_files import ONTOLOGIES, default_ontologies, ontologies_in_force, ontology_triples
+from kg.settings import load
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -55,3 +58,21 @@ def test_a_syntax_error_has_its_line(tmp_path: Path) -> None:
 def test_the_ontologies_are_there() -> None:
     """The ontologies belong to the installation."""
     assert [path.name for path in default_ontologies() if path.is_file()] == list(ONTOLOGIES)
+
+
+def test_the_last_file_replaces_the_value_of_a_functional_property(tmp_path: Path) -> None:
+    """A weight of a later file takes the place of the earlier one; other properties keep all their values."""
+    prefix = "@prefix rnkg: <https://w3id.org/rnkg/ns#> ."
+    (tmp_path / "mine.ttl").write_text(f'{prefix} <urn:sign> rnkg:weight 2 ; rnkg:recognizedByWord "laser" .')
+    (tmp_path / "more.ttl").write_text(f'{prefix} <urn:sign> rnkg:weight 5 ; rnkg:recognizedByWord "lidar" .')
+    store = loaded(ontology_triples([*default_ontologies(), tmp_path / "mine.ttl", tmp_path / "more.ttl"]))
+    assert rows(store, "SELECT ?weight { <urn:sign> rnkg:weight ?weight }") == [("5",)]
+    assert len(rows(store, "SELECT ?word { <urn:sign> rnkg:recognizedByWord ?word }")) == 2
+
+
+def test_ontologies_of_the_user_come_last(tmp_path: Path) -> None:
+    """The setting names folders and files; a folder gives its files of RDF by name, and the shipped one nothing."""
+    for name in ("b.ttl", "a.ttl", "notes.md"):
+        (tmp_path / name).write_text("")
+    settings = load({"ontology": f"{tmp_path}{os.pathsep}{resources.folder('ontology')}"}, environment={})
+    assert ontologies_in_force(settings) == (*default_ontologies(), tmp_path / "a.ttl", tmp_path / "b.ttl")

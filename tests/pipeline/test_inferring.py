@@ -221,7 +221,7 @@ def test_two_stores_have_the_same_ontologies(tmp_path: Path) -> None:
     for name in ("one", "two"):
         store = EmbeddedStore.create(tmp_path / name / ".kg")
         with store.write("test") as transaction:
-            inferring.add_ontologies(transaction, load(environment={}, folder=tmp_path))
+            inferring.Inference(store, load(environment={}, folder=tmp_path)).update_ontologies(transaction)
         with store.read() as snapshot:
             dumps.append(sorted(snapshot.dump(RdfFormat.N_QUADS).splitlines()))
     assert dumps[0] == dumps[1]

@@ -7,13 +7,18 @@ from typing import TYPE_CHECKING, Final
 import pytest
 from cli.rover import build
 
-from kg.errors import RuleError, SourceError, UsageError
+from kg.errors import GraphError, RuleError, SourceError, UsageError
+from kg.graph.iris import Iris
+from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest, last_run, unchanged
 from kg.pipeline.rule_runs import run_on_files, run_on_store
+from kg.pipeline.updating.applying import apply
+from kg.pipeline.updating.changes import Update
 from kg.rules.authoring.runs import rule_runs, run_objects
 from kg.rules.engine.limits import Limits
 from kg.settings import load
 from kg.store.opening import existing, layout_of, reading
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from kg.settings import Settings
@@ -54,6 +59,47 @@ def test_a_dry_run_and_a_limit_leave_the_store_as_it_was(settings: Settings, tmp
         run_on_store(settings, full=True, limits=Limits(max_triples=1))
     with reading(settings) as snapshot:
         assert snapshot.identity == before
+
+
+def _least_weights(settings: Settings) -> list[str]:
+    with reading(settings) as snapshot:
+        found = snapshot.query("SELECT ?least { GRAPH ?_g { <urn:own> rnkg:leastWeight ?least } }", prefixes=PREFIXES)
+        return [row[0].value for row in found]
+
+
+def test_a_run_reads_the_ontologies_that_changed(settings: Settings, tmp_path: Path) -> None:
+    """An edit of a user's ontology is in the store after the next run, and not after a dry run."""
+    build(tmp_path / ".kg")
+    own = tmp_path / "ontology" / "own.ttl"
+    own.parent.mkdir()
+    for weight, dry_run, expected in ((4, True, []), (4, False, ["4"]), (6, False, ["6"])):
+        own.write_text(f"<urn:own> <{RNKG}leastWeight> {weight} .")
+        run_on_store(settings, dry_run=dry_run)
+        assert _least_weights(settings) == expected
+    own.unlink()
+    run_on_store(settings)
+    assert _least_weights(settings) == []
+
+
+def test_what_was_imported_into_the_ontologies_stays_while_they_do(settings: Settings, tmp_path: Path) -> None:
+    """Only an ontology that changes takes out of their graph what no file has."""
+    build(tmp_path / ".kg")
+    graph = f"<{Iris(settings.base).graph('ontology')}>"
+    run_on_store(settings)
+    insert = f"INSERT DATA {{ GRAPH {graph} {{ <urn:own> <{RNKG}leastWeight> 3 }} }}"
+    apply(existing(settings), settings, Update(text=insert))
+    run_on_store(settings, full=True)
+    assert _least_weights(settings) == ["3"]
+
+
+def test_an_ontology_that_cannot_be_read_stops_a_run(settings: Settings, tmp_path: Path) -> None:
+    """The error names the file; the store is as it was."""
+    build(tmp_path / ".kg")
+    (tmp_path / "ontology").mkdir()
+    (tmp_path / "ontology" / "own.ttl").write_text("<urn:a> oops .")
+    with pytest.raises(GraphError, match="KG601"):
+        run_on_store(settings)
+    assert _least_weights(settings) == []
 
 
 def test_a_run_over_files_writes_what_it_infers(settings: Settings, tmp_path: Path) -> None:

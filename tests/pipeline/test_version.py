@@ -50,7 +50,7 @@ def test_a_fresh_installation_has_the_same_version(tmp_path: Path) -> None:
     assert resources.digest([tmp_path / "extract"]) == before == resources.digest([PACKAGE / "extract"])
 
 
-@pytest.mark.parametrize("path", ["implicit.toml", "cmake-macros.cmake", "rnkg.ttl"])
+@pytest.mark.parametrize("path", ["implicit.toml", "cmake-macros.cmake"])
 def test_an_edit_of_data_of_the_same_size_and_time_is_another_version(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str
 ) -> None:
@@ -107,3 +107,13 @@ def test_all_libraries_that_read_packages_count() -> None:
             imported.update(name.partition(".")[0] for name in names)
     outside = imported - sys.stdlib_module_names - {"kg", "pyshacl", "rdflib"}  # the last two check the ontologies
     assert {one.lower() for name in outside for one in distributions.get(name, ())} <= set(LIBRARIES)
+
+
+def test_an_edit_of_an_ontology_is_the_same_version(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ontologies are read by rules alone: packages need not be read again."""
+    settings, copy = load({}, environment={}), tmp_path / "ontology"
+    installed = version(settings)
+    shutil.copytree(resources.folder("ontology"), copy)
+    monkeypatch.setattr(resources, "folder", tmp_path.joinpath)
+    (copy / "rnkg.ttl").write_text("")
+    assert version(settings) == installed

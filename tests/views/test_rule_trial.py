@@ -68,7 +68,7 @@ def test_a_trial_tells_what_the_engine_of_rules_infers(
     """Fact for fact, blank nodes too, and which of them the store has; whatever stands in a body."""
     file = _file(RULES[name], name)
     expected, known = _by_the_engine(snapshot, settings, file)
-    found = trial(View(snapshot, explained_vocabulary(settings.base), file.rules), file, 10_000)
+    found = trial(View(snapshot, explained_vocabulary(settings), file.rules), file, 10_000)
     assert found.whole
     assert {one.fact for one in found.facts} == expected
     assert {one.fact for one in found.facts if one.known} == known
@@ -79,7 +79,7 @@ def test_a_trial_tells_what_the_engine_of_rules_infers(
 def test_paths_are_followed(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """A path of any length is one premise after the other."""
     file = _file("CONSTRUCT { ?c my:under ?d } WHERE { ?c rnkg:feeds+ ?d }", "under")
-    found = trial(View(snapshot, explained_vocabulary(settings.base), file.rules), file, 10_000)
+    found = trial(View(snapshot, explained_vocabulary(settings), file.rules), file, 10_000)
     far = [one for one in found.facts if len(one.derivation.facts) > 1]
     assert found.whole
     assert far
@@ -93,7 +93,7 @@ def test_a_trial_that_takes_long_tells_what_it_has_found(
 ) -> None:
     """Each of the rules that a file became gets its part of the time; the numbers are then the least that there is."""
     file = _file(RULES["either"], "either")
-    view = View(snapshot, explained_vocabulary(settings.base), file.rules)
+    view = View(snapshot, explained_vocabulary(settings), file.rules)
     every = trial(view, file, 10).looked
     ticks = iter(range(10_000_000))
     # A clock of its own: servers of other tests in this process have threads that ask for the time too.

@@ -98,7 +98,7 @@ def import_files(  # noqa: PLR0913 - the options of a command
     from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
 
     from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
-    from kg.pipeline.inferring import Inference, add_ontologies  # noqa: PLC0415 - start-up time
+    from kg.pipeline.inferring import Inference  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store, base=base)
     iris = Iris(settings.base)
@@ -109,7 +109,7 @@ def import_files(  # noqa: PLR0913 - the options of a command
             for file in map(Path, files):
                 into = (_iri(settings.base, graph) if graph else None) or iris.graph(f"imported-{file.name}")
                 transaction.load_file(file, rdf_format, graph=NamedNode(into))
-            add_ontologies(transaction, settings)
+            inference.update_ontologies(transaction)
             inferred = None if no_rules else inference.run(transaction)
             inference.remember(transaction.commit())
         with target.read() as snapshot:

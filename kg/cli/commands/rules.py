@@ -122,9 +122,10 @@ def show_rule(
     from kg.rules.authoring.manual import manual, manual_object  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.naming import find_rule  # noqa: PLC0415 - start-up time
 
-    library = Library.of(session(context).settings(rules=rules, rule_families=rule_families))
+    settings = session(context).settings(rules=rules, rule_families=rule_families)
+    library = Library.of(settings)
     entry = find_rule(library, name)
-    known = manual(library, entry, ontology_schema())
+    known = manual(library, entry, ontology_schema(settings))
     if json:
         json_lines([manual_object(entry, known)])
     else:

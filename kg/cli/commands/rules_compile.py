@@ -41,12 +41,13 @@ def compile_rule(
 
     if to not in _FORMS:
         raise UsageError("KG003", f"unknown notation `{to}`", hint=f"Use one of {', '.join(_FORMS)}.")
-    library = Library.of(session(context).settings(rules=rules, rule_families=rule_families))
+    settings = session(context).settings(rules=rules, rule_families=rule_families)
+    library = Library.of(settings)
     entry = find_rule(library, name)
     file = library.read(entry.name)
     prefixes = {**PREFIXES, **(file.prefixes or {})}
     if to == "form":
-        strata = manual(library, entry, ontology_schema()).strata
+        strata = manual(library, entry, ontology_schema(settings)).strata
         text = printing.to_form(file.rules, prefixes, strata)
         write(text.replace(str(file.path), here(file.path)))
         return

@@ -56,7 +56,7 @@ def _context(settings: "Settings") -> "Context":
 
 
 def _terms(settings: "Settings") -> "Terms":
-    from kg.graph.ontology_files import default_ontologies  # noqa: PLC0415 - start-up time
+    from kg.graph.ontology_files import ontologies_in_force  # noqa: PLC0415 - start-up time
     from kg.pipeline.reasoning import term_uses  # noqa: PLC0415 - start-up time
     from kg.rules.lsp.terms import Terms  # noqa: PLC0415 - start-up time
 
@@ -65,4 +65,4 @@ def _terms(settings: "Settings") -> "Terms":
             uses = term_uses(snapshot)
     except StoreError:
         uses = None
-    return Terms.of(default_ontologies(), uses)
+    return Terms.of(ontologies_in_force(settings), uses)

@@ -62,9 +62,10 @@ def graph(  # noqa: PLR0913 - the options of a command
     from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
 
     form = _form("json" if json else form, output)
-    library = Library.of(session(context).settings(rules=rules, rule_families=rule_families))
+    settings = session(context).settings(rules=rules, rule_families=rule_families)
+    library = Library.of(settings)
     entries = choose(library, chosen or ())
-    found = rule_graph(library.with_those_in_force(entries), ontology_schema())
+    found = rule_graph(library.with_those_in_force(entries), ontology_schema(settings))
     if chosen:
         found = found.around({entry.name for entry in entries})
     if form == "json":

@@ -97,7 +97,7 @@ def of_package(settings: Settings, name: str) -> Iterator[Subject]:
 
 def _stored(snapshot: EmbeddedSnapshot, settings: Settings, iri: str, of: str) -> Subject:
     rules = rules_in_force(settings, []).rules
-    view = View(snapshot, explained_vocabulary(settings.base), rules)
+    view = View(snapshot, explained_vocabulary(settings), rules)
     return Subject(capabilities_of(snapshot, iri, of), view, snapshot, iri, rules)
 
 
@@ -106,5 +106,5 @@ def _in_memory(system: System, settings: Settings, of: str, records: Mapping[Any
     known = knowledge(settings)
     world = world_of(system, settings, known, records, whole=True)
     iri = Iris(settings.base).configuration(own.repository, own.path)
-    view = View(world, explained_vocabulary(settings.base), known.rules.rules)
+    view = View(world, explained_vocabulary(settings), known.rules.rules)
     return Subject(read(world, iri, of, known.definitions), view, world, iri, known.rules.rules)

@@ -16,7 +16,7 @@ from pyoxigraph import DefaultGraph, NamedNode, RdfFormat, Store, parse
 
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
-from kg.graph.ontology_files import default_ontologies, ontology_triples
+from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.systems import system_triples
 from kg.pipeline.inferring import digest
 from kg.pipeline.reasoning import rule_folders, schema_of
@@ -128,7 +128,7 @@ class _Same:
 
 @lru_cache(maxsize=2)
 def _known(same: _Same) -> Knowledge:
-    content = ontology_triples([path for path in default_ontologies() if path.name not in _LEFT_OUT])
+    content = ontology_triples([path for path in ontologies_in_force(same.settings) if path.name not in _LEFT_OUT])
     store = Store()
     bulk.load(lambda: store, DefaultGraph(), [content])
     rules = discover(rule_folders(same.settings), packs(), _families(same.settings), [])

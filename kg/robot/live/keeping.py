@@ -10,7 +10,7 @@ from pyoxigraph import NamedNode
 from kg.graph.iris import RUNNING, Iris
 from kg.graph.shared import SHARED
 from kg.launch.wiring.near_misses import near_misses
-from kg.pipeline.inferring import Inference, add_ontologies
+from kg.pipeline.inferring import Inference
 from kg.robot.capabilities import held
 from kg.robot.live.inference import now
 from kg.robot.live.parts import Parts
@@ -20,7 +20,7 @@ from kg.robot.live.systems import Instances, Seen, system_of
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.errors import RuleError
+    from kg.errors import KgError
     from kg.facts import System
     from kg.robot.connection import ComputationGraph
     from kg.robot.live.systems import Match
@@ -45,7 +45,7 @@ class Kept:
     generation: int | None
     held: Mapping[str, str]
     matches: Mapping[str, Match] = field(default_factory=dict)
-    problems: tuple[RuleError, ...] = ()
+    problems: tuple[KgError, ...] = ()
 
 
 class Keeper:
@@ -100,7 +100,7 @@ class Keeper:
 
     def _begin(self, transaction: EmbeddedTransaction) -> None:
         """Learn what the store holds, where another process wrote it last."""
-        add_ontologies(transaction, self._settings)
+        self._inference.update_ontologies(transaction)
         self._recognizer.forget()
         self._parts = None
 
