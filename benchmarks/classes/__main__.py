@@ -2,8 +2,9 @@
 
     python benchmarks/classes --store FOLDER [--store FOLDER ...] --labels LABELS.jsonl [--misses]
 
-Labels are JSON Lines as in benchmarks/labels. A node is found by repository, package and name; one that no store
-has counts as a node of which nothing is inferred. Printed are precision, recall and F1 of each class, and
+Labels are JSON Lines as in benchmarks/labels. A node is found by repository, package and name, or by the class of its
+plugin, for a node that is a plugin and a program has one of these names; one that no store has counts as a node of
+which nothing is inferred. Printed are precision, recall and F1 of each class, and
 
 * micro-F1: over all pairs of node and class;
 * macro-F1: the mean of F1 over the classes that some label has. A class that is inferred and that no label has lowers
@@ -33,8 +34,10 @@ if TYPE_CHECKING:
 FUNCTION = "https://w3id.org/rnkg/function#"
 HARDWARE = "https://w3id.org/rnkg/hardware#"
 INFERRED = """SELECT ?repository ?package ?node ?class WHERE {
-  ?node_ a rnkg:NodeType ; rnkg:name ?node ; rnkg:hasFunction|rnkg:usesHardware ?class .
+  ?node_ a rnkg:NodeType .
+  { ?node_ rnkg:name ?node } UNION { ?node_ rnkg:pluginName ?plugin BIND(REPLACE(?plugin, "^.*[/:]", "") AS ?node) }
   ?package_ rnkg:contains ?node_ ; a rnkg:Package ; rnkg:name ?package .
+  OPTIONAL { ?node_ rnkg:hasFunction|rnkg:usesHardware ?class }
   BIND(REPLACE(STR(?node_), "^.*?/node/([^/]+/[^/]+/[^/]+)/.*$", "$1") AS ?repository)
 }"""
 BROADER = "SELECT ?kind ?broader WHERE { ?kind a rnkg:Hardware ; skos:broader ?broader }"
@@ -163,7 +166,8 @@ def read(stores: list[str]) -> dict[Key, tuple[set[str], set[str]]]:
     found: dict[Key, tuple[set[str], set[str]]] = {}
     for repository, package, node, inferred in rows(stores, INFERRED):
         functions, kinds = found.setdefault((repository, package, node), (set(), set()))
-        (functions if inferred.startswith(FUNCTION) else kinds).add(_local(inferred))
+        if inferred:
+            (functions if inferred.startswith(FUNCTION) else kinds).add(_local(inferred))
     return found
 
 
