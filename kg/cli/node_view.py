@@ -102,9 +102,9 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
 
 def _inferred(classes: Classes) -> Iterable[Text]:
     """Yield what the node is for and works with; `kg why` explains both."""
-    yield _field("function", ", ".join(classes.functions) or "unknown")
+    yield _field("function", ", ".join(map(str, classes.functions)) or "unknown")
     if classes.hardware or classes.devices:
-        yield _field("hardware", ", ".join((*classes.hardware, *classes.devices)))
+        yield _field("hardware", ", ".join(map(str, (*classes.hardware, *classes.devices))))
 
 
 def _description(said: Description, repository: str, links: Links) -> Iterable[RenderableType]:

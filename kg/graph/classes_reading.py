@@ -1,7 +1,8 @@
-"""What rules inferred of a node type: the functions it has, and the hardware it works with."""
+"""What rules inferred of a node type: its functions and hardware, how sure each is, and by which evidence."""
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -11,27 +12,76 @@ from kg.graph.queries import select
 if TYPE_CHECKING:
     from kg.graph.reading import Queryable
 
-__all__ = ["Classes", "classes"]
+__all__ = ["Class", "Classes", "Grade", "classes", "grades"]
 
 _QUERY: Final = """
-SELECT DISTINCT ?property (STR(?label) AS ?text) WHERE {{
+SELECT DISTINCT ?property ?class (STR(?label) AS ?text) WHERE {{
   VALUES ?property {{ rnkg:hasFunction rnkg:usesHardware rnkg:usesDevice }}
   <{iri}> ?property ?class . ?class rdfs:label ?label .
 }} ORDER BY ?text"""
 
+_GRADES: Final = {"gradeCertain": "certain", "gradeStrong": "strong", "gradeWeak": "weak"}
+_EVIDENCE: Final = {"byName": "name", "byText": "text", "byCode": "code"}
+_GRADES_QUERY: Final = f"""
+SELECT DISTINCT ?property ?class WHERE {{{{
+  VALUES ?property {{{{ {" ".join(f"rnkg:{name}" for name in (*_GRADES, *_EVIDENCE))} }}}}
+  <{{iri}}> ?property ?class .
+}}}}"""
+
+
+@dataclass(frozen=True, slots=True)
+class Grade:
+    """How sure a class of a node is (`certain`, `strong`, `weak`), and what shows it (`name`, `text`, `code`).
+
+    Both are empty where the rules of the family `grade` did not run.
+    """
+
+    grade: str = ""
+    evidence: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self.grade}: {', '.join(self.evidence)}" if self.evidence else self.grade
+
+
+@dataclass(frozen=True, slots=True)
+class Class:
+    """The label of a function, a kind of hardware or a device, with its grade."""
+
+    label: str
+    grade: Grade = Grade()
+
+    def __str__(self) -> str:
+        return f"{self.label} ({self.grade})" if self.grade.grade else self.label
+
 
 @dataclass(frozen=True, slots=True)
 class Classes:
-    """Labels of functions, of kinds of hardware and of devices, each sorted."""
+    """Functions, kinds of hardware and devices, each sorted by label."""
 
-    functions: tuple[str, ...] = ()
-    hardware: tuple[str, ...] = ()
-    devices: tuple[str, ...] = ()
+    functions: tuple[Class, ...] = ()
+    hardware: tuple[Class, ...] = ()
+    devices: tuple[Class, ...] = ()
 
 
 def classes(graph: Queryable, iri: str) -> Classes:
     """Return what is inferred of the node type with this IRI; nothing where no rules ran."""
-    found = {name: list[str]() for name in ("hasFunction", "usesHardware", "usesDevice")}
+    found = {name: list[Class]() for name in ("hasFunction", "usesHardware", "usesDevice")}
+    known = grades(graph, iri)
     for row in select(graph, _QUERY.format(iri=iri)):
-        found[row["property"].value.removeprefix(v.RNKG)].append(row["text"].value)
+        graded = Class(row["text"].value, known.get(row["class"].value, Grade()))
+        found[row["property"].value.removeprefix(v.RNKG)].append(graded)
     return Classes(*map(tuple, found.values()))
+
+
+def grades(graph: Queryable, iri: str) -> dict[str, Grade]:
+    """Return the grade of each class of the node type with this IRI, by the IRI of the class."""
+    said: defaultdict[str, set[str]] = defaultdict(set)
+    for row in select(graph, _GRADES_QUERY.format(iri=iri)):
+        said[row["class"].value].add(row["property"].value.removeprefix(v.RNKG))
+    return {
+        one: Grade(
+            next((grade for name, grade in _GRADES.items() if name in names), ""),
+            tuple(word for name, word in _EVIDENCE.items() if name in names),
+        )
+        for one, names in said.items()
+    }

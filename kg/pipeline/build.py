@@ -142,8 +142,8 @@ class _Build:
         written: dict[str, Written] = {}
         if changed or gone:
             written = self._write(workspace, plan, calls, changed, gone, results)
-        if self._rules is None:
-            self._inference.update_ontologies(self._transaction)
+        if self._rules is None or self._state.version != now:
+            self._inference.update_ontologies(self._transaction, anew=self._state.version != now)
         systems, wired = self._wire(sources, results, gone, now, changed=bool(changed or gone))
         inferred = self._infer(changed=bool(changed or gone))
         generation = self._transaction.commit()

@@ -10,12 +10,14 @@ in the graph of inferred triples follows from the rules that ran, and is never l
 from __future__ import annotations
 
 import json
+import zlib
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
+import msgspec
 from pyoxigraph import NamedNode
 
 from kg import resources
@@ -60,7 +62,7 @@ _DIGEST: Final = "rules-digest"
 """The file of the cache in which the digest of the rules is kept, and the next one for whether there are packs."""
 _PACKS: Final = "packs"
 _ONTOLOGIES: Final = "ontologies"
-"""The file that tells which ontologies the store holds, by their digest, and the one in which that digest is kept."""
+"""The file with the ontologies that the store was given and their digest, and the one in which that digest is kept."""
 _ONTOLOGY_DIGEST: Final = "ontologies-digest"
 
 
@@ -183,14 +185,21 @@ def _content(path: Path) -> bytes:
         return str(error).encode()
 
 
-def _known_ontologies(cache: Path) -> str:
-    """Return the digest of the ontologies that the store holds; empty where it is not known."""
-    with suppress(OSError, UnicodeDecodeError):
-        return (cache / _ONTOLOGIES).read_text("utf-8")
-    return ""
+class _Ontologies(msgspec.Struct, frozen=True):
+    """Ontologies as N-Triples, with the digest of their files."""
+
+    digest: str
+    content: bytes
 
 
-def _ontologies(settings: Settings, problems: list[KgError] | None) -> bytes:
+def _given(cache: Path) -> _Ontologies | None:
+    """Return the ontologies that the store was given; None where that is not known."""
+    with suppress(OSError, zlib.error, msgspec.DecodeError):
+        return msgspec.msgpack.decode(zlib.decompress((cache / _ONTOLOGIES).read_bytes()), type=_Ontologies)
+    return None
+
+
+def _in_force(settings: Settings, problems: list[KgError] | None) -> bytes:
     files = ontologies_in_force(settings)
     if problems is None:
         return ontology_triples(files)
@@ -217,8 +226,8 @@ class Inference:
         self._settings = settings
         self._runner: Runner | None = None
         self._last: LastRun | None = None
-        self._ontologies = ""
-        """The digest of the ontologies that the transaction put into the store; empty where it left them alone."""
+        self._ontologies: _Ontologies | None = None
+        """The ontologies that the transaction gave to the store; None where it left them alone."""
 
     def prepare(self) -> None:
         """Load the rules in force and what their last run left, for a process that waits for its first transaction.
@@ -240,34 +249,37 @@ class Inference:
             transaction.changes = Written()
 
     def outdated(self) -> bool:
-        """Tell whether the ontologies in force are others than the store is known to hold; raises KG002."""
+        """Tell whether the ontologies in force are others than those that the store was given; raises KG002."""
         cache = self._store.layout.cache
-        return _known_ontologies(cache) != _ontology_digest(self._settings, cache)
+        given = _given(cache)
+        return given is not None and given.digest != _ontology_digest(self._settings, cache)
 
-    def update_ontologies(self, transaction: EmbeddedTransaction, problems: list[KgError] | None = None) -> bool:
-        """Give a store the ontologies in force, where it has none or their files have changed; tell whether it changed.
+    def update_ontologies(
+        self, transaction: EmbeddedTransaction, problems: list[KgError] | None = None, *, anew: bool = False
+    ) -> None:
+        """Give a store the ontologies in force: where it has none, or where their files have changed since.
 
-        What was imported into their graph stays until then. A file that cannot be read is left out and its error added
-        to `problems`, where they are given.
+        What users add to their graph stays. So does a graph that users made themselves, unless it is written `anew`.
+        A file that cannot be read is left out and its error added to `problems`, where they are given.
 
         Raises:
             GraphError: KG601 for a file that cannot be read, without `problems`.
             UsageError: KG002 for a folder or file of the settings that is not there.
         """
         cache, graph = self._store.layout.cache, NamedNode(Iris(self._settings.base).graph("ontology"))
-        mark, present = _ontology_digest(self._settings, cache), graph in transaction.graphs()
-        if present and mark == _known_ontologies(cache):
-            return False
-        wanted = _ontologies(self._settings, problems)
-        self._ontologies = mark
+        given, present = _given(cache), graph in transaction.graphs()
+        digest_now = _ontology_digest(self._settings, cache)
+        if present and not anew and (given is None or given.digest == digest_now):
+            return
+        wanted = _in_force(self._settings, problems)
+        self._ontologies = _Ontologies(digest_now, wanted)
         if not present:
             transaction.load(graph, [wanted])
-            return True
-        old, new = (set(content.splitlines(keepends=True)) for content in (transaction.content(graph), wanted))
-        if old == new:
-            return False
-        transaction.patch_graph(graph, b"".join(old - new), b"".join(new - old))
-        return True
+            return
+        held = transaction.content(graph) if anew or given is None else given.content
+        old, new = (set(content.splitlines(keepends=True)) for content in (held, wanted))
+        if old != new:
+            transaction.patch_graph(graph, b"".join(old - new), b"".join(new - old))
 
     def _new_runner(self) -> Runner:
         from kg.rules.recording import Names  # noqa: PLC0415 - the same
@@ -337,8 +349,9 @@ class Inference:
             cache = self._store.layout.cache
             with translated(str(cache)):
                 cache.mkdir(parents=True, exist_ok=True)
-                write_atomically(cache / _ONTOLOGIES, self._ontologies.encode(), durable=False)
-            self._ontologies = ""
+                content = msgspec.msgpack.encode(self._ontologies)
+                write_atomically(cache / _ONTOLOGIES, zlib.compress(content, level=1), durable=False)
+            self._ontologies = None
         if self._last is not None:
             current = generation or self._store.layout.current()
             note_run(self._store.layout.cache, replace(self._last, generation=current))

@@ -95,7 +95,13 @@ def lines_of_node(found: Mapping[str, Any]) -> tuple[Line, ...]:
         for line in _section(
             kind.capitalize(),
             (
-                Line(one["label"], iri=one["iri"], fact=_fact(one["fact"]), mark=_inferred(one["inferred"]))
+                Line(
+                    one["label"],
+                    iri=one["iri"],
+                    fact=_fact(one["fact"]),
+                    mark=_inferred(one["inferred"]),
+                    note=one["grade"],
+                )
                 for one in found[kind]
             ),
         )

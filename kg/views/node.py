@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.errors import UnknownNameError
 from kg.facts import Location
 from kg.graph import vocabulary as v
+from kg.graph.classes_reading import Grade, grades
 from kg.graph.iris import Iris
 from kg.graph.reading import node_records
 from kg.graph.records import how_to_start
@@ -52,7 +53,8 @@ def node(
     * `interfaces`, `parameters` and `slots`: see `kg.views.node_rows`; `neighbours` and `used_in`: see
       `kg.views.node_around`.
     * `descriptions`: `text`, `kind`, `heading`, `evidence`; the best first.
-    * `functions`, `hardware`, `devices`, `capabilities`: each a list of `iri`, `label`, `inferred` and `fact`.
+    * `functions`, `hardware`, `devices`, `capabilities`: each a list of `iri`, `label`, `inferred`, `fact`, `grade`
+      (`certain`, `strong`, `weak`, or empty) and `evidence` (what shows it: `name`, `text`, `code`).
 
     A `fact` is `{"subject", "predicate", "object"}`, IRIs, as the view `why` takes them. `evidence` is as
     `kg.views.evidence.Places.evidence` returns it.
@@ -136,15 +138,23 @@ def _classes(
     predicates = " ".join(f"rnkg:{name}" for name in _CLASSES.values())
     query = f"SELECT DISTINCT ?p ?o {{ VALUES ?p {{ {predicates} }} GRAPH ?g {{ <{iri}> ?p ?o }} }}"
     pairs = list(rows(snapshot, query))
-    known = labels(snapshot, {value for _, value in pairs})
+    known, graded = labels(snapshot, {value for _, value in pairs}), grades(snapshot, iri)
     found: dict[str, list[dict[str, Any]]] = {kind: [] for kind in _CLASSES}
     for kind, name in _CLASSES.items():
         for predicate, value in pairs:
             if predicate == v.RNKG + name:
                 label = known.get(value) or value.rpartition("#")[2]
                 derived = value in inferred.get(predicate, ())
+                grade = graded.get(value, Grade())
                 found[kind].append(
-                    {"iri": value, "label": label, "inferred": derived, "fact": fact(iri, predicate, value)}
+                    {
+                        "iri": value,
+                        "label": label,
+                        "inferred": derived,
+                        "fact": fact(iri, predicate, value),
+                        "grade": grade.grade,
+                        "evidence": list(grade.evidence),
+                    }
                 )
         found[kind].sort(key=lambda one: (one["label"], one["iri"]))
     return found

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 from cli.rover import build
@@ -10,7 +10,7 @@ from cli.rover import build
 from kg.errors import GraphError, RuleError, SourceError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.vocabulary import RNKG
-from kg.pipeline.inferring import digest, last_run, unchanged
+from kg.pipeline.inferring import Inference, digest, last_run, unchanged
 from kg.pipeline.rule_runs import run_on_files, run_on_store
 from kg.pipeline.updating.applying import apply
 from kg.pipeline.updating.changes import Update
@@ -63,13 +63,25 @@ def test_a_dry_run_and_a_limit_leave_the_store_as_it_was(settings: Settings, tmp
 
 def _least_weights(settings: Settings) -> list[str]:
     with reading(settings) as snapshot:
-        found = snapshot.query("SELECT ?least { GRAPH ?_g { <urn:own> rnkg:leastWeight ?least } }", prefixes=PREFIXES)
+        found: Any = snapshot.query(
+            "SELECT ?least { GRAPH ?_g { <urn:own> rnkg:leastWeight ?least } }", prefixes=PREFIXES
+        )
         return [row[0].value for row in found]
+
+
+def _built(settings: Settings, tmp_path: Path) -> None:
+    """Build a store that knows which ontologies it was given, as one of `kg build` does."""
+    build(tmp_path / ".kg")
+    store = existing(settings)
+    inference = Inference(store, settings)
+    with store.write("test") as transaction:
+        inference.update_ontologies(transaction, anew=True)
+        inference.remember(transaction.commit())
 
 
 def test_a_run_reads_the_ontologies_that_changed(settings: Settings, tmp_path: Path) -> None:
     """An edit of a user's ontology is in the store after the next run, and not after a dry run."""
-    build(tmp_path / ".kg")
+    _built(settings, tmp_path)
     own = tmp_path / "ontology" / "own.ttl"
     own.parent.mkdir()
     for weight, dry_run, expected in ((4, True, []), (4, False, ["4"]), (6, False, ["6"])):
@@ -81,20 +93,22 @@ def test_a_run_reads_the_ontologies_that_changed(settings: Settings, tmp_path: P
     assert _least_weights(settings) == []
 
 
-def test_what_was_imported_into_the_ontologies_stays_while_they_do(settings: Settings, tmp_path: Path) -> None:
-    """Only an ontology that changes takes out of their graph what no file has."""
-    build(tmp_path / ".kg")
+def test_what_was_added_to_the_ontologies_stays_when_they_change(settings: Settings, tmp_path: Path) -> None:
+    """Only what files had and no longer have goes."""
+    _built(settings, tmp_path)
     graph = f"<{Iris(settings.base).graph('ontology')}>"
-    run_on_store(settings)
     insert = f"INSERT DATA {{ GRAPH {graph} {{ <urn:own> <{RNKG}leastWeight> 3 }} }}"
     apply(existing(settings), settings, Update(text=insert))
-    run_on_store(settings, full=True)
+    own = tmp_path / "ontology" / "own.ttl"
+    own.parent.mkdir()
+    own.write_text(f"<urn:other> <{RNKG}leastWeight> 4 .")
+    run_on_store(settings)
     assert _least_weights(settings) == ["3"]
 
 
 def test_an_ontology_that_cannot_be_read_stops_a_run(settings: Settings, tmp_path: Path) -> None:
     """The error names the file; the store is as it was."""
-    build(tmp_path / ".kg")
+    _built(settings, tmp_path)
     (tmp_path / "ontology").mkdir()
     (tmp_path / "ontology" / "own.ttl").write_text("<urn:a> oops .")
     with pytest.raises(GraphError, match="KG601"):
