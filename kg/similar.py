@@ -11,7 +11,7 @@ from kg.errors import UnknownNameError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["asked", "did_you_mean", "similar", "unknown"]
+__all__ = ["asked", "did_you_mean", "folded", "similar", "unknown"]
 
 _FEW = 3
 _ALIKE = 0.6
@@ -19,6 +19,11 @@ _MANY = 1000
 """So many names are compared letter by letter."""
 _PIECE = 3
 """Letters."""
+
+
+def folded(name: str) -> str:
+    """Return the letters and digits of a name in lower case: names that people write differ in the rest."""
+    return "".join(sign for sign in name.casefold() if sign.isalnum())
 
 
 def similar(name: str, known: Iterable[str], limit: int = _FEW) -> list[str]:

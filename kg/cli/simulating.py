@@ -20,6 +20,7 @@ from kg.errors import StoreError, UsageError
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
+    from kg.robot.simulation.plan import Place
     from kg.robot.simulation.session import Choice
     from kg.settings import Settings
 
@@ -27,7 +28,15 @@ __all__ = ["chosen", "simulated"]
 
 
 def chosen(  # noqa: PLR0913 - the options of a command
-    world: str, *, master: str | None, port: str, ros2: bool, speed: str, seconds: str | None, seed: str
+    world: str,
+    *,
+    master: str | None,
+    port: str,
+    ros2: bool,
+    speed: str,
+    seconds: str | None,
+    seed: str,
+    exercise: str | None = None,
 ) -> Choice:
     """Return what the options choose.
 
@@ -59,7 +68,16 @@ def chosen(  # noqa: PLR0913 - the options of a command
         None if speed == "max" else factor(speed, "--speed"),
         number_of_seconds(seconds, "--seconds") if seconds else None,
         whole(seed, "--seed", 0),
+        _start(world, whole(exercise, "--exercise", 1, 4)) if exercise else None,
     )
+
+
+def _start(world: str, number: int) -> Place | None:
+    """Return where the robot of a world begins in an exercise."""
+    from kg.evaluate.exercises import exercises  # noqa: PLC0415 - start-up time
+
+    exercise = exercises()[number - 1]
+    return (exercise.drone if world == "drone" else exercise.office).start
 
 
 async def simulated(choice: Choice, settings: Settings | None) -> None:

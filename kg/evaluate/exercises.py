@@ -1,4 +1,4 @@
-"""The exercises of the onto-ros paper (section 4.2), worded by us: programs, and whether the world says they worked.
+"""The exercises of the onto-ros paper (section 4.2), as it words them: programs, and what the world says of them.
 
 They stand in `examples/programs/`; `exercises.toml` there says what each has to reach. What was reached is read off the
 simulated world itself, not off what the robot believes.
@@ -6,6 +6,7 @@ simulated world itself, not off what the robot believes.
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
@@ -23,6 +24,7 @@ from kg.robot.programs.places import placed, read_places
 from kg.robot.programs.runner import Runner
 from kg.robot.simulation.drone import Drone, State
 from kg.robot.simulation.hosting import hosted_in_memory
+from kg.robot.simulation.plan import Place  # noqa: TC001 - msgspec reads the annotation
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capabilities
     from kg.robot.programs.tree import Program
+    from kg.robot.simulation.plan import TagPlace
+    from kg.robot.simulation.pose import Pose
     from kg.robot.simulation.world import World
     from kg.settings import Settings
 
@@ -50,20 +54,26 @@ __all__ = [
 Robot = Literal["office", "drone"]
 ROBOTS: Final[tuple[Robot, ...]] = ("office", "drone")
 
-_NEAR: Final = 1.5
-_ON: Final = 0.6
-"""A drone stands on a tag when its middle is within so many metres of the tag's: the edge of a tag."""
+_VIEW: Final = (12.0, math.radians(35))
+"""How far a tag is, and how far it is from where the robot looks, for the robot to face it."""
 
 
 class Variant(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """An exercise for one robot: the program, and what has to be true in the world when it has ended."""
+    """An exercise for one robot: what is asked for, the program, and what is true in the world when it has ended.
 
+    `start` is where the robot begins, by default where the plan says; lengths are in metres, angles in degrees.
+    """
+
+    task: str
     program: str
+    start: Place | None = None
     visits: tuple[str, ...] = ()
     ends: str | None = None
-    lands: int | None = None
-    near: int | None = None
-    charge: float | None = None
+    moves: float = 0.0
+    turns: float = 0.0
+    rises: int = 0
+    lands: bool = False
+    faces_tag: bool = False
 
 
 class Exercise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -119,7 +129,7 @@ async def perform(exercise: Exercise, robot: Robot, settings: Settings) -> Outco
         RobotError: KG840 when pybullet or OpenCV is not installed.
     """
     began = time.monotonic()
-    async with hosted_in_memory(robot) as (simulation, address):
+    async with hosted_in_memory(robot, start=exercise.of(robot).start) as (simulation, address):
         try:
             wrong = await carry_out(program_of(exercise.of(robot)), address, settings)
         except RobotError as error:
@@ -151,8 +161,7 @@ async def carry_out(program: Program, address: str, settings: Settings) -> list[
 
 def missed(variant: Variant, world: World) -> list[str]:
     """Return what the world does not have that it should have, in words."""
-    pose, robot = world.robot.pose, world.robot
-    tags = {one.id: one for one in world.plan.tags}
+    pose, robot, start = world.robot.pose, world.robot, world.start
     wrong: list[str] = []
     if not _in_order(variant.visits, world.visited):
         wrong.append(
@@ -160,14 +169,24 @@ def missed(variant: Variant, world: World) -> list[str]:
         )
     if variant.ends is not None and world.plan.room_at(pose.x, pose.y) != variant.ends:
         wrong.append(f"it ended at {pose.x:.1f}, {pose.y:.1f}, not in {variant.ends}")
-    for tag, reach in ((variant.lands, _ON), (variant.near, _NEAR)):
-        if tag is not None and pose.distance(tags[tag].x, tags[tag].y) > reach:
-            wrong.append(f"it ended {pose.distance(tags[tag].x, tags[tag].y):.1f} m away from tag {tag}")
-    if variant.lands is not None and not (isinstance(robot, Drone) and robot.state is State.LANDED):
+    if pose.distance(start.x, start.y) < variant.moves:
+        wrong.append(f"it ended {pose.distance(start.x, start.y):.1f} m away from where it began")
+    if math.degrees(world.turned) < variant.turns:
+        wrong.append(f"it turned by {math.degrees(world.turned):.0f} degrees")
+    if world.rises < variant.rises:
+        wrong.append(f"it rose {world.rises} times")
+    if variant.lands and not (isinstance(robot, Drone) and robot.state is State.LANDED):
         wrong.append("it did not land")
-    if variant.charge is not None and robot.battery.charge > variant.charge:
-        wrong.append(f"the battery still has {robot.battery.charge:.0%}")
+    if variant.faces_tag and not any(_faces(pose, tag) for tag in world.plan.tags):
+        wrong.append(f"it ended at {pose.x:.1f}, {pose.y:.1f} without a tag in front of it")
     return wrong
+
+
+def _faces(pose: Pose, tag: TagPlace) -> bool:
+    """Tell whether a robot looks at a tag."""
+    far, beside = _VIEW
+    bearing = math.atan2(tag.y - pose.y, tag.x - pose.x) - pose.heading
+    return pose.distance(tag.x, tag.y) <= far and abs(math.remainder(bearing, math.tau)) <= beside
 
 
 def _in_order(wanted: Iterable[str], visited: Iterable[str]) -> bool:

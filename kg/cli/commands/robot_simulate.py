@@ -19,6 +19,9 @@ Ros2 = Annotated[bool, typer.Option("--ros2", help="Use ROS 2 over DDS.")]
 Speed = Annotated[str, typer.Option("--speed", metavar="N", help="Speed as a multiple of real time, or `max`.")]
 Seconds = Annotated[str | None, typer.Option("--seconds", metavar="S", help="Stop after this many simulated seconds.")]
 Seed = Annotated[str, typer.Option("--seed", metavar="N", help="Seed of the noise.")]
+Exercise = Annotated[
+    str | None, typer.Option("--exercise", metavar="N", help="Begin where this exercise (1 to 4) of onto-ros begins.")
+]
 Page = Annotated[bool, typer.Option("--page", help="Also show the robot on a page of `kg serve`.")]
 
 
@@ -32,6 +35,7 @@ def simulate(  # noqa: PLR0913 - the options of a command
     speed: Speed = "1",
     seconds: Seconds = None,
     seed: Seed = "0",
+    exercise: Exercise = None,
     page: Page = False,
     store: Store = None,
 ) -> None:
@@ -45,9 +49,19 @@ def simulate(  # noqa: PLR0913 - the options of a command
         kg robot simulate drone --master ros1://localhost:11311
         kg robot simulate office --ros2 --page
         kg robot simulate drone --speed max --seconds 600
+        kg robot simulate drone --exercise 3
     """
     from kg.cli.interruptible import interruptible  # noqa: PLC0415 - start-up time
     from kg.cli.simulating import chosen, simulated  # noqa: PLC0415 - start-up time
 
-    choice = chosen(world, master=master, port=port, ros2=ros2, speed=speed, seconds=seconds, seed=seed)
+    choice = chosen(
+        world,
+        master=master,
+        port=port,
+        ros2=ros2,
+        speed=speed,
+        seconds=seconds,
+        seed=seed,
+        exercise=exercise,
+    )
     interruptible(simulated(choice, session(context).settings(store=store) if page else None))

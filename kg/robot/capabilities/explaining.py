@@ -9,7 +9,7 @@ from pyoxigraph import NamedNode, Triple
 from kg.errors import RobotError
 from kg.graph import vocabulary as v
 from kg.rules.explain.why import why
-from kg.similar import did_you_mean
+from kg.similar import did_you_mean, folded
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,9 +33,9 @@ def find(capabilities: Capabilities, name: str) -> Capability:
 
     Raises RobotError KG818 when there is none, with what was probably meant.
     """
-    wanted = name.strip().casefold().removeprefix("capability:")
+    wanted = folded(name.strip().removeprefix("capability:"))
     for one in capabilities.capabilities:
-        if wanted in {text.casefold() for text in (one.name, one.label, one.iri, *one.alternatives)}:
+        if wanted in {folded(text) for text in (one.name, one.label, one.iri, *one.alternatives)}:
             return one
     known = [text for one in capabilities.capabilities for text in (one.name, one.label)]
     raise RobotError("KG818", f"{capabilities.of} has no capability `{name}`", hint=did_you_mean(name, known))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 from kg.errors import RobotError
-from kg.similar import did_you_mean
+from kg.similar import did_you_mean, folded
 
 if TYPE_CHECKING:
     from kg.robot.capability import Capabilities, Capability
@@ -14,16 +14,16 @@ __all__ = ["find"]
 
 
 def find(capabilities: Capabilities, name: str, modality: Literal["read", "write"] | None = None) -> Capability:
-    """Return the capability of a name, label or alternative label, in any case, that is read, or done.
+    """Return the capability of a name, label or alternative label, in any case and with any hyphens, that is read or done.
 
     Raises:
         RobotError: KG821 when there is none, with those that were probably meant; KG822 for one that is only there the
             other way, or that cannot be reached.
     """
-    wanted = _folded(name)
-    named = [one for one in capabilities.capabilities if _folded(one.name) == wanted or one.iri == name]
+    wanted = folded(name)
+    named = [one for one in capabilities.capabilities if folded(one.name) == wanted or one.iri == name]
     found = named or [
-        one for one in capabilities.capabilities if wanted in {_folded(each) for each in (one.label, *one.alternatives)}
+        one for one in capabilities.capabilities if wanted in {folded(each) for each in (one.label, *one.alternatives)}
     ]
     if not found:
         raise _unknown(capabilities, name, modality)
@@ -32,10 +32,6 @@ def find(capabilities: Capabilities, name: str, modality: Literal["read", "write
         can = "be done" if found[0].modality == "write" else "be read"
         raise RobotError("KG822", f"`{found[0].name}` can only {can}", hint=_other(found[0]))
     return min(fitting, key=lambda one: not one.ways)
-
-
-def _folded(name: str) -> str:
-    return "".join(sign for sign in name.casefold() if sign.isalnum())
 
 
 def _other(capability: Capability) -> str:

@@ -9,7 +9,7 @@ import msgspec
 from kg.errors import RobotError
 from kg.robot.driving.lookup import find
 from kg.robot.programs.tree import Program
-from kg.similar import did_you_mean
+from kg.similar import did_you_mean, folded
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -61,9 +61,9 @@ class Known:
     @staticmethod
     def parameter(capability: Capability, name: str) -> Parameter:
         """Return a parameter by its name or label; RobotError KG832 when there is none."""
-        wanted = _folded(name)
+        wanted = folded(name)
         for parameter in capability.parameters:
-            if wanted in {_folded(parameter.name), _folded(parameter.label)}:
+            if wanted in {folded(parameter.name), folded(parameter.label)}:
                 return parameter
         names = [parameter.name for parameter in capability.parameters]
         verb = "is given" if capability.modality == "write" else "tells"
@@ -84,10 +84,6 @@ def _other_way(name: str, modality: str, capabilities: Capabilities) -> RobotErr
         return RobotError("KG834", f"`{label}` is something to sense, not to do", hint=hint)
     hint = f"Write `{label}` as a statement of its own."
     return RobotError("KG834", f"`{label}` is an action, not a reading", hint=hint)
-
-
-def _folded(name: str) -> str:
-    return "".join(sign for sign in name.casefold() if sign.isalnum())
 
 
 def named(program: Program, capabilities: Capabilities) -> Program:

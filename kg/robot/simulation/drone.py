@@ -49,13 +49,16 @@ class State(IntEnum):
 
 
 class Drone:
-    """The drone in a scene; `step` moves it. A drone without a command holds its place."""
+    """The drone in a scene; `step` moves it. A drone without a command holds its place.
+
+    It begins on the ground, or hovering where the start is above it.
+    """
 
     def __init__(self, scene: Scene, start: Place, chance: np.random.Generator) -> None:
         self.camera = Camera()
         self.battery = Battery(idle=0.0008, moving=0.0008)
-        self.state = State.LANDED
-        self.pose = Pose(start.x, start.y, start.angle, _HEIGHT / 2)
+        self.state = State.HOVERING if start.up else State.LANDED
+        self.pose = Pose(start.x, start.y, start.angle, _HEIGHT / 2 + start.up)
         self.velocity: Vector = (0.0, 0.0, 0.0)
         self.rates: Vector = (0.0, 0.0, 0.0)
         self.tilt = (0.0, 0.0)
@@ -64,11 +67,12 @@ class Drone:
         self._scene = scene
         self._chance = chance
         self._command = Command()
-        self._hold: list[float | None] = [None, None, None]
-        self._body = scene.cylinder(_RADIUS, _HEIGHT, (start.x, start.y, _HEIGHT / 2), (0.9, 0.45, 0.1, 1.0), _MASS)
+        place = (start.x, start.y, self.pose.z)
+        self._hold: list[float | None] = [*place] if start.up else [None, None, None]
+        self._body = scene.cylinder(_RADIUS, _HEIGHT, place, (0.9, 0.45, 0.1, 1.0), _MASS)
         scene.bullet.changeDynamics(self._body, -1, localInertiaDiagonal=_INERTIA, restitution=0)
         turned = scene.bullet.getQuaternionFromEuler((0, 0, start.angle))
-        scene.bullet.resetBasePositionAndOrientation(self._body, (start.x, start.y, _HEIGHT / 2), turned)
+        scene.bullet.resetBasePositionAndOrientation(self._body, place, turned)
 
     @property
     def altitude(self) -> float:

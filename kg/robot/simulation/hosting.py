@@ -16,13 +16,16 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from kg.robot.connection import Connection
+    from kg.robot.simulation.plan import Place
 
 __all__ = ["at_address", "hosted_in_memory", "running"]
 
 
 @asynccontextmanager
-async def hosted_in_memory(world: str, *, ros: int = 1, seed: int = 0) -> AsyncIterator[tuple[Simulation, str]]:
-    """Run a world in this process as fast as can be; yield it with its address.
+async def hosted_in_memory(
+    world: str, *, ros: int = 1, seed: int = 0, start: Place | None = None
+) -> AsyncIterator[tuple[Simulation, str]]:
+    """Run a world in this process as fast as can be; yield it with its address. `start` is as for `Simulation`.
 
     Raises:
         RobotError: KG840 when pybullet or OpenCV is not installed.
@@ -32,14 +35,21 @@ async def hosted_in_memory(world: str, *, ros: int = 1, seed: int = 0) -> AsyncI
         async def join(name: str) -> Connection:
             return bus.join(name)
 
-        simulation = Simulation(world, join, ros=ros, speed=None, seed=seed)
+        simulation = Simulation(world, join, ros=ros, speed=None, seed=seed, start=start)
         bus.clock = simulation.world.clock
         async with simulation, running(simulation):
             yield simulation, bus.address
 
 
 def at_address(  # noqa: PLR0913 - what can be chosen of a simulation
-    world: str, address: str, *, ros: int = 1, speed: float | None = 1.0, seed: int = 0, told: bool = False
+    world: str,
+    address: str,
+    *,
+    ros: int = 1,
+    speed: float | None = 1.0,
+    seed: int = 0,
+    told: bool = False,
+    start: Place | None = None,
 ) -> Simulation:
     """Return a world as nodes of the system at an address; it is to be opened, and to be run.
 
@@ -53,7 +63,7 @@ def at_address(  # noqa: PLR0913 - what can be chosen of a simulation
     async def join(name: str) -> Connection:
         return await connect(address, name=name, types=types)
 
-    return Simulation(world, join, ros=ros, speed=speed, seed=seed, told=told)
+    return Simulation(world, join, ros=ros, speed=speed, seed=seed, told=told, start=start)
 
 
 @asynccontextmanager

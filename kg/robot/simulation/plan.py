@@ -20,11 +20,12 @@ _DOOR: Final = 1.1
 
 
 class Place(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A place on the floor with a heading, which plans write in degrees."""
+    """A place on the floor with a heading, which plans write in degrees; `up` metres above it, for what can hover."""
 
     x: float
     y: float
     heading: float = 0.0
+    up: float = 0.0
 
     @property
     def angle(self) -> float:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
+    from kg.robot.simulation.plan import Place
     from kg.robot.simulation.stage import Join
 
 __all__ = ["VIEW", "Simulation"]
@@ -42,13 +43,22 @@ class Simulation:
         seed: of the noise.
         told: whether the graph takes its time from the simulation: `/clock` is published, and messages have the time
             of the world.
+        start: where the robot begins, by default where the plan says.
     """
 
     def __init__(  # noqa: PLR0913 - what a simulation is made of
-        self, name: str, join: Join, *, ros: int = 1, speed: float | None = 1.0, seed: int = 0, told: bool = True
+        self,
+        name: str,
+        join: Join,
+        *,
+        ros: int = 1,
+        speed: float | None = 1.0,
+        seed: int = 0,
+        told: bool = True,
+        start: Place | None = None,
     ) -> None:
         """Raise RobotError KG840 when pybullet or OpenCV is not installed."""
-        self.world = World(name, seed=seed)
+        self.world = World(name, seed=seed, start=start)
         self.stage = Stage(self.world, join, ros=ros, simulated=told)
         self.view = TopView(self.world)
         self._speed = speed

@@ -19,6 +19,7 @@ from kg.robot.tasks import ended
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
+    from kg.robot.simulation.plan import Place
     from kg.robot.simulation.running import Simulation
 
 __all__ = ["Choice", "opened", "simulate"]
@@ -30,7 +31,8 @@ class Choice:
 
     `address` is that of a system that runs (`ros1://HOST:PORT`, `dds://DOMAIN`); without one the robot gets a ROS
     master of its own at `port` (0: a free one), with `ros2` the domain of the environment. `speed` is None for as fast
-    as can be, `seconds` how long it goes on by the time of the world.
+    as can be, `seconds` how long it goes on by the time of the world. The robot begins at `start`, by default where the
+    world says.
     """
 
     world: str
@@ -40,6 +42,7 @@ class Choice:
     speed: float | None = 1.0
     seconds: float | None = None
     seed: int = 0
+    start: Place | None = None
 
     @property
     def told(self) -> bool:
@@ -73,7 +76,15 @@ async def opened(choice: Choice) -> AsyncIterator[tuple[Simulation, str]]:
             await stack.enter_async_context(_told(address))
         if choice.told and ros > 1:
             address = f"{address}?clock=simulated"
-        simulation = at_address(choice.world, address, ros=ros, speed=choice.speed, seed=choice.seed, told=choice.told)
+        simulation = at_address(
+            choice.world,
+            address,
+            ros=ros,
+            speed=choice.speed,
+            seed=choice.seed,
+            told=choice.told,
+            start=choice.start,
+        )
         await stack.enter_async_context(simulation)
         yield simulation, address
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -17,22 +18,28 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
+    from kg.robot.simulation.plan import Place
+    from kg.robot.simulation.pose import Pose
+
 __all__ = ["World"]
 
 _STEPS: Final = {"wheeled": 0.02, "drone": 0.01}
 _LASTING: Final = 1.0
+_RISE: Final = 0.3
 
 
 class World:
     """A world by the name of its plan; the same seed makes the same noise.
 
-    `visited` has the names of rooms in the order in which the robot was in them for a second, and `clock` tells the
-    time of the world to what runs inside of it.
+    `visited` has the names of rooms in the order in which the robot was in them for a second, `turned` is by how many
+    radians it has turned in all, in either direction, and `rises` how often it rose by 0.3 m or more. `clock` tells the
+    time of the world to what runs inside of it. The robot begins at `start`, by default that of the plan.
     """
 
-    def __init__(self, name: str, *, seed: int = 0) -> None:
+    def __init__(self, name: str, *, seed: int = 0, start: Place | None = None) -> None:
         """Raise RobotError KG840 when pybullet or OpenCV is not installed."""
         self.plan: Plan = read_plan(name)
+        self.start = start or self.plan.start
         self.step = _STEPS[self.plan.robot]
         self.clock = SimulatedClock()
         self.trail = Trail()
@@ -42,10 +49,12 @@ class World:
         self._scene = Scene(self.plan, self.step, gravity=self.plan.robot == "drone")
         chance = np.random.default_rng(seed)
         self.robot: Wheeled | Drone = (
-            Drone(self._scene, self.plan.start, chance)
+            Drone(self._scene, self.start, chance)
             if self.plan.robot == "drone"
-            else Wheeled(self._scene, self.plan.start, chance)
+            else Wheeled(self._scene, self.start, chance)
         )
+        self.turned, self.rises = 0.0, 0
+        self._heading, self._low, self._rising = self.robot.pose.heading, self.robot.pose.z, False
 
     @property
     def time(self) -> float:
@@ -59,6 +68,7 @@ class World:
         pose = self.robot.pose
         self.trail.add(pose)
         self._note(self.plan.room_at(pose.x, pose.y))
+        self._note_motion(pose)
         self.clock.tell(self.time)
 
     def _note(self, room: str | None) -> None:
@@ -67,6 +77,18 @@ class World:
             self._entered = (room, self.time)
         elif room and self.time - since >= _LASTING and self.visited[-1:] != [room]:
             self.visited.append(room)
+
+    def _note_motion(self, pose: Pose) -> None:
+        self.turned += abs(math.remainder(pose.heading - self._heading, math.tau))
+        self._heading = pose.heading
+        if self._rising and pose.z < self._low - _RISE / 2:
+            self._rising = False
+        if self._rising:
+            self._low = max(self._low, pose.z)  # the highest of this rise
+        else:
+            self._low = min(self._low, pose.z)
+            if pose.z >= self._low + _RISE:
+                self.rises, self._rising, self._low = self.rises + 1, True, pose.z
 
     def close(self) -> None:
         """End the physics."""

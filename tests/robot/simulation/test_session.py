@@ -61,7 +61,7 @@ def test_an_exercise_on_a_real_master(master: int, robot: Robot) -> None:
     variant = exercises()[1].of(robot)
 
     async def carried_out() -> list[str]:
-        choice = Choice(robot, f"ros1://127.0.0.1:{master}", speed=3.0)
+        choice = Choice(robot, f"ros1://127.0.0.1:{master}", speed=3.0, start=variant.start)
         async with opened(choice) as (simulation, address), running(simulation):
             return await wrong_of(variant, simulation, address)
 
@@ -74,7 +74,7 @@ def test_an_exercise_over_dds() -> None:
     variant = exercises()[1].of("drone")
 
     async def carried_out(number: int) -> list[str]:
-        choice = Choice("drone", f"dds://{number}", speed=4.0)
+        choice = Choice("drone", f"dds://{number}", speed=4.0, start=variant.start)
         async with opened(choice) as (simulation, address), running(simulation):
             return await wrong_of(variant, simulation, address)
 
@@ -191,6 +191,17 @@ def test_a_speed_is_a_factor(speed: str) -> None:
     """A speed that is none is told to be no factor, not to be no time."""
     with pytest.raises(UsageError, match=f"`--speed {speed}` is not a factor"):
         chosen_with(speed=speed)
+
+
+def test_the_robot_begins_where_an_exercise_does() -> None:
+    """The drone of the third exercise hovers; a number that is no exercise is refused."""
+    assert chosen_with().start is None
+    assert chosen_with("office", exercise="1").start is None
+    start = chosen_with("drone", exercise="3").start
+    assert start is not None
+    assert start.up == 2.0
+    with pytest.raises(UsageError, match="--exercise 5"):
+        chosen_with(exercise="5")
 
 
 def test_the_port_is_of_our_own_master() -> None:
