@@ -14,7 +14,7 @@ __all__ = ["find"]
 
 
 def find(capabilities: Capabilities, name: str, modality: Literal["read", "write"] | None = None) -> Capability:
-    """Return the capability of a name, label or alternative label, in any case and with any hyphens, that is read or done.
+    """Return the capability of a name, label or alternative label, whatever its case, that is read or done.
 
     Raises:
         RobotError: KG821 when there is none, with those that were probably meant; KG822 for one that is only there the
