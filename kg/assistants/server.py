@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Final
+from urllib.parse import unquote
 
 from mcp.server.mcpserver import MCPServer
 from mcp.types import ToolAnnotations
@@ -22,9 +23,12 @@ __all__ = ["create_server", "serve"]
 _INSTRUCTIONS: Final = """\
 kg knows the ROS nodes of this workspace: what they publish, subscribe, offer and need, what they are for, how launch
 files wire them, and on which line of code each of these stands. Ask it before you read sources at length or write a
-node. Nothing is changed by asking. Evidence is FILE:LINE; open it before you rely on what was inferred."""
+node. Answers have one line for each fact, with FILE:LINE; open it before you rely on what was inferred. Long answers
+have pages. Only `run_program` can move a robot, and only with a person's consent."""
 
 _READERS: Final = 2
+_SECONDS: Final = 30.0
+"""How long an answer may take, where nothing else is set; queries of an assistant end after 10 s."""
 
 
 def create_server(settings: Settings) -> MCPServer:
@@ -32,7 +36,7 @@ def create_server(settings: Settings) -> MCPServer:
     from importlib.metadata import version  # noqa: PLC0415 - searches the installation
 
     layout = layout_of(settings)
-    tools = Tools(settings.timeout or None)
+    tools = Tools(str(layout.root), settings.timeout or _SECONDS, settings.robot)
 
     @asynccontextmanager
     async def lifespan(_server: MCPServer) -> AsyncIterator[None]:
@@ -48,10 +52,88 @@ def create_server(settings: Settings) -> MCPServer:
     server = MCPServer(
         "kg", version=version("kg-ros"), instructions=_INSTRUCTIONS, lifespan=lifespan, log_level="WARNING"
     )
-    for tool in tools.all:
+    for tool in tools.reading:
         annotations = ToolAnnotations(read_only_hint=True, idempotent_hint=True, open_world_hint=False)
-        server.add_tool(tool, annotations=annotations)
+        server.add_tool(tool, annotations=annotations, structured_output=False)
+    for tool in tools.acting:
+        annotations = ToolAnnotations(read_only_hint=False, destructive_hint=True, open_world_hint=True)
+        server.add_tool(tool, annotations=annotations, structured_output=False)
+    _add_resources(server, tools)
+    _add_prompts(server)
     return server
+
+
+def _add_resources(server: MCPServer, tools: Tools) -> None:
+    """Offer what the store has as documents: lists, and one document for each node, launch file and rule."""
+
+    @server.resource("kg://nodes", description="The nodes of the store, by package.", mime_type="text/plain")
+    async def nodes() -> str:
+        return await tools.query(
+            "SELECT ?package ?node { ?p rnkg:contains ?n ; a rnkg:Package ; rnkg:name ?package . "
+            "?n a rnkg:NodeType ; rnkg:name ?node } ORDER BY ?package ?node",
+            limit=200,
+        )
+
+    @server.resource("kg://launch-files", description="The launch files of the store.", mime_type="text/plain")
+    async def launch_files() -> str:
+        return await tools.wiring()
+
+    @server.resource("kg://rules", description="The rules in force, by name and title.", mime_type="text/plain")
+    async def rules() -> str:
+        return await tools.rules()
+
+    @server.resource("kg://node/{package}/{name}", description="One node.", mime_type="text/plain")
+    async def node(package: str, name: str) -> str:
+        return await tools.describe_node(f"{unquote(package)}/{unquote(name)}")
+
+    @server.resource(
+        "kg://launch-file/{name}", description="What a launch file starts; `/` is %2F.", mime_type="text/plain"
+    )
+    async def launch_file(name: str) -> str:
+        return await tools.wiring(unquote(name))
+
+    @server.resource("kg://rule/{family}/{name}", description="One rule: its text.", mime_type="text/plain")
+    async def rule(family: str, name: str) -> str:
+        return await tools.rule(f"{unquote(family)}/{unquote(name)}")
+
+
+def _add_prompts(server: MCPServer) -> None:
+    """Offer the tasks that people bring, each with the tools that lead through it."""
+
+    @server.prompt(description="Find a node for a need before writing one.")
+    def find_node(need: str) -> str:
+        return (
+            f"Find an existing ROS node for this need: {need}\n"
+            "Call find_nodes with the need, and with types if it names any. Describe the best two with describe_node. "
+            "Say which one fits, what it publishes and subscribes with FILE:LINE, how to start it, and what is "
+            "missing. Say so if none fits."
+        )
+
+    @server.prompt(description="Review a change of launch files or interfaces.")
+    def review_launch_change(commits: str) -> str:
+        return (
+            f"Review the change {commits}. Call diff with these commits, then impact for each name that changed, then "
+            "lint for each launch file concerned. Report what breaks, each with FILE:LINE, and what to correct."
+        )
+
+    @server.prompt(description="Write a rule that infers new facts.")
+    def write_rule(conclusion: str) -> str:
+        return (
+            f"Write a rule of kg that infers: {conclusion}\n"
+            "Read the resource kg://rules for rules of the same kind, and one of them as kg://rule/FAMILY/NAME. Try "
+            "the pattern with query first. Write rules/FAMILY/NAME.rq with the sections of the others as comments, "
+            "and NAME.md with an example that holds and one that does not. Ask the person to run `kg rules test`."
+        )
+
+    @server.prompt(description="Write a program for the robot.")
+    def write_program(task: str) -> str:
+        return (
+            f"Write a program for the robot that does: {task}\n"
+            "Call robot_capabilities (or capabilities with a launch file). A program is lines such as "
+            "`goingToPose x: 3 m, y: 1 m within 60 s`, `while nearest of laserScanning > 1 m ... end`, "
+            "`as soon as CONDITION do ... during ... end`. Call check_program, follow its hints until it reports no "
+            "error, then run_program as a dry run. Show the program to the person before anything moves."
+        )
 
 
 def serve(settings: Settings) -> None:

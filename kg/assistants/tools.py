@@ -1,14 +1,19 @@
-"""The tools that an assistant may call; their docstrings are what it reads."""
+"""The tools that an assistant may call; their docstrings are what it reads.
+
+Every answer is text of one line for each fact, at most 3 KB a page, or 12 KB with `detail`.
+"""
 
 from __future__ import annotations
 
 import json
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
+from mcp.server.mcpserver import AcceptedElicitation, Context, Elicit, ElicitationResult, Resolve
 from mcp.server.mcpserver.exceptions import ToolError
-from pydantic import Field
+from pydantic import BaseModel, Field
 
-from kg.assistants.compact import compact
+from kg.assistants import lines
+from kg.assistants.commands import program_file, run_command
 from kg.errors import KgError
 from kg.query.readers.messages import Question
 
@@ -17,12 +22,20 @@ if TYPE_CHECKING:
 
     from kg.query.readers.pool import Readers
 
-__all__ = ["Tools"]
+__all__ = ["PAGE", "Tools"]
 
-_FORMATS: Final = {"rows": "jsonl", "boolean": "json", "graph": "turtle"}
+PAGE: Final = 2700
+"""Bytes of an answer, or of a page of it: with what the protocol adds, 3 KB."""
+_DETAILED: Final = 12_000
+"""Bytes of a page with detail."""
+_FORMATS: Final = {"rows": "tsv", "boolean": "json", "graph": "turtle"}
 _MOST_ROWS: Final = 200
 _MOST_HITS: Final = 50
 _DOES_NOT_HOLD: Final = "KG226"
+_QUERY_SECONDS: Final = 10.0
+_DIFF_SECONDS: Final = 300.0
+_RUN_SECONDS: Final = 600.0
+_ROBOT_SECONDS: Final = 30.0
 
 Names = Annotated[
     list[str] | None,
@@ -32,20 +45,55 @@ Words = Annotated[
     list[str] | None, Field(description="Names as kg knows them; an unknown one is an error with suggestions.")
 ]
 System = Annotated[str, Field(description="A launch file as `wiring` lists them without arguments.")]
+Detail = Annotated[bool, Field(description="More about each fact, on longer pages.")]
+Page = Annotated[int, Field(ge=1, description="Which page of a long answer.")]
+Program = Annotated[str, Field(description="The text of a program (.kgp).")]
+
+
+class _Consent(BaseModel):
+    """What a person answers before a robot moves."""
+
+    run: bool = Field(description="Run the program on the robot now?")
+
+
+async def ask_person(program: str, dry_run: bool, context: Context[Any]) -> _Consent | Elicit[_Consent]:  # noqa: FBT001 - by name
+    """Ask a person whether a program may move the robot; ToolError where nobody can be asked."""
+    if dry_run:
+        return _Consent(run=False)
+    known = context.client_capabilities
+    if known is None or known.elicitation is None:
+        raise ToolError(
+            "no person can be asked: this client does not support elicitation. Nothing was run; give the program to "
+            "the person, who can run it by `kg robot run FILE`"
+        )
+    return Elicit(f"Run this program on the robot? It may move.\n\n{program}", _Consent)
 
 
 class Tools:
-    """What is answered about one store; `seconds` is the deadline of each answer."""
+    """What is answered about the store in a folder.
 
-    def __init__(self, seconds: float | None) -> None:
+    `seconds` is the deadline of each answer; `robot` is the address of the robot, by default that of the environment.
+    """
+
+    def __init__(self, store: str, seconds: float, robot: str = "") -> None:
+        self._store = ("--store", store)
         self._seconds = seconds
+        self._robot = ("--robot", robot) if robot else ()
         self.readers: Readers | None = None
         """The readers, while the server runs."""
 
     @property
-    def all(self) -> tuple[Callable[..., Coroutine[Any, Any, Any]], ...]:
-        """The tools in the order that they are listed."""
-        return (self.find_nodes, self.describe_node, self.wiring, self.ends_of, self.lint, self.query, self.explain)
+    def reading(self) -> tuple[Callable[..., Coroutine[Any, Any, str]], ...]:
+        """The tools that change nothing, in the order that they are listed."""
+        return (
+            *(self.find_nodes, self.describe_node, self.wiring, self.topic, self.lint, self.impact, self.diff),
+            *(self.query, self.why, self.capabilities, self.robot_capabilities, self.robot_read, self.check_program),
+        )
+
+    @property
+    def acting(self) -> tuple[Callable[..., Coroutine[Any, Any, str]], ...]:
+        """The tools that may move a robot."""
+        return (self.run_program,)
 
     async def find_nodes(  # noqa: PLR0913 - what may be asked for, each by its name
         self,
@@ -57,12 +105,14 @@ class Tools:
         function: Words = None,
         package: Words = None,
         ros: Annotated[int | None, Field(description="1 or 2")] = None,
-        limit: Annotated[int, Field(ge=1, le=_MOST_HITS)] = 10,
-    ) -> dict[str, Any]:
+        limit: Annotated[int, Field(ge=1, le=_MOST_HITS)] = 8,
+        detail: Detail = False,
+        page: Page = 1,
+    ) -> str:
         """Find ROS nodes by what they do, what they subscribe and publish, and the hardware they work with.
 
-        Answers ranked nodes with the reasons they match; each reason ends in the line of code or text it comes from.
-        Use it before writing a node: one may exist.
+        Answers ranked nodes, each with the reasons it matches and the line of code or text of each reason. Use it
+        before you write a node: one may exist.
         """
         given: dict[str, list[str] | None] = {
             "subscribes": subscribes,
@@ -73,63 +123,102 @@ class Tools:
             "ros": None if ros is None else [str(ros)],
         }
         filters = {name: ",".join(values) for name, values in given.items() if values}
-        return await self._view("find", text=need, limit=str(limit), **filters)
+        return await self._lines(
+            "find", {"text": need, "limit": str(limit), **filters}, lines.hits, detail=detail, page=page
+        )
 
     async def describe_node(
         self,
         name: Annotated[str, Field(description="The node's name, `package/node`, or its IRI.")],
-        package: Annotated[str, Field(description="Its package, where several nodes have the name.")] = "",
-    ) -> dict[str, Any]:
+        *,
+        detail: Detail = False,
+        page: Page = 1,
+    ) -> str:
         """Describe one ROS node: topics, services, actions, parameters with types and QoS, purpose, hardware, start.
 
-        Each fact has the line of code that states it. Members marked `inferred` follow by rules: `explain` proves them.
+        Each fact has its line of code. Functions, hardware and capabilities are inferred, with a grade (certain,
+        strong, weak); `why` proves them. `detail` adds what frameworks create, all texts, and the nodes around it.
         """
-        if "://" in name:
-            return await self._view("node", iri=name)
-        return await self._view("node", name=name, package=package)
+        asked = {"iri": name} if "://" in name else {"name": name}
+        return await self._lines("node", asked, lines.node, detail=detail, page=page)
 
-    async def wiring(self, system: System = "") -> dict[str, Any]:
-        """Show what a launch file starts: nodes with resolved names, the topics and services between them, findings.
+    async def wiring(self, system: System = "", *, detail: Detail = False, page: Page = 1) -> str:
+        """Show what a launch file starts, the topics and services between its nodes, and what is wrong.
 
         Without `system`, list the launch files of the store.
         """
         if not system:
-            return await self._view("systems")
-        found = await self._view("system", name=system)
-        found.pop("picture", None)  # the same again, to be drawn
-        return found
+            return await self._lines("systems", {}, lines.systems, detail=detail, page=page)
+        return await self._lines("system", {"name": system}, lines.system, detail=detail, page=page)
 
-    async def ends_of(
+    async def topic(
         self,
         name: Annotated[str, Field(description="/cmd_vel, a name in the code (cmd_vel, ~/plan), or a part of a name.")],
         kind: Annotated[
             Literal["topic", "service", "action", "parameter"], Field(description="What it names.")
         ] = "topic",
         system: System = "",
-    ) -> dict[str, Any]:
+        *,
+        detail: Detail = False,
+        page: Page = 1,
+    ) -> str:
         """Show who uses a topic, service or action, or what sets a parameter, in all launch files and in code.
 
-        Each end has its node, launch line, line of code, type and QoS; `mismatches` says where ends do not fit.
-        Where several names are meant, they are listed.
+        Each end has its node, line of code, launch line and QoS, and what does not fit. Several names are listed.
         """
+        asked = {"name": name, "system": system}
         if kind == "parameter":
-            return await self._view("parameter", name=name, system=system)
-        return await self._view("channel", kind=kind, name=name, system=system)
+            return await self._lines("parameter", asked, lines.parameter, detail=detail, page=page)
+        return await self._lines("channel", {"kind": kind, **asked}, lines.channel, detail=detail, page=page)
 
     async def lint(
-        self, system: System = "", package: Annotated[str, Field(description="Only launch files of this package.")] = ""
-    ) -> dict[str, Any]:
+        self,
+        system: System = "",
+        package: Annotated[str, Field(description="Only launch files of this package.")] = "",
+        *,
+        detail: Detail = False,
+        page: Page = 1,
+    ) -> str:
         """Report what is wrong in the wiring of launch files: topic typos, type and QoS clashes, missing publishers.
 
-        Each finding has a code, the place, and its evidence.
+        Each finding has a code and its place; `detail` adds the remedy and the evidence.
         """
-        return await self._view("lint", system=system, package=package)
+        asked = {"system": system, "package": package}
+        return await self._lines("lint", asked, lines.findings, none="nothing is wrong", detail=detail, page=page)
+
+    async def impact(
+        self,
+        name: Annotated[
+            str,
+            Field(description="A topic, service, action, `package/Type`, `node.parameter`, node, launch file or file."),
+        ],
+        kind: Annotated[str, Field(description="Its kind, where the name means several things.")] = "",
+        *,
+        detail: Detail = False,
+        page: Page = 1,
+    ) -> str:
+        """Show what breaks, and what may break, if a name is renamed, removed or changed. Ask before you change it."""
+        return await self._lines("impact", {"name": name, "kind": kind}, lines.impact, detail=detail, page=page)
+
+    async def diff(
+        self,
+        commits: Annotated[str, Field(description="main..HEAD, or main...HEAD from their merge base.")],
+        folder: Annotated[str, Field(description="The checkout; by default the folder of the server.")] = ".",
+        *,
+        page: Page = 1,
+    ) -> str:
+        """Show what changed between two commits in interfaces of nodes and in the wiring of launch files."""
+        if ".." not in commits or commits.startswith("-"):
+            raise ToolError("name two commits as main..HEAD")
+        return await self._command("diff", commits, "--repository", folder, seconds=_DIFF_SECONDS, page=page)
 
     async def query(
         self,
         sparql: Annotated[str, Field(description="A SPARQL 1.1 query; the prefixes ros:, rnkg:, rdfs: ... are known.")],
         limit: Annotated[int, Field(ge=1, le=_MOST_ROWS)] = 50,
-    ) -> dict[str, Any]:
+        *,
+        page: Page = 1,
+    ) -> str:
         """Run a read-only SPARQL query over everything that is known.
 
         Classes: rnkg:NodeType, rnkg:Package, ros:Topic, ros:Service, ros:Message ... Properties of nodes:
@@ -138,45 +227,132 @@ class Tools:
         """
         question = Question(text=sparql, formats=_FORMATS, rows=limit)
         try:
-            async with self._open.ask(question, seconds=self._seconds) as answer:
+            async with self._open.ask(question, seconds=min(self._seconds, _QUERY_SECONDS)) as answer:
                 body = b"".join([part async for part in answer.parts()]).decode()
         except KgError as error:
             raise _told(error) from error
-        end = answer.end
-        found: dict[str, Any] = {"snapshot": answer.head.snapshot, "more": bool(end and end.more)}
-        if answer.head.kind == "rows":
-            return {**found, "rows": [json.loads(line) for line in body.splitlines()]}
         if answer.head.kind == "boolean":
-            return {**found, "answer": json.loads(body)["boolean"]}
-        return {**found, "turtle": body}
+            return "yes" if json.loads(body)["boolean"] else "no"
+        more = [f"there are more rows than {limit}"] if answer.end and answer.end.more else []
+        return lines.paged(body.splitlines() or ["no rows"], more, page, PAGE)
 
-    async def explain(
+    async def why(
         self,
         subject: Annotated[str, Field(description="A name in the store, a prefixed name, or an IRI.")],
         predicate: Annotated[str, Field(description="A property, e.g. hasFunction, rnkg:usesHardware or an IRI.")],
         value: Annotated[str, Field(description="A name in the store, a prefixed name, a literal, or an IRI.")],
-    ) -> dict[str, Any]:
+        *,
+        detail: Detail = False,
+        page: Page = 1,
+    ) -> str:
         """Explain why a fact holds: the rules that derive it and the facts they read, down to the line of code.
 
         Where it does not hold, answers what each rule that could derive it lacks, with the nearest match.
         """
         fact = {"subject": subject, "predicate": predicate, "object": value}
         try:
-            return await self._answer("why", fact)
+            found = await self._answer("why", fact)
         except KgError as error:
             if error.code != _DOES_NOT_HOLD:
                 raise _told(error) from error
-        return {"holds": False, **await self._view("why_not", **fact)}
+            return await self._lines("why_not", fact, lines.lacking, detail=detail, page=page)
+        return _text(found, lines.proofs, detail=detail, page=page)
 
-    async def _view(self, view: str, /, **arguments: Any) -> dict[str, Any]:
+    async def capabilities(self, system: System, *, detail: Detail = False, page: Page = 1) -> str:
+        """List what the robot of a launch file can sense and do, with the topics, services and actions to use."""
+        return await self._lines("capabilities", {"system": system}, lines.capabilities, detail=detail, page=page)
+
+    async def robot_capabilities(self, *, page: Page = 1) -> str:
+        """List what the running robot can sense and do now. Programs are written with these names."""
+        return await self._command("robot", "capabilities", "--live", *self._robot, seconds=_ROBOT_SECONDS, page=page)
+
+    async def robot_read(
+        self, capability: Annotated[str, Field(description="Its name or label, e.g. sensingPose.")]
+    ) -> str:
+        """Read one value of what the running robot senses."""
+        if capability.startswith("-"):
+            raise ToolError("name a capability, as `robot_capabilities` lists them")
+        return await self._command("robot", "read", capability, "--once", *self._robot, seconds=_ROBOT_SECONDS)
+
+    async def check_program(
+        self,
+        program: Program,
+        system: Annotated[
+            str, Field(description="Check it for the robot of this launch file; else the running one.")
+        ] = "",
+        *,
+        page: Page = 1,
+    ) -> str:
+        """Check a program for a robot without running it: names, units, limits, dead code."""
+        robot = ("--launch", system, *self._store) if system else self._robot
+        with program_file(program) as (folder, path):
+            return await self._command("robot", "check", path, *robot, seconds=_ROBOT_SECONDS, page=page, hidden=folder)
+
+    async def run_program(
+        self,
+        program: Program,
+        consent: Annotated[ElicitationResult[_Consent], Resolve(ask_person)],
+        *,
+        dry_run: Annotated[bool, Field(description="Show what would be sent, and move nothing.")] = True,
+        page: Page = 1,
+    ) -> str:
+        """Run a program on the running robot. By default it is a dry run, which moves nothing.
+
+        With `dry_run` false a person is asked first, by the assistant's own window; without their consent nothing
+        runs. The program is checked, and the robot is stopped however it ends.
+        """
+        if not dry_run and not (isinstance(consent, AcceptedElicitation) and consent.data.run):
+            raise ToolError("the person did not agree; nothing was run")
+        how, seconds = ("--dry-run", _ROBOT_SECONDS) if dry_run else ("--exclusive", _RUN_SECONDS)
+        with program_file(program) as (folder, path):
+            return await self._command(
+                *("robot", "run", path, how, *self._robot, *self._store), seconds=seconds, page=page, hidden=folder
+            )
+
+    async def rules(self) -> str:
+        """Return the names and titles of the rules in force, for the resource of that name."""
+        found = await self._answer("rules", {})
+        every = [one for family in found["families"] if family["in_force"] for one in family["rules"]]
+        return lines.paged([f"{one['rule']}: {one['title']}" for one in every], [], 1, _DETAILED)
+
+    async def rule(self, name: str) -> str:
+        """Return the text of a rule, for the resource of that name."""
         try:
-            return await self._answer(view, arguments)
+            found = await self._answer("rule", {"name": name})
         except KgError as error:
             raise _told(error) from error
+        return str(found["text"])
+
+    async def _lines(  # noqa: PLR0913 - a view, and how it is shown
+        self,
+        view: str,
+        arguments: dict[str, Any],
+        written: Callable[..., Any],
+        *,
+        none: str = "nothing",
+        detail: bool,
+        page: int,
+    ) -> str:
+        try:
+            found = await self._answer(view, arguments)
+        except KgError as error:
+            raise _told(error) from error
+        return _text(found, written, none=none, detail=detail, page=page)
 
     async def _answer(self, view: str, arguments: dict[str, Any]) -> dict[str, Any]:
-        found = compact(json.loads(await self._open.call(view, arguments, seconds=self._seconds)))
-        return found if isinstance(found, dict) else {view: found}
+        found: dict[str, Any] = json.loads(await self._open.call(view, arguments, seconds=self._seconds))
+        return found
+
+    async def _command(self, *arguments: str, seconds: float, page: int = 1, hidden: str = "") -> str:
+        try:
+            code, text = await run_command(*arguments, seconds=seconds)
+        except TimeoutError:
+            raise ToolError(f"it took longer than {seconds:.0f} seconds and was ended") from None
+        text = text.replace(hidden, "") if hidden else text
+        answer = lines.paged(text.splitlines() or ["done"], [], page, PAGE)
+        if code and "error[" in text:
+            raise ToolError(answer)
+        return answer
 
     @property
     def _open(self) -> Readers:
@@ -185,6 +361,12 @@ class Tools:
         return self.readers
 
 
+def _text(found: dict[str, Any], written: Callable[..., Any], *, none: str = "nothing", detail: bool, page: int) -> str:
+    where = lines.Where()
+    shown = list(written(found, where, detail=detail)) or [none]
+    return lines.paged(shown, where.legend, page, _DETAILED if detail else PAGE)
+
+
 def _told(error: KgError) -> ToolError:
     """Return an error as the assistant reads it, with the way out."""
-    return ToolError(f"{error}. {error.hint}" if error.hint else str(error))
+    return ToolError(lines.paged([f"{error}. {error.hint}" if error.hint else str(error)], [], 1, PAGE))

@@ -23,14 +23,14 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def connected(store: Path) -> Callable[[], AbstractAsyncContextManager[Any]]:
-    """Return what opens a client of a server in this process."""
+def connected(store: Path) -> Callable[..., AbstractAsyncContextManager[Any]]:
+    """Return what opens a client of a server in this process; it takes settings and options of the client."""
     mcp = pytest.importorskip("mcp", reason="the extra `mcp` is not installed")
     from kg.assistants.server import create_server  # noqa: PLC0415 - needs the SDK
 
     @asynccontextmanager
-    async def open_client() -> AsyncIterator[Any]:
-        async with mcp.Client(create_server(load({"store": store}))) as client:
+    async def open_client(settings: dict[str, Any] | None = None, **options: Any) -> AsyncIterator[Any]:
+        async with mcp.Client(create_server(load({"store": store, **(settings or {})})), **options) as client:
             yield client
 
     return open_client

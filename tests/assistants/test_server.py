@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 
@@ -14,51 +13,109 @@ if TYPE_CHECKING:
     from contextlib import AbstractAsyncContextManager
     from pathlib import Path
 
-    Connected = Callable[[], AbstractAsyncContextManager[Any]]
+    Connected = Callable[..., AbstractAsyncContextManager[Any]]
+
+MOST: Final = 3072
+"""Bytes of an answer with all that the protocol adds."""
+ROVER: Final = "rover_robot/launch/rover.launch"
 
 
-def asked(connected: Connected, tool: str, **arguments: Any) -> tuple[bool, Any]:
-    """Return whether a call of a tool failed, and what it answers: an object, or the text of the error."""
+def asked(connected: Connected, tool: str, **arguments: Any) -> tuple[bool, str]:
+    """Return whether a call of a tool failed, and what it answers, which is short and sent once."""
+    return answered(connected(), tool, arguments)
 
-    async def run() -> tuple[bool, Any]:
-        async with connected() as client:
-            result = await client.call_tool(tool, arguments)
-            text = result.content[0].text
-            return bool(result.is_error), text if result.is_error else json.loads(text)
+
+def answered(client: AbstractAsyncContextManager[Any], tool: str, arguments: dict[str, Any]) -> tuple[bool, str]:
+    """Return what a client gets, as `asked`."""
+
+    async def run() -> tuple[bool, str]:
+        async with client as session:
+            result = await session.call_tool(tool, arguments)
+        assert result.structured_content is None
+        assert len(result.content) == 1
+        if not arguments.get("detail"):
+            assert len(result.model_dump_json().encode()) <= MOST
+        return bool(result.is_error), result.content[0].text
 
     return asyncio.run(run())
 
 
-def test_the_tools_are_listed_as_reading_only(connected: Connected) -> None:
-    """There are seven tools, each with a description, and each says that it changes nothing."""
+TASKS: Final[dict[str, list[tuple[str, dict[str, Any], str]]]] = {
+    "find a node to filter scans, and how to start it": [
+        ("find_nodes", {"need": "filter laser scans"}, "rover_robot/scan_filter"),
+        ("describe_node", {"name": "rover_robot/scan_filter"}, "start: rosrun nodelet nodelet standalone"),
+    ],
+    "say what a node publishes, with lines": [
+        ("describe_node", {"name": "scan_filter"}, "publishes  scan_filtered  sensor_msgs/LaserScan"),
+    ],
+    "list launch files and look into one": [
+        ("wiring", {}, ROVER),
+        ("wiring", {"system": ROVER}, "starts  /rover1/patrol  rover_robot/patrol"),
+    ],
+    "find who publishes a topic": [
+        ("topic", {"name": "/rover1/scan_filtered"}, "publishes  /rover1/scan_filter  rover_robot/scan_filter"),
+    ],
+    "find where a parameter is set": [
+        ("topic", {"name": "/trace_logger/rate", "kind": "parameter"}, "= 5"),
+    ],
+    "find what is wrong and how to mend it": [
+        ("lint", {}, "KG401"),
+        ("lint", {"detail": True}, "remedy: Remap one of the two names"),
+    ],
+    "say what breaks before a rename": [
+        ("impact", {"name": "/rover1/scan_filtered"}, "breaks  /rover1/patrol subscribes to it"),
+    ],
+    "explain a class, and why another does not hold": [
+        ("why", {"subject": "scan_filter", "predicate": "hasFunction", "value": "dataProcessing"}, "function/weighed"),
+        ("why", {"subject": "scan_filter", "predicate": "hasFunction", "value": "control"}, "does not hold"),
+    ],
+    "query the graph": [
+        ("query", {"sparql": "ASK { ?node a rnkg:NodeType }"}, "yes"),
+        ("query", {"sparql": "SELECT ?name { ?node a rnkg:NodeType ; rnkg:name ?name } ORDER BY ?name"}, "arm_server"),
+    ],
+    "write a program for a robot of a launch file": [
+        ("capabilities", {"system": ROVER}, "write  drivingAtVelocity"),
+        ("check_program", {"program": "drivingAtVelocity forward: 0.2 m/s for 1 s", "system": ROVER}, ""),
+    ],
+}
+"""What assistants are asked for: the calls of each task, and a part of each answer."""
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_a_task_is_done_in_short_answers(connected: Connected, task: str) -> None:
+    """Each call answers what the next one needs, in at most 3 KB."""
+    for tool, arguments, part in TASKS[task]:
+        failed, text = asked(connected, tool, **arguments)
+        assert not failed, text
+        assert part in text
+
+
+@pytest.mark.parametrize("detail", [False, True])
+def test_long_answers_have_pages(connected: Connected, detail: bool) -> None:  # noqa: FBT001 - a case
+    """The last page says that it is, and no line stands on two pages."""
+    lines: list[str] = []
+    page = pages = 1
+    while page <= pages:
+        _, text = asked(connected, "wiring", system=ROVER, page=page, detail=detail)
+        last = next((line for line in text.splitlines() if line.startswith(f"page {page} of ")), "page 1 of 1")
+        pages = int(last.partition(";")[0].split()[-1])
+        lines += [line for line in text.splitlines() if not line.startswith(("page ", "paths are"))]
+        page += 1
+    assert len(lines) == len(set(lines))
+    assert any("/rover1/scan_filtered" in line for line in lines)
+    assert pages > 1 or detail
+
+
+def test_only_one_tool_can_move_a_robot(connected: Connected) -> None:
+    """All others say that they change nothing; each has a description."""
 
     async def run() -> list[Any]:
         async with connected() as client:
             return list((await client.list_tools()).tools)
 
     tools = asyncio.run(run())
-    assert [tool.name for tool in tools] == [
-        *("find_nodes", "describe_node", "wiring", "ends_of", "lint", "query", "explain")
-    ]
-    assert all(tool.description and tool.annotations.read_only_hint for tool in tools)
-
-
-def test_nodes_are_found_with_reasons(connected: Connected) -> None:
-    """A need in plain words and a filter find a node of the workspace, with reasons and a line of its code."""
-    failed, found = asked(connected, "find_nodes", need="filter laser scans", subscribes=["LaserScan"])
-    assert not failed
-    first = found["hits"][0]
-    assert first["node"] == "scan_filter"
-    assert first["reasons"]
-    assert ".cpp:" in json.dumps(first) or ".py:" in json.dumps(first)
-
-
-def test_a_node_is_described_with_lines(connected: Connected) -> None:
-    """Each interface of a node comes with the file and line that state it."""
-    failed, node = asked(connected, "describe_node", name="scan_filter")
-    assert not failed
-    assert node["interfaces"]
-    assert all(":" in row["evidence"] for row in node["interfaces"])
+    assert all(tool.description for tool in tools)
+    assert [tool.name for tool in tools if not tool.annotations.read_only_hint] == ["run_program"]
 
 
 def test_an_unknown_node_is_told_with_the_one_meant(connected: Connected) -> None:
@@ -69,78 +126,109 @@ def test_an_unknown_node_is_told_with_the_one_meant(connected: Connected) -> Non
     assert "scan_filter" in message
 
 
-def test_launch_files_are_listed_and_wired(connected: Connected) -> None:
-    """Without a name the launch files are listed; with one of these names its nodes and topics are told."""
-    failed, listed = asked(connected, "wiring")
-    assert not failed
-    name = next(one["name"] for one in listed["systems"] if one["name"].endswith("rover.launch"))
-    failed, system = asked(connected, "wiring", system=name)
-    assert not failed
-    assert "/scan" in json.dumps(system)
-    assert "picture" not in system
-
-
-def test_findings_have_codes(connected: Connected) -> None:
-    """Findings in the wiring come with their code and evidence."""
-    failed, found = asked(connected, "lint")
-    assert not failed
-    assert found["findings"]
-    assert all(one["code"].startswith("KG4") for one in found["findings"])
-
-
 def test_queries_are_read_only_and_bounded(connected: Connected) -> None:
     """A query answers at most as many rows as asked for and says that there are more; an update is refused."""
-    failed, found = asked(connected, "query", sparql="SELECT ?node { ?node a rnkg:NodeType }", limit=2)
+    failed, text = asked(connected, "query", sparql="SELECT ?node { ?node a rnkg:NodeType }", limit=2)
     assert not failed
-    assert len(found["rows"]) == 2
-    assert found["more"]
+    assert text.splitlines()[-1] == "there are more rows than 2"
+    assert len(text.splitlines()) == 4
     failed, message = asked(connected, "query", sparql="DELETE WHERE { ?s ?p ?o }")
     assert failed
     assert "KG501" in message
 
 
-def test_facts_are_explained(connected: Connected) -> None:
-    """What a rule inferred is explained by the rule and a line of code."""
-    rows = asked(
-        connected,
-        "query",
-        sparql="SELECT ?node ?function { ?node rnkg:hasFunction ?function } ORDER BY ?node ?function",
-        limit=1,
-    )[1]["rows"]
-    failed, why = asked(
-        connected, "explain", subject=rows[0]["node"], predicate="rnkg:hasFunction", value=rows[0]["function"]
-    )
-    assert not failed
-    assert "function/" in json.dumps(why)
+def test_a_program_is_checked_with_hints(connected: Connected) -> None:
+    """The error names the line and the capability that was meant, and no path of this machine."""
+    failed, message = asked(connected, "check_program", program="goingToPse x: 1 m", system=ROVER)
+    assert failed
+    assert "program.kgp:1:1" in message
+    assert "KG832" in message
+    assert "--> program.kgp" in message
 
 
-def test_what_does_not_hold_is_told_with_what_is_lacking(connected: Connected) -> None:
-    """For a fact that does not hold the rules that could derive it are told, each with the pattern that fails."""
-    failed, found = asked(
-        connected, "explain", subject="scan_filter", predicate="hasFunction", value="function:control"
-    )
-    assert not failed
-    assert found["holds"] is False
-    assert "function/" in json.dumps(found)
+PROGRAM: Final = 'log "it runs"'
+
+
+def test_nothing_runs_where_nobody_can_be_asked(connected: Connected) -> None:
+    """A client without elicitation is refused, before a robot is looked for."""
+    failed, message = asked(connected, "run_program", program=PROGRAM, dry_run=False)
+    assert failed
+    assert "elicitation" in message
+
+
+@pytest.mark.parametrize(
+    ("action", "content", "part"),
+    [
+        ("accept", {"run": True}, "it runs"),
+        ("accept", {"run": False}, "did not agree"),
+        ("decline", None, "did not agree"),
+        ("cancel", None, "did not agree"),
+    ],
+)
+def test_a_program_runs_only_if_a_person_agrees(
+    connected: Connected, action: str, content: dict[str, Any] | None, part: str
+) -> None:
+    """The person is shown the program; without a yes nothing is run on the simulated robot."""
+    pytest.importorskip("pybullet", reason="worlds need pybullet")
+    pytest.importorskip("cv2", reason="tags need OpenCV")
+    from mcp.types import ElicitResult  # noqa: PLC0415 - needs the SDK
+
+    from kg.robot.simulation.session import Choice, simulate  # noqa: PLC0415 - needs pybullet
+
+    shown: list[str] = []
+
+    async def person(_context: Any, asked_: Any) -> Any:
+        shown.append(asked_.message)
+        return ElicitResult.model_validate({"action": action, "content": content})
+
+    async def run() -> str:
+        begun: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+        simulating = asyncio.create_task(simulate(Choice("office"), begun.set_result))
+        try:
+            settings = {"robot": await begun}
+            async with connected(settings, elicitation_callback=person) as client:
+                result = await client.call_tool("run_program", {"program": PROGRAM, "dry_run": False})
+                return str(result.content[0].text)
+        finally:
+            simulating.cancel()
+            await asyncio.gather(simulating, return_exceptions=True)
+
+    assert part in asyncio.run(run())
+    assert len(shown) == 1
+    assert PROGRAM in shown[0]
+
+
+def test_resources_and_prompts_lead_to_the_tools(connected: Connected) -> None:
+    """Lists, a node, a launch file and a rule are documents; prompts name the tools of their task."""
+
+    async def run() -> dict[str, str]:
+        async with connected() as client:
+            found = {}
+            for uri in (
+                *("kg://nodes", "kg://launch-files", "kg://rules", "kg://node/rover_robot/scan_filter"),
+                *("kg://launch-file/rover_robot%2Flaunch%2Frover.launch", "kg://rule/function/weighed"),
+            ):
+                found[uri] = (await client.read_resource(uri)).contents[0].text
+            for prompt in (await client.list_prompts()).prompts:
+                arguments = {one.name: "x" for one in prompt.arguments}
+                found[prompt.name] = (await client.get_prompt(prompt.name, arguments)).messages[0].content.text
+            return found
+
+    found = asyncio.run(run())
+    assert "scan_filter" in found["kg://nodes"]
+    assert ROVER in found["kg://launch-files"]
+    assert "function/weighed: " in found["kg://rules"]
+    assert "publishes  scan_filtered" in found["kg://node/rover_robot/scan_filter"]
+    assert "starts  /rover1/patrol" in found["kg://launch-file/rover_robot%2Flaunch%2Frover.launch"]
+    assert "CONSTRUCT" in found["kg://rule/function/weighed"]
+    tools = {"find_node": "find_nodes", "review_launch_change": "impact", "write_rule": "query"}
+    tools["write_program"] = "check_program"
+    assert all(tool in found[prompt] for prompt, tool in tools.items())
 
 
 def test_the_command_speaks_on_standard_streams(store: Path) -> None:
     """`kg mcp` answers a client that starts it, and prints nothing else on standard output."""
     mcp = pytest.importorskip("mcp", reason="the extra `mcp` is not installed")
-
-    async def run() -> Any:
-        program = mcp.StdioServerParameters(command=sys.executable, args=["-m", "kg", "--store", str(store), "mcp"])
-        async with mcp.Client(program) as client:
-            return await client.call_tool("query", {"sparql": "ASK { ?node a rnkg:NodeType }"})
-
-    assert json.loads(asyncio.run(run()).content[0].text)["answer"] is True
-
-
-def test_ends_of_a_name_in_a_system(connected: Connected) -> None:
-    """A name after remapping has its node, the launch line and the line of code; a parameter its values."""
-    failed, found = asked(connected, "ends_of", name="/rover1/mux/cmd_vel")
-    assert not failed
-    assert found["endpoints"][0]["instance"] == "/rover1/base_controller"
-    assert ":7" in found["endpoints"][0]["launched"]
-    failed, found = asked(connected, "ends_of", name="/trace_logger/rate", kind="parameter")
-    assert (failed, found["values"][0]["value"]) == (False, "5")
+    program = mcp.StdioServerParameters(command=sys.executable, args=["-m", "kg", "--store", str(store), "mcp"])
+    failed, text = answered(mcp.Client(program), "query", {"sparql": "ASK { ?node a rnkg:NodeType }"})
+    assert (failed, text) == (False, "yes")

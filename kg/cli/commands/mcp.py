@@ -2,19 +2,20 @@
 
 import typer
 
-from kg.cli.options import Store, Timeout
+from kg.cli.options import Robot, Store, Timeout
 from kg.cli.session import session
 from kg.errors import UsageError
 
 __all__ = ["mcp"]
 
 
-def mcp(context: typer.Context, *, timeout: Timeout = None, store: Store = None) -> None:
+def mcp(context: typer.Context, *, timeout: Timeout = None, robot: Robot = None, store: Store = None) -> None:
     """Serve coding assistants over the Model Context Protocol.
 
     An assistant starts the server and talks to it on standard input and output. It can find and describe nodes, show
-    how launch files wire them, report findings, run read-only queries and explain facts, each with lines of code.
-    Nothing is changed. Needs `pip install 'kg-ros[mcp]'`. For example, in an assistant's settings:
+    how launch files wire them, what a change breaks or changed, report findings, run read-only queries and explain
+    facts, each with lines of code. It can read the robot, check programs for it, and run them if a person agrees.
+    Needs `pip install 'kg-ros[mcp]'`. For example, in an assistant's settings:
 
         {"mcpServers": {"kg": {"command": "kg", "args": ["--store", "/path/to/.kg", "mcp"]}}}
     """
@@ -25,4 +26,4 @@ def mcp(context: typer.Context, *, timeout: Timeout = None, store: Store = None)
             raise
         hint = "pip install 'kg-ros[mcp]'"
         raise UsageError("KG555", "the SDK of the Model Context Protocol is not installed", hint=hint) from error
-    serve(session(context).settings(store=store, timeout=timeout))
+    serve(session(context).settings(store=store, timeout=timeout, robot=robot))

@@ -1,0 +1,288 @@
+"""Answers of views as lines for who reads them by the token: one line for each fact, with the place that states it."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+__all__ = [
+    "Where",
+    "capabilities",
+    "channel",
+    "findings",
+    "hits",
+    "impact",
+    "lacking",
+    "node",
+    "paged",
+    "parameter",
+    "proofs",
+    "system",
+    "systems",
+]
+
+_TEXTS: Final = 2
+"""So many descriptions of a node are shown without detail."""
+_WORDS: Final = 200
+"""Characters of a description that are shown without detail."""
+
+
+class Where:
+    """Writes places as `FILE:LINE`, by paths within their source, and notes where the first source is.
+
+    Places of other sources have the name of theirs in front.
+    """
+
+    def __init__(self) -> None:
+        self._source: str | None = None
+        self.legend: list[str] = []
+        """Where the paths without a source are."""
+
+    def __call__(self, evidence: dict[str, Any] | None) -> str:
+        """Return a place, as `kg.views.evidence` makes it; empty without one."""
+        if not evidence:
+            return ""
+        path, source = evidence["path"], evidence["repository"] or ""
+        text = f"{path}:{evidence['line']}" if evidence.get("line") else str(path)
+        if not source:
+            return text
+        if self._source is None:
+            self._source = source
+            self._note(evidence)
+        return text if source == self._source else f"{source} {text}"
+
+    def _note(self, evidence: dict[str, Any]) -> None:
+        path, file = evidence["path"], evidence.get("file")
+        if file and file.endswith(f"/{path}"):
+            self.legend.append(f"paths are below {file.removesuffix(path)}")
+        elif evidence.get("commit"):
+            self.legend.append(f"paths are of {self._source} at commit {evidence['commit'][:12]}")
+
+
+def node(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+    """Yield what is known of a node type (view `node`)."""
+    ros = f", ROS {found['ros']}" if found["ros"] else ""
+    yield _line(
+        f"{found['package']['name']}/{found['name']}: {found['language']} {found['kind']}{ros}",
+        found["repository"]["name"],
+        where(found["evidence"]),
+    )
+    if found["start"]:
+        yield f"start: {found['start']}"
+    for kind in ("functions", "hardware", "devices", "capabilities"):
+        shown = [one for one in found[kind] if detail or kind != "capabilities" or one["evidence"]]
+        if shown:
+            yield f"{kind}: {'; '.join(_graded(one) for one in shown)}"
+    for one in found["descriptions"][: None if detail else _TEXTS]:
+        text = one["text"] if detail or len(one["text"]) <= _WORDS else f"{one['text'][:_WORDS]}..."
+        yield _line(f"{one['kind']}: {' '.join(text.split())}", where(one["evidence"]))
+    left_out = 0
+    for one in found["interfaces"]:
+        if one["implicit"] and not detail:
+            left_out += 1
+            continue
+        yield _line(
+            one["role"].replace("_", " "),
+            one["name"] or f"a name not known: {one['written']}",
+            one["type"] or "a type not known",
+            one["quality"],
+            one["how"],
+            where(one["evidence"]),
+        )
+    if left_out:
+        yield f"and {left_out} interfaces that frameworks create"
+    for one in found["slots"]:
+        yield _line("plugin", one.get("name") or one.get("base_class") or "", where(one["evidence"]))
+    for one in found["parameters"]:
+        default = f"= {one['default']}" if one.get("default") is not None else ""
+        yield _line("parameter", one["name"] or "a name not known", one["type"] or "", default, where(one["evidence"]))
+    for one in found["neighbours"] if detail else ():
+        names = ", ".join(f"{other['package']}/{other['name']}" for other in one["nodes"])
+        yield f"{one['kind']} {one['channel']} {'to' if one['outward'] else 'from'} {one['count']}: {names}"
+    for one in found["used_in"]["instances"]:
+        yield _line("started as", one["name"], "in", one["system"], where(one["evidence"]))
+
+
+def systems(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
+    """Yield the launch files of a store (view `systems`); those that others include only with `detail`."""
+    for one in found["systems"]:
+        if one["included"] and not detail:
+            continue
+        wrong = ", ".join(f"{number} {severity}" for severity, number in (one.get("findings") or {}).items())
+        counts = ", ".join(f"{one[kind]} {kind}" for kind in ("nodes", "topics", "services", "actions"))
+        yield _line(one["name"], f"ROS {one['ros']}", counts, f"findings: {wrong}" if wrong else "", one["repository"])
+
+
+def system(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+    """Yield what a launch file starts, and the channels between (view `system`)."""
+    yield _line(found["name"], f"ROS {found['ros']}", where(found["evidence"]))
+    yield from findings({"findings": found["findings"]}, where, detail=detail)
+    ends: defaultdict[str, list[str]] = defaultdict(list)
+    types: dict[str, str] = {}
+    for one in found["instances"]:
+        starts = one["starts"] or one["missing"] or "a node not known"
+        yield _line("starts", one["name"], starts, one["condition"] or "", where(one["evidence"]))
+        for end in one["ends"]:
+            if end["debug"] and not detail:
+                continue
+            place = f" {where(end['evidence'])}" if detail else ""
+            ends[end["channel"]].append(f"{one['name']} {end['role'].replace('_', ' ')}{place}")
+            types[end["channel"]] = end["type"] or ""
+    for name in sorted(ends):
+        yield _line(name, types[name], f": {'; '.join(ends[name])}")
+    for one in found["settings"] if detail else ():
+        yield _line("sets", one["name"], f"= {one['value']}", where(one["evidence"]))
+
+
+def channel(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+    """Yield the ends of a topic, service or action (view `channel`)."""
+    if not found["name"]:
+        yield from (f"may be {name}" for name in found["meant"])
+        return
+    launches = found["systems"]
+    yield _line(found["kind"], found["name"], ", ".join(found["types"]), f"in {len(launches)} launch files")
+    for one in found["endpoints"]:
+        started = f"started {where(one['launched'])}" if one.get("launched") else ""
+        yield _line(
+            one["role"].replace("_", " "),
+            one.get("instance") or "in code",
+            f"{one['package']}/{one['node']}",
+            one.get("quality") or "",
+            where(one["evidence"]),
+            started,
+            f"in {', '.join(one['systems'])}" if detail else "",
+        )
+        yield from (f"  does not fit: {message}" for message in one["mismatches"])
+
+
+def parameter(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+    """Yield the declarations and values of a parameter (view `parameter`)."""
+    if not found["name"]:
+        yield from (f"may be {name}" for name in found["meant"])
+        return
+    for one in found["declared"]:
+        default = f"= {one['default']}" if one["default"] is not None else ""
+        name = f"{one['package']}/{one['node']} {one['name'] or found['name']}"
+        yield _line("declared", name, one["type"] or "", default, where(one["evidence"]))
+    for one in found["values"]:
+        value = one["value"] if one["value"] is not None else f"not known: {one['reason']}"
+        yield _line(
+            "value",
+            one["parameter"],
+            f"= {value}",
+            where(one["set_at"]) or "the default",
+            f"in {', '.join(one['systems'])}" if detail else "",
+        )
+
+
+def findings(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+    """Yield what is wrong in launch files (view `lint`); evidence and remedy only with `detail`."""
+    for one in found["findings"]:
+        yield _line(one["severity"], one["code"], one["message"], where(one["place"]))
+        if detail:
+            yield f"  remedy: {one['way_out']}"
+            yield from (f"  see {where(other)}" for other in one["evidence"])
+
+
+def hits(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+    """Yield nodes that were found (view `find`), each with its best reasons."""
+    for one in found["hits"]:
+        ros = f"ROS {one['ros']}" if one["ros"] else ""
+        yield _line(f"{one['rank']}. {one['package']}/{one['node']}", one["kind"], ros, where(one["evidence"]))
+        for reason in one["reasons"][: None if detail else 2]:
+            yield _line(f"  {reason['text']}", where(reason["evidence"]))
+    if found["total"] > len(found["hits"]):
+        yield f"{found['total']} hits in all; `limit` shows more"
+    if not found["hits"]:
+        yield "no node fits"
+
+
+def impact(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
+    """Yield what breaks if a name changes (view `impact`)."""
+    yield f"{found['kind']} {found['name']}: {found['breaks']} places break, {found['may']} may break"
+    for one in found["effects"]:
+        place = f"{one['file']}:{one['line']}" if one.get("line") else one.get("file") or ""
+        systems_ = f"in {', '.join(one['systems'])}" if detail and one.get("systems") else ""
+        yield _line(one["grade"], one["what"], one.get("reason") or "", place, systems_)
+
+
+def capabilities(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
+    """Yield what a launch file or package can do (view `capabilities`)."""
+    yield f"{found['of']} can:"
+    for one in found["capabilities"]:
+        ways = [f"{way['kind']} {way['name']}" for way in one["ways"]]
+        yield _line(one["modality"], one["name"], f"({one['label']})", "; ".join(ways if detail else ways[:1]))
+
+
+def proofs(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+    """Yield why a fact holds (view `why`): each fact with its rule or its place, indented below what it proves."""
+    for proof in found["proofs"]:
+        yield from _proof(proof, where, 0, detail=detail)
+    if found["ways"] > 1:
+        more = "or more " if found["more_ways"] else ""
+        yield f"{found['ways']} {more}ways lead to it"
+
+
+def _proof(fact: dict[str, Any], where: Where, depth: int, *, detail: bool) -> Iterator[str]:
+    rule = fact.get("rule")
+    by = f"by rule {rule['name']} {where(rule['evidence'])}" if rule else where(fact.get("evidence"))
+    yield _line(f"{'  ' * depth}{fact['text']}", by, "(as above)" if fact.get("again") else "")
+    if rule and detail:
+        bound = ", ".join(f"?{one['name']} = {one['label']}" for one in fact["bindings"])
+        yield f"{'  ' * depth}  with {bound}"
+    for premise in fact.get("premises") or ():
+        yield from _proof(premise, where, depth + 1, detail=detail)
+    for condition in fact.get("conditions") or ():
+        yield f"{'  ' * (depth + 1)}{condition['text']}"
+        for one in condition.get("facts") or ():
+            yield _line(f"{'  ' * (depth + 2)}{one['text']}", where(one.get("evidence")))
+
+
+def lacking(found: dict[str, Any], where: Where, *, detail: bool, depth: int = 0) -> Iterator[str]:
+    """Yield why a fact does not hold (view `why_not`): what each rule that could derive it lacks."""
+    indent = "  " * depth
+    if not depth:
+        yield f"{found['fact']['text']} does not hold"
+    for one in found["attempts"]:
+        yield _line(f"{indent}rule {one['rule']['name']}", one["fails"], where(one["rule"]["evidence"]))
+        for near in (one.get("nearest") or ())[: None if detail else 1]:
+            yield f"{indent}  nearest: {near}"
+        if one.get("deeper") and (detail or not depth):
+            yield from lacking(one["deeper"], where, detail=detail, depth=depth + 1)
+
+
+def _graded(one: dict[str, Any]) -> str:
+    return f"{one['label']} ({one['grade']})" if one["grade"] else str(one["label"])
+
+
+def _line(*parts: str) -> str:
+    return "  ".join(part for part in parts if part)
+
+
+def paged(lines: Iterable[str], legend: list[str], page: int, size: int) -> str:
+    """Return a page of lines of at most `size` bytes, with what tells of the others; pages count from 1.
+
+    A line that is longer than a page is cut. Every page ends with the legend.
+    """
+    tail = "\n".join(legend)
+    room = max(size - len(tail.encode()) - 100, 200)
+    pages: list[list[str]] = [[]]
+    used = 0
+    for line in lines:
+        content = line.encode()
+        if len(content) > room:
+            line, content = content[: room - 4].decode(errors="ignore") + " ...", content[:room]  # noqa: PLW2901 - cut
+        if used + len(content) + 1 > room and pages[-1]:
+            pages.append([])
+            used = 0
+        pages[-1].append(line)
+        used += len(content) + 1
+    if page > len(pages):
+        return f"there is no page {page}; the answer has {len(pages)}"
+    more = [f"page {page} of {len(pages)}; `page` {page + 1} goes on"] if page < len(pages) else []
+    if len(pages) > 1 and not more:
+        more = [f"page {page} of {len(pages)}"]
+    return "\n".join([*pages[page - 1], *more, *legend])
