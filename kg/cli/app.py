@@ -65,6 +65,7 @@ COMMANDS: Final = (
     ),
     Later("Ask", "mcp", "mcp:mcp", "Serve coding assistants over the Model Context Protocol."),
     Later("Ask", "packages", "lists:packages", "List the packages with their nodes, interfaces and problems."),
+    Later("Ask", "files", "lists:files", "List the files of packages, sorted into code and text."),
     Later(
         "Ask",
         "topic",

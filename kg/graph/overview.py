@@ -1,4 +1,4 @@
-"""Lists over the whole store: its packages and nodes, its topics, services and actions, with counts."""
+"""Lists over the whole store: its packages, files and nodes, its topics, services and actions, with counts."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import Location, NodeKind, Role
+from kg.facts import FileKind, Location, NodeKind, Role
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
 from kg.graph.queries import select
@@ -18,7 +18,17 @@ if TYPE_CHECKING:
 
     from kg.graph.reading import Queryable
 
-__all__ = ["Channel", "NodeSummary", "PackageSummary", "channels", "nodes", "package_names", "packages"]
+__all__ = [
+    "Channel",
+    "FileSummary",
+    "NodeSummary",
+    "PackageSummary",
+    "channels",
+    "files",
+    "nodes",
+    "package_names",
+    "packages",
+]
 
 _CHANNELS: Final = {
     "topic": ("ros:Publisher", "ros:Subscriber", "ros:hasMessage"),
@@ -45,6 +55,22 @@ SELECT ?package ?repository ?name ?version ?ros ?folder ?deprecated WHERE {
   OPTIONAL { ?package rnkg:folder ?folder }
   OPTIONAL { ?package rnkg:deprecated ?deprecated }
 }"""
+_FILES: Final = """
+SELECT ?file ?repository ?package ?path ?kind WHERE {
+  ?r a rnkg:Repository ; rnkg:name ?repository ; rnkg:contains ?p .
+  ?p rnkg:name ?package ; rnkg:contains ?file .
+  ?file rnkg:fileKind ?kind ; rnkg:path ?path .
+}"""
+_IN_FILES: Final = """
+SELECT ?file ?class (COUNT(DISTINCT ?thing) AS ?number) WHERE {
+  VALUES ?class { rnkg:NodeType rnkg:Description }
+  ?thing rnkg:declaredIn|rnkg:hasSource ?file ; a ?class .
+}
+GROUP BY ?file ?class"""
+_CODE: Final = frozenset(
+    {FileKind.CPP, FileKind.PYTHON, FileKind.MESSAGE, FileKind.SERVICE, FileKind.ACTION, FileKind.LAUNCH}
+)
+"""The kinds that RNKG counts as code (section 3.1.2: src, include, scripts, msg and srv folders, launch files)."""
 _OWNED: Final = "SELECT ?package ?thing WHERE { ?package a rnkg:Package . %s }"
 _OWNERS: Final = """
 SELECT ?node ?name ?package WHERE {
@@ -135,6 +161,23 @@ class PackageSummary:
 
 
 @dataclass(frozen=True, slots=True)
+class FileSummary:
+    """A file of a package, sorted into code and text as RNKG does (section 3.1.2, figure 2).
+
+    `sort` is `code`, `text`, `both` for code with comments that describe something, or `other`. `nodes` counts the
+    node types that are made from it, `texts` the descriptions that were taken from it.
+    """
+
+    repository: str
+    package: str
+    path: str
+    kind: FileKind
+    sort: str
+    nodes: int
+    texts: int
+
+
+@dataclass(frozen=True, slots=True)
 class NodeSummary:
     """A node type with how much its code declares; what frameworks make by themselves is not counted."""
 
@@ -186,6 +229,22 @@ def packages(graph: Queryable) -> list[PackageSummary]:
         for row in select(graph, _PACKAGES)
     ]
     return sorted(found, key=lambda one: (one.repository, one.name))
+
+
+def files(graph: Queryable) -> list[FileSummary]:
+    """Return the files of the packages, sorted by source, package and path."""
+    counts: Counter[tuple[str, str]] = Counter()
+    for row in select(graph, _IN_FILES):
+        counts[row["file"].value, row["class"].value.removeprefix(v.RNKG)] += int(row["number"].value)
+    found = []
+    for row in select(graph, _FILES):
+        kind, iri = FileKind(row["kind"].value), row["file"].value
+        texts = counts[iri, "Description"]
+        is_code, is_text = kind in _CODE, kind is FileKind.TEXT or texts > 0
+        sort = "both" if is_code and is_text else "code" if is_code else "text" if is_text else "other"
+        place = (row["repository"].value, row["package"].value, row["path"].value)
+        found.append(FileSummary(*place, kind, sort, counts[iri, "NodeType"], texts))
+    return sorted(found, key=lambda one: (one.repository, one.package, one.path))
 
 
 def nodes(graph: Queryable, package: str | None = None) -> list[NodeSummary]:

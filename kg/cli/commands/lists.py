@@ -1,7 +1,8 @@
-"""`kg packages`, `kg topics`, `kg services`, `kg actions`: lists over the whole store."""
+"""`kg packages`, `kg files`, `kg topics`, `kg services`, `kg actions`: lists over the whole store."""
 
+from collections import Counter
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -9,14 +10,18 @@ from kg.cli.diagnostics import note
 from kg.cli.options import Json, Store
 from kg.cli.output import Column, listing, terminal
 from kg.cli.session import session
+from kg.errors import UsageError
 from kg.render.text import count
+from kg.similar import unknown
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from typing import Any
 
-__all__ = ["actions", "channel_rows", "packages", "services", "topics"]
+__all__ = ["actions", "channel_rows", "files", "packages", "services", "topics"]
+
+_SORTS: Final = ("code", "both", "text", "other")
 
 All = Annotated[
     bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (/rosout, /tf, ...).")
@@ -46,6 +51,46 @@ def packages(context: typer.Context, *, json: Json = False, store: Store = None)
     listing(columns, rows, objects=map(asdict, found) if json else None)
     if terminal() and not json:
         note(count(len(found), "package"))
+
+
+Package = Annotated[str | None, typer.Option("--package", "-p", metavar="NAME", help="Only files of this package.")]
+Sort = Annotated[str | None, typer.Option("--sort", metavar="SORT", help=f"Only {', '.join(_SORTS)} files.")]
+
+
+def files(
+    context: typer.Context, *, package: Package = None, sort: Sort = None, json: Json = False, store: Store = None
+) -> None:
+    """List the files of packages, sorted into code and text.
+
+    As in RNKG (section 3.1.2), code is C++, Python, interface definitions and launch files; text is READMEs, pages and
+    the comments of code (`both`). Manifests, build files and parameters are `other`. Counts the node types made from a
+    file, and the descriptions taken from it. For example:
+
+        kg files --package rover_robot
+        kg files --sort text
+    """
+    from kg.graph import overview  # noqa: PLC0415 - start-up time
+
+    if sort is not None and sort not in _SORTS:
+        raise UsageError("KG003", f"unknown sort `{sort}`", hint=f"Use one of {', '.join(_SORTS)}.")
+    with reading(session(context).settings(store=store)) as snapshot:
+        every = overview.files(snapshot)
+    found = [one for one in every if sort in {None, one.sort} and package in {None, one.package}]
+    if package is not None and not found and package not in {one.package for one in every}:
+        raise unknown("package", package, {one.package for one in every}, otherwise="`kg packages` lists them.")
+    columns = (
+        Column("sort"),
+        Column("kind"),
+        *(Column(title, "number") for title in ("nodes", "texts")),
+        Column("package", "name"),
+        Column("file"),
+        Column("source", "dim", spare=1),
+    )
+    rows = [(one.sort, one.kind, one.nodes, one.texts, one.package, one.path, one.repository) for one in found]
+    listing(columns, rows, objects=map(asdict, found) if json else None)
+    if terminal() and not json:
+        counts = Counter(one.sort for one in found)
+        note(", ".join(f"{counts[one]} {one}" for one in _SORTS if counts[one]) or "no files")
 
 
 def topics(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
