@@ -10,8 +10,10 @@ from kg.cli.completion import launches, packages
 from kg.settings import DECLARED, Declaration
 
 __all__ = [
+    "Artifacts",
     "Base",
     "Calls",
+    "Cluster",
     "Families",
     "Format",
     "Jobs",
@@ -91,6 +93,8 @@ def _option(declaration: Declaration, *short: str, **more: Any) -> Any:
 Store = Annotated[str | None, from_setting("store", "-s")]
 Base = Annotated[str | None, from_setting("base")]
 Jobs = Annotated[str | None, from_setting("jobs", "-j")]
+Cluster = Annotated[str | None, from_setting("cluster")]
+Artifacts = Annotated[str | None, from_setting("artifacts")]
 Calls = Annotated[str | None, from_setting("calls")]
 MaxFileBytes = Annotated[str | None, from_setting("max_file_bytes")]
 Memory = Annotated[str | None, from_setting("memory")]
