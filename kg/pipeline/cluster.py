@@ -135,13 +135,14 @@ class ClusterPool:
 
     def _take(self, future: Any) -> Iterator[Outcome]:
         tasks = self._given.pop(future)
-        try:
-            readings: list[Reading] = future.result()
-        except Exception as error:
-            if future.status == "cancelled":
-                raise self._lost("the connection to the scheduler was lost") from error
-            message = f"the worker that read the package failed: {error}"
-            readings = [Reading(task, problem=message, again=True) for task in tasks]
+        readings: list[Reading]
+        if future.status in {"cancelled", "lost"}:
+            raise self._lost("the connection to the scheduler was lost")
+        if error := future.exception():  # one that a worker raised, or that it died too often
+            problem = f"the worker that read the package failed: {error}"
+            readings = [Reading(task, problem=problem, again=True) for task in tasks]
+        else:
+            readings = future.result()
         for reading in readings:
             if reading.code:
                 hint = "All machines need the same kg, Python and libraries, and the sources under the same paths."
