@@ -107,6 +107,8 @@ COMMANDS: Final = (
     Later("Maintain", "update", "update:update", "Change the store with SPARQL Update."),
     Later("Maintain", "forget", "exchange:forget", "Remove sources from the store."),
     Later("Maintain", "backup", "update:backup", "Copy the store, even while it is being written."),
+    Later("Maintain", "publish", "publishing:publish", "Write the graph for others, to a folder or a web server."),
+    Later("Maintain", "pull", "publishing:pull", "Fetch a published graph and make a store of it."),
     Later("Maintain", "restore", "update:restore", "Replace the contents of the store with a backup."),
     Later(
         "Maintain",

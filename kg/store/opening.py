@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.layout import Layout
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["existing", "layout_of", "or_empty", "reading", "writable"]
+__all__ = ["existing", "layout_of", "or_empty", "reading", "reading_all", "writable"]
 
 
 def layout_of(settings: Settings) -> Layout:
@@ -43,6 +43,23 @@ def existing(settings: Settings) -> EmbeddedStore:
 def reading(settings: Settings) -> EmbeddedSnapshot:
     """Return the content of the store in force, for a `with` statement."""
     return existing(settings).read()
+
+
+@contextmanager
+def reading_all(settings: Settings, stores: Sequence[str]) -> Iterator[EmbeddedSnapshot]:
+    """Yield the content of the stores named, as one; that in force when none or one is named.
+
+    Raises StoreError KG301 for the first that is not there.
+    """
+    if len(stores) < 2:  # noqa: PLR2004 - one store is no union
+        with reading(settings) as snapshot:
+            yield snapshot
+        return
+    from kg.store.union import union_of  # noqa: PLC0415 - most commands read one store
+
+    with ExitStack() as stack:
+        opened = [stack.enter_context(reading(replace(settings, store=Path(name).expanduser()))) for name in stores]
+        yield stack.enter_context(union_of(opened))
 
 
 @contextmanager
