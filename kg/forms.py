@@ -30,6 +30,7 @@ __all__ = [
     "pipeline",
     "size",
     "size_or_none",
+    "store",
     "switch",
     "text",
     "whole",
@@ -182,6 +183,13 @@ def cluster(value: object, _base: Path) -> str:
     if value != "" and not local and not re.fullmatch(r"(tcp|tls|ws|wss)://[^\s/]+:\d+", found):
         raise FormError("tcp://HOST:PORT of a scheduler, local, or local:N")
     return found
+
+
+def store(value: object, base: Path) -> Path | str:
+    """Read a path, or the address of a SPARQL server."""
+    if isinstance(value, str) and value.startswith(("http://", "https://")):
+        return value
+    return path(value, base)
 
 
 def folder_or_address(value: object, base: Path) -> str:

@@ -132,8 +132,12 @@ def declared(shape: type[Any], table: str = "") -> Mapping[str, Declaration]:
 class Settings:
     """The values in force, and for each its origin."""
 
-    store: Path | None = setting(
-        None, forms.path, "FOLDER", "Folder of the store; by default the nearest .kg in this folder or above."
+    store: Path | str | None = setting(
+        None,
+        forms.store,
+        "FOLDER",
+        "Folder of the store, or the address of a SPARQL server for commands that read (docs/cluster.md); by default "
+        "the nearest .kg in this folder or above.",
     )
     base: str = setting(
         "https://w3id.org/rnkg/", forms.iri, "IRI", "What the IRIs of packages, nodes and topics start with."
