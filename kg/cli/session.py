@@ -14,7 +14,26 @@ if TYPE_CHECKING:
 __all__ = ["REMOTE", "Session", "session"]
 
 
-REMOTE: Final = frozenset({"config", "lint", "node", "nodes", "query", "search", "show", "topic", "why"})
+REMOTE: Final = frozenset(
+    {
+        "action",
+        "actions",
+        "config",
+        "lint",
+        "node",
+        "nodes",
+        "packages",
+        "param",
+        "query",
+        "search",
+        "service",
+        "services",
+        "show",
+        "topic",
+        "topics",
+        "why",
+    }
+)
 """The commands whose answers over a SPARQL server are those of the embedded store with the same graph."""
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.errors import StoreError
+    from kg.errors import StoreError, UsageError
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.layout import Layout
@@ -59,6 +59,15 @@ def remote_refusal(address: str) -> StoreError:
     return StoreError("KG309", "the command does not work on a SPARQL server", place=Place(address), hint=hint)
 
 
+def _named_by_a_file(settings: Settings) -> UsageError:
+    """Return the error about a server that a file of settings names: it may come with a checkout of somebody else."""
+    from kg.errors import UsageError  # noqa: PLC0415 - with the branch that needs it
+
+    origin = settings.origin("store")
+    hint = "Name the server with --store or KG_STORE."
+    return UsageError("KG002", "kg.toml cannot name a server as the store", place=origin.place, hint=hint)
+
+
 def existing(settings: Settings) -> EmbeddedStore:
     """Return the store in force; StoreError KG301 when there is none."""
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
@@ -71,6 +80,8 @@ def reading(settings: Settings) -> EmbeddedSnapshot:
     if isinstance(settings.store, str):
         from kg.store.remote_reading import RemoteReading  # noqa: PLC0415 - most stores are folders
 
+        if settings.origin("store").kind == "file":
+            raise _named_by_a_file(settings)
         return RemoteReading(settings.store, timeout=settings.timeout or _PATIENT_SECONDS)
     return existing(settings).read()
 

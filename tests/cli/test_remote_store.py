@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from cli.program import Program
 from serving import served
 from store.servers import oxigraph_server, virtuoso_server
 from workspaces import example
@@ -17,6 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from cli.program import Program
+
 READING = [
     ["nodes"],
     ["nodes", "--json"],
@@ -26,7 +27,7 @@ READING = [
     ["topic", "/cmd_vel"],
     ["topic", "scan", "--json"],
     ["query", "SELECT ?node ?topic { ?node rnkg:publishes/rdfs:label ?topic } ORDER BY ?node ?topic"],
-    ["query", "SELECT (COUNT(*) AS ?n) { GRAPH ?g { ?s ?p ?o } }"],
+    ["query", "SELECT (COUNT(*) AS ?n) { GRAPH ?g { ?s ?p ?o } FILTER(STRSTARTS(STR(?g), 'https://w3id.org/rnkg/')) }"],
     ["query", "who-publishes", "--param", "topic=cmd_vel"],
     ["query", "ASK { ?node a ros:Node }"],
     ["query", "CONSTRUCT { ?node a ros:Node } { ?node a ros:Node }", "--format", "ntriples"],
@@ -37,6 +38,13 @@ READING = [
     ["lint", "--format", "json"],
     ["search", "laser", "scan"],
     ["search", "laser", "--json"],
+    ["topics"],
+    ["services"],
+    ["actions", "--json"],
+    ["packages"],
+    ["service", "set_gripper"],
+    ["action", "move_arm"],
+    ["param", "max_speed"],
 ]
 BATCH = 500
 
@@ -68,21 +76,37 @@ def _load(store: Path, remote: RemoteStore) -> None:
     with EmbeddedStore.create(store / ".kg").read() as snapshot:
         for graph in snapshot.graphs():
             lines = snapshot.content(graph).decode().splitlines()
-            for start in range(0, len(lines), BATCH):
-                remote.update(f"INSERT DATA {{ GRAPH {graph} {{\n" + "\n".join(lines[start : start + BATCH]) + "\n} }")
+            plain = [line for line in lines if "_:" not in line]
+            for start in range(0, len(plain), BATCH):
+                remote.update(f"INSERT DATA {{ GRAPH {graph} {{\n" + "\n".join(plain[start : start + BATCH]) + "\n} }")
+            # Together, so that a label stands for one node; Virtuoso takes blank nodes in a template only.
+            if blank := [line for line in lines if "_:" in line]:
+                remote.update(f"INSERT {{ GRAPH {graph} {{\n" + "\n".join(blank) + "\n} } WHERE { }")
 
 
 @pytest.mark.parametrize("command", READING, ids=" ".join)
 def test_answers_are_those_of_the_store(kg: Program, store: Path, server: str, command: list[str]) -> None:
-    """Output, up to the order of lines where a query gives none, and exit code are equal."""
+    """Output, up to the order of the rows of queries, and exit code are equal."""
     here, there = kg("--store", str(store), *command), kg("--store", server, *command)
-    ordered = sorted if command[1:2] and command[1].startswith("CONSTRUCT") else list
+    # Virtuoso sorts texts in an order of its own.
+    ordered = sorted if command[0] == "query" else list
     assert (there.code, ordered(there.out.splitlines())) == (here.code, ordered(here.out.splitlines())), there.err
 
 
 @pytest.mark.parametrize(
     "command",
-    [["build"], ["export"], ["stats"], ["shell"], ["update", "CLEAR ALL"], ["backup", "x"], ["rules", "run"]],
+    [
+        ["build"],
+        ["export"],
+        ["graph"],
+        ["instances"],
+        ["impact", "x"],
+        ["stats"],
+        ["shell"],
+        ["update", "CLEAR ALL"],
+        ["backup", "x"],
+        ["rules", "run"],
+    ],
     ids=" ".join,
 )
 def test_other_commands_are_refused(kg: Program, command: list[str]) -> None:
@@ -104,3 +128,11 @@ def test_a_server_that_is_not_there_is_named(kg: Program) -> None:
     run = kg("--store", "http://127.0.0.1:9/sparql", "nodes")
     assert run.code == 4
     assert "error[KG225]" in run.err
+
+
+def test_a_file_of_settings_names_no_server(kg: Program) -> None:
+    """A kg.toml that comes with a checkout cannot make `kg` connect to a server, or send it credentials."""
+    (kg.folder / "kg.toml").write_text('store = "http://127.0.0.1:9/sparql"\n')
+    run = kg("nodes")
+    assert run.code == 2
+    assert "error[KG002]: kg.toml cannot name a server as the store" in run.err
