@@ -73,7 +73,7 @@ def _repositories(folder: Path, checkouts: list[Path], number: int) -> list[str]
 
 
 def _rename(folder: Path, index: int) -> None:
-    """Give all packages of a copy other names, in the texts of its files."""
+    """Give all packages of a copy other names: in the texts of its files, and the folders that are called as they are."""
     manifests = [path.read_text(errors="replace") for path in folder.rglob("package.xml")]
     names = {match[1] for text in manifests if (match := _MANIFEST_NAME.search(text))}
     words = re.compile(r"\b(" + "|".join(sorted(map(re.escape, names), key=len, reverse=True)) + r")\b")
@@ -82,6 +82,9 @@ def _rename(folder: Path, index: int) -> None:
             with suppress(UnicodeDecodeError):
                 text = path.read_text()
                 path.write_text(words.sub(rf"\1_{index}", text))
+    folders = [path for path in folder.rglob("*") if path.is_dir() and not path.is_symlink() and path.name in names]
+    for path in sorted(folders, key=lambda one: -len(one.parts)):
+        path.rename(path.with_name(f"{path.name}_{index}"))
 
 
 def _digest(store: EmbeddedStore) -> str:
