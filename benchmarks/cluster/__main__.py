@@ -73,7 +73,7 @@ def _repositories(folder: Path, checkouts: list[Path], number: int) -> list[str]
 
 
 def _rename(folder: Path, index: int) -> None:
-    """Give all packages of a copy other names: in the texts of its files, and the folders that are called as they are."""
+    """Give all packages of a copy other names, in the texts of its files, and so to folders with their names."""
     manifests = [path.read_text(errors="replace") for path in folder.rglob("package.xml")]
     names = {match[1] for text in manifests if (match := _MANIFEST_NAME.search(text))}
     words = re.compile(r"\b(" + "|".join(sorted(map(re.escape, names), key=len, reverse=True)) + r")\b")
