@@ -165,6 +165,7 @@ RULE_COMMANDS: Final = (
         "rules_compile:compile_rule",
         "Print a rule as it is evaluated, or in another notation.",
     ),
+    Later("Inspect", "plan", "rules_reports:plan", "Show which rules can run on each source alone, and why not."),
     Later("Inspect", "graph", "rules_reports:graph", "Draw which rules feed which, as SVG, Mermaid or JSON."),
     Later(
         "Inspect",

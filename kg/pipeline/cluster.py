@@ -44,6 +44,7 @@ _BATCH_BYTES: Final = 1_000_000
 _CONNECT_SECONDS: Final = 30.0
 _SILENT_SECONDS: Final = 60.0
 """Seconds without news after which the cluster is looked at."""
+_NOISY: Final = ("distributed", "distributed.client", "distributed.core", "distributed.nanny", "tornado")
 _TOPIC: Final = "kg"
 _own = threading.local()
 """The extractor of this thread of a worker."""
@@ -170,6 +171,8 @@ class ClusterPool:
             from distributed import Client, LocalCluster  # noqa: PLC0415 - part of the extra `cluster`
         except ImportError as error:
             raise without_extra() from error
+        for name in _NOISY:  # what goes wrong is reported in our words
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
         kind, _, number = self._address.partition(":")
         try:
             if kind == LOCAL:
