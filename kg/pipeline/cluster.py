@@ -168,7 +168,8 @@ class ClusterPool:
 
     def _connect(self) -> None:
         try:
-            from distributed import Client, LocalCluster  # noqa: PLC0415 - part of the extra `cluster`
+            import dask  # noqa: PLC0415 - part of the extra `cluster`
+            from distributed import Client, LocalCluster  # noqa: PLC0415 - the same
         except ImportError as error:
             raise without_extra() from error
         for name in _NOISY:  # what goes wrong is reported in our words
@@ -176,6 +177,7 @@ class ClusterPool:
         kind, _, number = self._address.partition(":")
         try:
             if kind == LOCAL:
+                dask.config.set({"distributed.worker.profile.enabled": False})  # it samples a hundred times a second
                 workers = max(1, min(int(number or 0) or os.cpu_count() or 1, len(self._work)))
                 self._cluster = LocalCluster(
                     n_workers=workers,
