@@ -7,6 +7,7 @@ completes "X, which is not ...".
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
@@ -17,8 +18,10 @@ __all__ = [
     "Form",
     "FormError",
     "address",
+    "cluster",
     "codes",
     "file",
+    "folder_or_address",
     "iri",
     "number",
     "one_of",
@@ -27,6 +30,7 @@ __all__ = [
     "pipeline",
     "size",
     "size_or_none",
+    "store",
     "switch",
     "text",
     "whole",
@@ -169,6 +173,28 @@ def address(value: object, _base: Path) -> str:
     if not isinstance(value, str) or any(sign.isspace() for sign in value.strip()):
         raise FormError("the address of a robot")
     return value.strip()
+
+
+def cluster(value: object, _base: Path) -> str:
+    """Read the address of a Dask cluster, or nothing."""
+    found = value.strip() if isinstance(value, str) else ""
+    kind, mark, rest = found.partition(":")
+    local = kind == "local" and (not mark or rest.isdecimal())
+    if value != "" and not local and not re.fullmatch(r"(tcp|tls|ws|wss)://[^\s/]+:\d+", found):
+        raise FormError("tcp://HOST:PORT of a scheduler, local, or local:N")
+    return found
+
+
+def store(value: object, base: Path) -> Path | str:
+    """Read a path, or the address of a SPARQL server."""
+    if isinstance(value, str) and value.startswith(("http://", "https://")):
+        return value
+    return path(value, base)
+
+
+def folder_or_address(value: object, base: Path) -> str:
+    """Read a path, or an address with a scheme, or nothing."""
+    return value if isinstance(value, str) and "://" in value else file(value, base)
 
 
 def _number(value: object, least: float, form: str = "") -> float:

@@ -132,13 +132,33 @@ def declared(shape: type[Any], table: str = "") -> Mapping[str, Declaration]:
 class Settings:
     """The values in force, and for each its origin."""
 
-    store: Path | None = setting(
-        None, forms.path, "FOLDER", "Folder of the store; by default the nearest .kg in this folder or above."
+    store: Path | str | None = setting(
+        None,
+        forms.store,
+        "FOLDER",
+        "Folder of the store, or the address of a SPARQL server for commands that read (docs/cluster.md); by default "
+        "the nearest .kg in this folder or above.",
     )
     base: str = setting(
         "https://w3id.org/rnkg/", forms.iri, "IRI", "What the IRIs of packages, nodes and topics start with."
     )
     jobs: int = setting(0, forms.whole(0), "N", "How many processes read packages at a time; 0 is one a processor.")
+    cluster: str = setting(
+        "",
+        forms.cluster,
+        "ADDRESS",
+        "Read packages on a Dask cluster: tcp://HOST:PORT of its scheduler, or local[:N] for N workers here "
+        "(docs/cluster.md).",
+        in_files=False,
+    )
+    artifacts: str = setting(
+        "",
+        forms.folder_or_address,
+        "FOLDER",
+        "Where the machines of a cluster share results: a folder that all of them see, or an address that fsspec "
+        "opens; by default in the store.",
+        in_files=False,
+    )
     max_file_bytes: int = setting(
         "4M", forms.size, "SIZE", "Source files larger than this (bytes, or 500K, 4M) are reported, not read."
     )

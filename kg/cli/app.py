@@ -108,6 +108,8 @@ COMMANDS: Final = (
     Later("Maintain", "update", "update:update", "Change the store with SPARQL Update."),
     Later("Maintain", "forget", "exchange:forget", "Remove sources from the store."),
     Later("Maintain", "backup", "update:backup", "Copy the store, even while it is being written."),
+    Later("Maintain", "publish", "publishing:publish", "Write the graph for others, to a folder or a web server."),
+    Later("Maintain", "pull", "publishing:pull", "Fetch a published graph and make a store of it."),
     Later("Maintain", "restore", "update:restore", "Replace the contents of the store with a backup."),
     Later(
         "Maintain",
@@ -164,6 +166,7 @@ RULE_COMMANDS: Final = (
         "rules_compile:compile_rule",
         "Print a rule as it is evaluated, or in another notation.",
     ),
+    Later("Inspect", "plan", "rules_reports:plan", "Show which rules can run on each source alone, and why not."),
     Later("Inspect", "graph", "rules_reports:graph", "Draw which rules feed which, as SVG, Mermaid or JSON."),
     Later(
         "Inspect",

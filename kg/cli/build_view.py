@@ -15,9 +15,18 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.facts import Problem
+    from kg.pipeline.estimating import Volume
     from kg.pipeline.report import BuildReport, Inferred, SourceReport
 
-__all__ = ["left_out", "near", "report_object", "summary"]
+__all__ = [
+    "left_out",
+    "near",
+    "report_object",
+    "summary",
+    "volume_object",
+    "volume_row",
+    "volumes_in_words",
+]
 
 _FEW: Final = 10
 _FEW_REASONS: Final = 5
@@ -107,6 +116,36 @@ def left_out(inferred: Inferred | None) -> bool:
     if problems and inferred and inferred.mode != "none":
         note("the other rules ran")
     return bool(problems)
+
+
+def volume_row(volume: Volume) -> tuple[object, ...]:
+    """Return the cells of what a build would read of a source."""
+    code = f"{volume.code_bytes / 1e6:.1f}"
+    return volume.source, volume.packages, volume.reused, volume.files, code, f"{volume.reading:.1f}"
+
+
+def volume_object(volume: Volume) -> dict[str, Any]:
+    """Return what a build would read of a source, with its estimates, ready for JSON."""
+    return {
+        **asdict(volume),
+        "reading_seconds": round(volume.reading, 3),
+        "writing_seconds": round(volume.writing, 3),
+        "triples": volume.triples,
+        "store_bytes": volume.store_bytes,
+    }
+
+
+def volumes_in_words(volumes: list[Volume]) -> Iterator[str]:
+    """Yield the lines below the list of volumes."""
+    packages, code = sum(one.packages for one in volumes), sum(one.code_bytes for one in volumes)
+    yield f"would read {count(packages, 'package')} with {code / 1e6:.1f} MB of code; nothing was read"
+    if packages:
+        reading, writing = sum(one.reading for one in volumes), sum(one.writing for one in volumes)
+        yield (
+            f"estimate: {reading:.0f} s of reading, divided by the number of processors, then {writing:.0f} s of "
+            f"writing and rules; {sum(one.triples for one in volumes):,} triples, "
+            f"{sum(one.store_bytes for one in volumes) / 1e6:,.0f} MB of disk"
+        )
 
 
 def report_object(report: BuildReport) -> dict[str, Any]:

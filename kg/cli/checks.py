@@ -168,7 +168,7 @@ def _content(layout: Layout) -> Check:
 
 
 def _disk(settings: Settings) -> Check:
-    place = settings.store or Path.cwd()
+    place = Path(settings.store or Path.cwd())
     place = next(folder for folder in (place, *place.parents) if folder.exists())
     free = shutil.disk_usage(place).free
     finding = f"{free / 1e9:,.1f} GB free at {place}"

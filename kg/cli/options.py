@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Annotated, Any, TypeVar
 
 import typer
@@ -10,8 +11,10 @@ from kg.cli.completion import launches, packages
 from kg.settings import DECLARED, Declaration
 
 __all__ = [
+    "Artifacts",
     "Base",
     "Calls",
+    "Cluster",
     "Families",
     "Format",
     "Jobs",
@@ -28,6 +31,7 @@ __all__ = [
     "Rules",
     "SearchModel",
     "Store",
+    "Stores",
     "System",
     "Timeout",
     "from_setting",
@@ -39,9 +43,14 @@ __all__ = [
 _Command = TypeVar("_Command", bound=Callable[..., None])
 
 
-def from_setting(name: str, *short: str, **more: Any) -> Any:
-    """Return the option of a setting; its value stays text until `kg.settings.load` reads it."""
-    return _option(DECLARED[name], *short, **more)
+def from_setting(name: str, *short: str, also: str = "", **more: Any) -> Any:
+    """Return the option of a setting; its value stays text until `kg.settings.load` reads it.
+
+    `also` is said after the sentence of the setting.
+    """
+    declaration = DECLARED[name]
+    sentence = f"{declaration.sentence} {also}".rstrip()
+    return _option(replace(declaration, sentence=sentence), *short, **more)
 
 
 def takes(declared: Iterable[Declaration]) -> Callable[[_Command], _Command]:
@@ -89,8 +98,13 @@ def _option(declaration: Declaration, *short: str, **more: Any) -> Any:
 
 
 Store = Annotated[str | None, from_setting("store", "-s")]
+Stores = Annotated[
+    list[str] | None, from_setting("store", "-s", also="May be repeated: the query sees the union of all stores.")
+]
 Base = Annotated[str | None, from_setting("base")]
 Jobs = Annotated[str | None, from_setting("jobs", "-j")]
+Cluster = Annotated[str | None, from_setting("cluster")]
+Artifacts = Annotated[str | None, from_setting("artifacts")]
 Calls = Annotated[str | None, from_setting("calls")]
 MaxFileBytes = Annotated[str | None, from_setting("max_file_bytes")]
 Memory = Annotated[str | None, from_setting("memory")]

@@ -47,7 +47,12 @@ class Lines(Silent):
         """Write what is to be done."""
         if read:
             unchanged = f", {reused:,} unchanged" if reused else ""
-            say(f"reading {count(read, 'package')}{unchanged}, with {count(jobs, 'process', 'processes')}")
+            means = f"with {count(jobs, 'process', 'processes')}" if jobs else "on the cluster"
+            say(f"reading {count(read, 'package')}{unchanged}, {means}")
+
+    def placed(self, worker: str, source: str) -> None:
+        """Write what a worker of a cluster begins to read."""
+        say(f"{printable(worker)} reads {printable(source)}")
 
     def done(self, result: PackageResult) -> None:
         """Write what a package gave."""
@@ -109,6 +114,10 @@ class Bar(Silent):
         if self._progress and self._task is not None:
             self._progress.update(self._task, total=read, completed=0)
             self._show("reading")
+
+    def placed(self, worker: str, source: str) -> None:
+        """Show what a worker of a cluster begins to read."""
+        self._show(f"{worker.rpartition('/')[2]} {source}")
 
     def done(self, result: PackageResult) -> None:
         """Let the bar grow."""

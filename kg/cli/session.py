@@ -3,29 +3,62 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.settings import load
+from kg.store.opening import remote_refusal
 
 if TYPE_CHECKING:
     from kg.settings import Settings
 
-__all__ = ["Session", "session"]
+__all__ = ["REMOTE", "Session", "session"]
+
+
+REMOTE: Final = frozenset(
+    {
+        "action",
+        "actions",
+        "config",
+        "lint",
+        "node",
+        "nodes",
+        "packages",
+        "param",
+        "query",
+        "search",
+        "service",
+        "services",
+        "show",
+        "topic",
+        "topics",
+        "why",
+    }
+)
+"""The commands whose answers over a SPARQL server are those of the embedded store with the same graph."""
 
 
 @dataclass(slots=True)
 class Session:
-    """One run of `kg`: the settings given before the command."""
+    """One run of `kg`: the settings given before the command, and its name, empty before it is known."""
 
     flags: dict[str, object] = field(default_factory=dict)
+    command: str = ""
 
     def settings(self, **flags: object) -> Settings:
-        """Return the settings in force; `flags` are the command's own and win over those before the command."""
+        """Return the settings in force; `flags` are the command's own and win over those before the command.
+
+        Raises:
+            UsageError: KG002 for a value of another form.
+            StoreError: KG309 for a SPARQL server where the command needs the store itself.
+        """
         given = {name: value for name, value in flags.items() if value is not None}
-        return load({**self.flags, **given})
+        settings = load({**self.flags, **given})
+        if isinstance(settings.store, str) and self.command and self.command not in REMOTE:
+            raise remote_refusal(settings.store)
+        return settings
 
 
 def session(context: Any) -> Session:
     """Return the session of a typer context."""
     found = context.find_object(Session)
-    return found if isinstance(found, Session) else Session()
+    return Session(found.flags if isinstance(found, Session) else {}, context.info_name or "")

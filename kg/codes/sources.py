@@ -104,4 +104,24 @@ CODES: Final = {
         "A row of the setting `calls` has no effect. An earlier row matches the same calls or class.",
         "Remove one of the two rows, or move the narrower one up.",
     ),
+    "KG125": CodeEntry(
+        "cluster support not installed",
+        "`kg build --cluster` needs Dask, which is part of the extra `cluster`.",
+        "Install the extra: `pip install 'kg-ros[cluster]'`.",
+    ),
+    "KG126": CodeEntry(
+        "cluster not usable",
+        "No scheduler answered at the address of `--cluster`, no worker joined it, or the connection was lost.",
+        "Check that the scheduler and its workers run. A second build finds what the first one read.",
+    ),
+    "KG127": CodeEntry(
+        "unsuitable worker",
+        "A worker of the cluster has another version of kg, Python or its libraries, or cannot read the sources.",
+        "Install the same versions everywhere, and share the sources under the same paths.",
+    ),
+    "KG128": CodeEntry(
+        "store of results not usable",
+        "The folder or address of the setting `artifacts` cannot be read or written.",
+        "Name a folder that all machines can write to under the same path, or an address that fsspec opens.",
+    ),
 }

@@ -39,4 +39,19 @@ CODES: Final = {
         "The folder of the store is not writable: its permissions forbid it, or the file system is read-only.",
         "Change the permissions, or name another folder with `--store`.",
     ),
+    "KG307": CodeEntry(
+        "snapshot not usable",
+        "What `kg pull` fetched is not what `kg publish` wrote. Its manifest is malformed, or a digest differs.",
+        "Check the address. If it is right, ask whoever published it to do so again.",
+    ),
+    "KG308": CodeEntry(
+        "snapshot too large",
+        "A published snapshot is larger than the limit of `kg pull`, or than its own manifest says.",
+        "Raise the limit with `--max-bytes` if you trust the address.",
+    ),
+    "KG309": CodeEntry(
+        "not supported by a remote store",
+        "The command needs the store itself, and `--store` names a SPARQL server.",
+        "Pull a snapshot of it with `kg pull`, or use one of the commands that docs/cluster.md lists.",
+    ),
 }

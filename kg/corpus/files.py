@@ -7,14 +7,10 @@ Files of no kind (pictures, meshes, bags) are not listed at all.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, NamedTuple
+from pathlib import Path  # noqa: TC003 - what is written for workers of a cluster is read by these annotations
+from typing import Final, NamedTuple
 
-from kg.facts import FileKind
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from kg.facts import Problem, Repository
+from kg.facts import FileKind, Problem, Repository
 
 __all__ = ["FileEntry", "FilePath", "PackageFolder", "Place", "Source", "sort_file"]
 

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
+from kg.facts.code import DataFile, NodeKind  # noqa: TC001 - results are read by the annotations of `Known`
 from kg.facts.launch import StartKind
 
 if TYPE_CHECKING:
-    from kg.facts.code import DataFile, Interface, NodeKind, Parameter, Qos, Resolution
+    from kg.facts.code import Interface, Parameter, Qos, Resolution
     from kg.facts.launch import LaunchConfiguration, LaunchParameter, Remap, StartedNode
 
 __all__ = [

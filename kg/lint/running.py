@@ -23,7 +23,7 @@ from kg.lint.report import Choice, Report, report
 from kg.pipeline.launch_names import find, shared_names
 from kg.settings import Settings, table
 from kg.store.layout import user_cache
-from kg.store.opening import existing, writable
+from kg.store.opening import existing, reading, writable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -100,12 +100,12 @@ def check_store(settings: Settings, question: Question, folder: Path) -> Checked
         StoreError: KG301 when there is no store, KG302 when arguments are given while another process writes.
         UsageError: KG002 and KG421 for kg.toml, KG420 for the baseline, KG422 and KG003 for the launch file.
     """
+    if not question.variants and not question.arguments and not question.environment:
+        with reading(settings) as snapshot:
+            return check(snapshot, question, settings, folder)
     store = existing(settings)
     if question.variants:
         return _check_variants(settings, store, question, folder)
-    if not question.arguments and not question.environment:
-        with store.read() as snapshot:
-            return check(snapshot, question, settings, folder)
     from kg.pipeline.launching import chosen, trial  # noqa: PLC0415 - few ask, and it loads the readers of sources
 
     (system,) = chosen(settings, store, question.launch, question.arguments, question.environment)

@@ -27,7 +27,7 @@ from kg.graph.shared import SHARED
 from kg.pipeline import cache
 from kg.pipeline.calls import checked_calls
 from kg.pipeline.inferring import Inference, digest
-from kg.pipeline.plan import entries_by_name, listing, make_plan, stamp, version
+from kg.pipeline.plan import code_version, entries_by_name, listing, make_plan, stamp, version
 from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import BuildReport, Silent, SourceReport, totals
 from kg.pipeline.sources import folders, gather, installed_folders
@@ -40,8 +40,9 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from kg.corpus.workspace import PackageFolder, Source
+    from kg.pipeline.cluster import ClusterPool
     from kg.pipeline.plan import Key, Plan
-    from kg.pipeline.pool import Pool
+    from kg.pipeline.pool import Pool, Task
     from kg.pipeline.report import Inferred, Report, SystemsReport
     from kg.pipeline.state import Systems
     from kg.pipeline.work import Outcome
@@ -136,7 +137,7 @@ class _Build:
         calls = checked_calls(self._settings)  # after the version: a file that changes between them is read again
         plan = make_plan(workspace, self._state, self._cache, now, self._settings.max_file_bytes)
         self._jobs = max(1, min(self._jobs, len(plan.read)))
-        self._report.planned(len(plan.read), len(plan.reused), self._jobs)
+        self._report.planned(len(plan.read), len(plan.reused), 0 if self._settings.cluster else self._jobs)
         results = dict(plan.reused)
         changed, gone = self._changed(sources, plan), self._gone(sources, roots)
         written: dict[str, Written] = {}
@@ -265,6 +266,7 @@ class _Build:
     ) -> dict[str, Written]:
         """Read what has to be read, adding it to `results`, and write the graphs of the `changed` sources."""
         with self._pool(workspace, plan, calls) as pool:
+            self._jobs = pool.size if pool else self._jobs
             # After the workers have started: they neither need what this loads nor may they inherit an open engine.
             from kg.pipeline.writing import Writing  # noqa: PLC0415 - see above
 
@@ -297,7 +299,7 @@ class _Build:
 
     def _pool(
         self, workspace: RecordingWorkspace, plan: Plan, calls: tuple[str, ...]
-    ) -> AbstractContextManager[Pool | None]:
+    ) -> AbstractContextManager[Pool | ClusterPool | None]:
         """Return the workers for what is read, None for nothing; the largest packages are begun first.
 
         So the workers end at about the same time.
@@ -314,6 +316,8 @@ class _Build:
             Task(source.repository.name, package.name, package.path, self._earlier(source, package, plan))
             for source, package in largest
         ]
+        if self._settings.cluster:
+            return self._cluster_pool(workspace, plan, tasks, calls)
         if model or (self._jobs > 1 and not all(task.earlier for task in tasks)):
             # Once for all workers, which are forked; a single one loads it with the first text that it meets, and
             # where all packages were read before, most of their texts are tagged.
@@ -322,6 +326,26 @@ class _Build:
             prepare(model)
         job = Job(workspace, self._settings.base, self._settings.max_file_bytes, model, self._cache, calls)
         return Pool(job, tasks, self._jobs)
+
+    def _cluster_pool(
+        self, workspace: RecordingWorkspace, plan: Plan, tasks: list[Task], calls: tuple[str, ...]
+    ) -> ClusterPool:
+        """Return the workers of the cluster that the settings name; raises as `kg.pipeline.cluster.ClusterPool`."""
+        from kg.pipeline.artifacts import Artifacts  # noqa: PLC0415 - few builds have a cluster
+        from kg.pipeline.cluster import ClusterPool, batches  # noqa: PLC0415 - the same
+        from kg.pipeline.extracting import Request  # noqa: PLC0415 - the same
+        from kg.pipeline.pool import PACKAGE_SECONDS  # noqa: PLC0415 - a build without changes imports no reader
+        from kg.pipeline.work import Job  # noqa: PLC0415 - the same
+
+        settings = self._settings
+        artifacts = Artifacts(settings.artifacts or str(self._cache / "artifacts"))
+        job = Job(workspace, settings.base, settings.max_file_bytes, settings.nlp_model, calls=calls)
+        name = artifacts.keep_job(plan.version, code_version(settings.nlp_model, self._cache), job)
+        sizes = {(source.repository.name, package.path): _code_bytes(package) for source, package in plan.read}
+        work = batches((task, sizes[task.source, task.path]) for task in tasks)
+        return ClusterPool(
+            settings.cluster, work, Request(artifacts.address, name, PACKAGE_SECONDS), artifacts, self._report
+        )
 
     def _earlier(self, source: Source, package: PackageFolder, plan: Plan) -> str:
         """Return the name of the last result of a package, if the same version of `kg` made it."""

@@ -23,7 +23,19 @@ if TYPE_CHECKING:
     from kg.graph.nodes import Stated
     from kg.pipeline.recording import Lookup
 
-__all__ = ["descriptions", "exists", "keep_only", "launches", "lookups", "nodes", "pack", "shared", "store", "triples"]
+__all__ = [
+    "descriptions",
+    "exists",
+    "keep_only",
+    "launches",
+    "lookups",
+    "lookups_of",
+    "nodes",
+    "pack",
+    "shared",
+    "store",
+    "triples",
+]
 
 _LEVEL: Final = 1
 _ENDING: Final = ".z"
@@ -73,8 +85,8 @@ def shared(folder: Path, name: str) -> bytes | None:
 
 def lookups(folder: Path, name: str) -> dict[Lookup, str] | None:
     """Return the look-ups that a result depends on, with their answers; None when it is not there or damaged."""
-    part = _part(folder, name, _LOOKUPS)
-    return None if part is None else {tuple(lookup): answer for *lookup, answer in json.loads(part)}
+    packed = _read(folder, name)
+    return None if packed is None else lookups_of(packed)
 
 
 def launches(folder: Path, name: str) -> tuple[LaunchConfiguration, ...] | None:
@@ -120,10 +132,17 @@ def keep_only(folder: Path, names: Iterable[str]) -> None:
             path.unlink(missing_ok=True)
 
 
+def lookups_of(packed: bytes) -> dict[Lookup, str]:
+    """Return the look-ups that a packed result depends on, with their answers."""
+    return {tuple(lookup): answer for *lookup, answer in json.loads(_part_of(packed, _LOOKUPS))}
+
+
 def _part(folder: Path, name: str, number: int) -> bytes | None:
     packed = _read(folder, name)
-    if packed is None:
-        return None
+    return None if packed is None else _part_of(packed, number)
+
+
+def _part_of(packed: bytes, number: int) -> bytes:
     start = 0
     for _ in range(number):
         start += _LENGTH_BYTES + _length(packed, start)

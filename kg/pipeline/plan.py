@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from kg.pipeline.state import PackageState, State
     from kg.settings import Settings
 
-__all__ = ["CODE", "LIBRARIES", "Key", "Plan", "listing", "make_plan", "shape", "stamp", "version"]
+__all__ = ["CODE", "LIBRARIES", "Key", "Plan", "code_version", "listing", "make_plan", "shape", "stamp", "version"]
 
 Key = tuple[str, str]
 """Name of the source and path of the package in it."""
@@ -69,15 +69,19 @@ def version(settings: Settings, folder: Path | None = None) -> str:
     users' descriptions of framework calls. What stands for code, data and libraries is kept in the cache `folder`, as
     long as no file of them changes. Raises as `kg.pipeline.calls.read_calls`.
     """
+    set_to = [settings.base, str(settings.max_file_bytes), *read_calls(call_files(settings)).values()]
+    return _digest([code_version(settings.nlp_model, folder), *set_to])
+
+
+def code_version(model: str, folder: Path | None = None) -> str:
+    """Return what stands for the code and data of `kg`, its libraries and the spaCy pipeline `model`, as `version`."""
     package = Path(__file__).resolve().parent.parent
     knowledge = [path for path in resources.folder("ontology").iterdir() if path.suffix != ".ttl"]  # for rules alone
     own = [*(package / name for name in CODE), *sorted(knowledge)]
     files = (*(state for root in own for state in states(root)), *installations())
     place = folder and folder / _VERSION
     installed = kept(place, files, sys.version, lambda: _digest([resources.digest(own), *_libraries()]))
-    set_to = [settings.base, str(settings.max_file_bytes), identity(settings.nlp_model)]
-    set_to += read_calls(call_files(settings)).values()
-    return _digest([installed, sys.version, *set_to])
+    return _digest([installed, sys.version, identity(model)])
 
 
 def _libraries() -> list[str]:

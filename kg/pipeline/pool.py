@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-__all__ = ["PACKAGE_SECONDS", "Pool", "Task"]
+__all__ = ["PACKAGE_SECONDS", "Pool", "Task", "attempt", "end_of"]
 
 PACKAGE_SECONDS: Final = 300.0
 """How long one package may take; the largest known takes some seconds."""
@@ -95,6 +95,11 @@ class Pool:
         self._workers = []
         gc.unfreeze()
 
+    @property
+    def size(self) -> int:
+        """How many packages are read at a time."""
+        return self._size
+
     def outcomes(self) -> Iterator[Outcome]:
         """Yield the outcome of each task as it comes."""
         while self._queue or self._busy:
@@ -152,7 +157,7 @@ class Pool:
             outcome: Outcome = worker.pipe.recv()
         except (EOFError, OSError):
             worker.process.join()
-            message = f"the process that read the package ended with {_end(worker.process)}"
+            message = f"the process that read the package ended with {end_of(worker.process.exitcode or 0)}"
             yield from self._bury(worker, message)
             return
         worker.given.popleft()
@@ -184,8 +189,8 @@ def _interrupts_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, earlier)
 
 
-def _end(process: BaseProcess) -> str:
-    code = process.exitcode or 0
+def end_of(code: int) -> str:
+    """Return in words how a process ended, by its exit code, which is negative for a signal."""
     return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
 
 
@@ -204,11 +209,12 @@ def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool
     with contextlib.suppress(EOFError, OSError):
         while True:
             task: Task = pipe.recv()
-            pipe.send(_attempt(job, task))
+            pipe.send(attempt(job, task))
     os._exit(0)
 
 
-def _attempt(job: Job, task: Task) -> Outcome:
+def attempt(job: Job, task: Task) -> Outcome:
+    """Return the outcome of a task; a defect that raises is the problem of a failed one."""
     try:
         return work(job, task.source, task.path, task.earlier)
     except _DEFECTS as error:

@@ -14,6 +14,7 @@ from kg import resources
 from kg.errors import RuleError
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
+from kg.graph.shared import SHARED
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest, installed_packs
 from kg.rules import compiled
@@ -34,12 +35,14 @@ if TYPE_CHECKING:
     from kg.rules.documents import Statement
     from kg.rules.explain.proof import Evidence
     from kg.rules.explain.view import Vocabulary
+    from kg.rules.partitions import Parts
     from kg.rules.reading import Pack
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = [
     "check_context",
+    "division",
     "explained_vocabulary",
     "ontology_schema",
     "rule_folders",
@@ -229,6 +232,30 @@ def _cut(
     """Return rules that were cut before in this process, as long as neither a file nor an axiom changed."""
     rules, broken = _read(folders, installed, families, mark)
     return specialised(rules, [quad.triple for quad in parse(axioms, RdfFormat.N_TRIPLES)]), broken
+
+
+def division(settings: Settings, snapshot: EmbeddedSnapshot) -> tuple[Parts, Parts]:
+    """Return how the graph of a store divides into sources, each with the systems of its launch files.
+
+    The first counts all facts, the second asserted ones alone.
+    """
+    from kg.rules.partitions import parts_of  # noqa: PLC0415 - builds divide nothing
+
+    start = f"{settings.base}graph/"
+
+    def part(graph: str, subject: str) -> str | None:
+        kind, _, rest = graph.removeprefix(start).partition("/")
+        if kind == "starts":  # of all sources, in one graph
+            kind, rest = "launch", subject.removeprefix(f"{settings.base}start/")
+        if not graph.startswith(start) or kind not in {"launch", "source", "robot"}:
+            return None
+        return rest.partition("/-/")[0] if kind == "launch" else rest
+
+    iris = Iris(settings.base)
+    copied = frozenset(iris.graph(name) for name in ("builds", "ontology", SHARED))
+    inferred = NamedNode(iris.graph("inferred"))
+    asserted = parts_of(lambda: (quad for quad in snapshot.quads() if quad.graph_name != inferred), part, copied)
+    return parts_of(snapshot.quads, part, copied), asserted
 
 
 def term_uses(snapshot: EmbeddedSnapshot) -> dict[str, int]:

@@ -144,7 +144,14 @@ class Report(Protocol):
         ...
 
     def planned(self, read: int, reused: int, jobs: int) -> None:
-        """Tell how many packages will be read, and how many are as the last build left them."""
+        """Tell how many packages will be read, how many are as the last build left them, and by how many processes.
+
+        `jobs` is 0 for a cluster.
+        """
+        ...
+
+    def placed(self, worker: str, source: str) -> None:
+        """Tell that a worker of a cluster, by its address, begins to read packages of a source."""
         ...
 
     def done(self, result: PackageResult) -> None:
@@ -175,6 +182,9 @@ class Silent:
 
     def planned(self, read: int, reused: int, jobs: int) -> None:
         """Take note of the plan."""
+
+    def placed(self, worker: str, source: str) -> None:
+        """Take note of what a worker of a cluster reads."""
 
     def done(self, result: PackageResult) -> None:
         """Take note of a package that was read."""

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 __all__ = ["Writing", "Written", "shared_of", "untouched"]
 
 _FLUSH_BYTES: Final = 16 << 20
+_MOST_BYTES: Final = 64 << 20
+"""Bytes of all sources together that wait to be written; a build of many small ones would hold all of them."""
 _OWN: Final = re.compile(f" (?:{re.escape(v.BYTES)}|{re.escape(v.DIGEST)}) ".encode())
 """What is said of a file only by the package that it is of."""
 _SMALL: Final = 10
@@ -74,6 +76,7 @@ class Writing:
         self._patched: set[str] = set()
         self._dropped: set[str] = set()
         self._waiting: dict[str, list[bytes]] = {}
+        self._waiting_bytes = 0
         self.triples = 0
 
     def begin(self, changed: list[Source]) -> None:
@@ -191,11 +194,17 @@ class Writing:
         waiting = self._waiting.setdefault(name, [])
         waiting.append(content)
         self.triples += content.count(b"\n")
+        self._waiting_bytes += len(content)
         if sum(map(len, waiting)) > _FLUSH_BYTES:
             self._flush(name)
+        elif self._waiting_bytes > _MOST_BYTES:
+            for one in list(self._waiting):
+                self._flush(one)
 
     def _flush(self, name: str) -> None:
-        self._transaction.load(self._graph(name), self._waiting.pop(name, []))
+        waiting = self._waiting.pop(name, [])
+        self._waiting_bytes -= sum(map(len, waiting))
+        self._transaction.load(self._graph(name), waiting)
 
     def _content(self, package: PackageState) -> bytes:
         return _sound(self._folder, package, cache.triples(self._folder, package.result))

@@ -7,6 +7,7 @@ update that mints blank nodes must not run twice.
 from __future__ import annotations
 
 import base64
+import os
 import shutil
 import time
 import urllib.request
@@ -28,6 +29,7 @@ _ATTEMPTS: Final = 4
 _FIRST_PAUSE: Final = 0.1
 """Seconds before the second attempt; each further pause is twice as long."""
 _LONGEST_LINE: Final = 300
+_LOGIN: Final = "Set KG_REMOTE_USER and KG_REMOTE_PASSWORD, or KG_REMOTE_TOKEN."
 _ANYTHING: Final = "*/*"
 _IN_MEMORY: Final = 16 << 20
 """Bytes of an answer; a larger one goes to a temporary file."""
@@ -55,9 +57,13 @@ class Endpoint:
         StoreError: KG225 when the address is not one of http or https.
     """
 
-    def __init__(self, address: str, *, timeout: float = 60.0) -> None:
-        """`timeout` is how many seconds the server may be silent."""
+    def __init__(self, address: str, *, timeout: float = 60.0, from_environment: bool = False) -> None:
+        """`timeout` is how many seconds the server may be silent.
+
+        `from_environment` sends what `KG_REMOTE_TOKEN`, or `KG_REMOTE_USER` and `KG_REMOTE_PASSWORD`, hold.
+        """
         self.timeout = timeout
+        self._from_environment = from_environment
         parts = urlsplit(address)
         host = parts.netloc.rpartition("@")[2]
         self.shown = urlunsplit((parts.scheme, host, parts.path, "", ""))
@@ -68,9 +74,40 @@ class Endpoint:
         self._url = urlunsplit((parts.scheme, host, parts.path, parts.query, ""))
         self._headers = {"User-Agent": "kg"}
         if parts.username is not None:
-            pair = f"{unquote(parts.username)}:{unquote(parts.password or '')}"
-            self._headers["Authorization"] = "Basic " + base64.b64encode(pair.encode()).decode()
+            self._headers["Authorization"] = _basic(unquote(parts.username), unquote(parts.password or ""))
+        elif from_environment:
+            self._headers |= _credentials(parts.scheme, parts.hostname or "")
         self._opener = urllib.request.build_opener(_NoRedirects)
+
+    def get(self, target: IO[bytes], limit: int) -> None:
+        """Write what is at the address into `target`.
+
+        Raises:
+            StoreError: KG225 as `post`, KG308 for more than `limit` bytes.
+        """
+        request = urllib.request.Request(self._url, headers=self._headers)  # noqa: S310 - http or https, see __init__
+        try:
+            with self._opener.open(request, timeout=self.timeout) as response:
+                while chunk := response.read(1 << 16):
+                    limit -= len(chunk)
+                    if limit < 0:
+                        raise StoreError("KG308", "the server sent more than it may", place=Place(self.shown))
+                    target.write(chunk)
+        except HTTPError as error:
+            raise self._refused(error) from error
+        except (OSError, HTTPException) as error:
+            raise self._unreachable(error, self.timeout) from error
+
+    def put(self, content: IO[bytes], size: int) -> None:
+        """Put `size` bytes to the address; raises as `post`."""
+        headers = {**self._headers, "Content-Type": "application/octet-stream", "Content-Length": str(size)}
+        request = urllib.request.Request(self._url, content, headers, method="PUT")  # noqa: S310 - http or https, see __init__
+        try:
+            self._opener.open(request, timeout=self.timeout).close()
+        except HTTPError as error:
+            raise self._refused(error) from error
+        except (OSError, HTTPException) as error:
+            raise self._unreachable(error, self.timeout) from error
 
     def post(self, fields: Mapping[str, str], *, accept: str = _ANYTHING, timeout: float | None = None) -> Answer:
         """Send the fields of a form, which every server understands, and return the answer.
@@ -107,7 +144,7 @@ class Endpoint:
         with error:
             line = _first_line(error.read(1 << 16))
         if error.code in {401, 403}:
-            hint = "Give user and password of the server in the address, as http://USER:PASSWORD@HOST/."
+            hint = _LOGIN if self._from_environment else "Give user and password as http://USER:PASSWORD@HOST/."
         elif 300 <= error.code < 400:  # noqa: PLR2004 - redirections of HTTP
             hint = "Give the address that the server answers at itself; redirections are not followed."
         elif error.code in {404, 405}:
@@ -126,6 +163,27 @@ class Endpoint:
             message = f"cannot connect to the server: {reason or type(reason).__name__}"
             hint = "Check that the server runs and that the address is right."
         return StoreError("KG225", message, place=Place(self.shown), hint=hint)
+
+
+def _credentials(scheme: str, host: str) -> dict[str, str]:
+    """Return the header with what the environment holds for the server that the owner named.
+
+    It is not sent unencrypted to another machine.
+    """
+    token = os.environ.get("KG_REMOTE_TOKEN")
+    user = os.environ.get("KG_REMOTE_USER")
+    if not token and not user:
+        return {}
+    if scheme != "https" and host not in {"localhost", "127.0.0.1", "::1"}:
+        hint = "Use an address of https, or unset KG_REMOTE_TOKEN and KG_REMOTE_USER."
+        raise StoreError("KG225", "credentials are not sent without encryption", place=Place(host), hint=hint)
+    if token:
+        return {"Authorization": f"Bearer {token}"}
+    return {"Authorization": _basic(user or "", os.environ.get("KG_REMOTE_PASSWORD", ""))}
+
+
+def _basic(user: str, password: str) -> str:
+    return "Basic " + base64.b64encode(f"{user}:{password}".encode()).decode()
 
 
 def _unsent(error: OSError | HTTPException) -> bool:

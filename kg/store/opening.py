@@ -2,28 +2,46 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
+    from kg.errors import StoreError, UsageError
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.layout import Layout
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["existing", "layout_of", "or_empty", "reading", "writable"]
+__all__ = [
+    "existing",
+    "layout_of",
+    "or_empty",
+    "reading",
+    "reading_all",
+    "reading_with_cache",
+    "remote_refusal",
+    "writable",
+]
+
+_PATIENT_SECONDS: Final = 3600.0
+"""How long a server may be silent where queries have no deadline."""
 
 
 def layout_of(settings: Settings) -> Layout:
-    """Return where the store in force stands; StoreError KG301 when there is none. No engine is loaded."""
+    """Return where the store in force stands; StoreError KG301 when there is none, KG309 for one on a server.
+
+    No engine is loaded.
+    """
     from kg.store.layout import FOLDER, Layout, find  # noqa: PLC0415 - start-up time
 
     if settings.store is None:
         return find(Path.cwd())
+    if isinstance(settings.store, str):
+        raise remote_refusal(settings.store)
     inner = settings.store / FOLDER
     root = inner if inner.is_dir() else settings.store
     if not root.is_dir():
@@ -31,6 +49,23 @@ def layout_of(settings: Settings) -> Layout:
 
         raise StoreError("KG301", f"no store at {settings.store} ({settings.origin('store')})")
     return Layout(root.absolute())
+
+
+def remote_refusal(address: str) -> StoreError:
+    """Return the error of a command that a SPARQL server cannot serve."""
+    from kg.errors import Place, StoreError  # noqa: PLC0415 - with the branch that needs it
+
+    hint = "Use a store of this machine; `kg pull` makes one of a published graph."
+    return StoreError("KG309", "the command does not work on a SPARQL server", place=Place(address), hint=hint)
+
+
+def _named_by_a_file(settings: Settings) -> UsageError:
+    """Return the error about a server that a file of settings names: it may come with a checkout of somebody else."""
+    from kg.errors import UsageError  # noqa: PLC0415 - with the branch that needs it
+
+    origin = settings.origin("store")
+    hint = "Name the server with --store or KG_STORE."
+    return UsageError("KG002", "kg.toml cannot name a server as the store", place=origin.place, hint=hint)
 
 
 def existing(settings: Settings) -> EmbeddedStore:
@@ -41,8 +76,48 @@ def existing(settings: Settings) -> EmbeddedStore:
 
 
 def reading(settings: Settings) -> EmbeddedSnapshot:
-    """Return the content of the store in force, for a `with` statement."""
+    """Return the content of the store in force, for a `with` statement; that of a server where settings name one."""
+    if isinstance(settings.store, str):
+        from kg.store.remote_reading import RemoteReading  # noqa: PLC0415 - most stores are folders
+
+        if settings.origin("store").kind == "file":
+            raise _named_by_a_file(settings)
+        return RemoteReading(settings.store, timeout=settings.timeout or _PATIENT_SECONDS)
     return existing(settings).read()
+
+
+@contextmanager
+def reading_with_cache(settings: Settings) -> Iterator[tuple[EmbeddedSnapshot, Path]]:
+    """Yield the content of the store in force and the folder of its cache; that of a server is temporary."""
+    if isinstance(settings.store, str):
+        import tempfile  # noqa: PLC0415 - with the branch that needs it
+
+        with tempfile.TemporaryDirectory(prefix="kg-") as folder, reading(settings) as snapshot:
+            yield snapshot, Path(folder)
+        return
+    store = existing(settings)
+    with store.read() as snapshot:
+        yield snapshot, store.layout.cache
+
+
+@contextmanager
+def reading_all(settings: Settings, stores: Sequence[str]) -> Iterator[EmbeddedSnapshot]:
+    """Yield the content of the stores named, as one; that in force when none or one is named.
+
+    Raises StoreError KG301 for the first that is not there.
+    """
+    if len(stores) < 2:  # noqa: PLR2004 - one store is no union
+        with reading(settings) as snapshot:
+            yield snapshot
+        return
+    from kg.store.union import union_of  # noqa: PLC0415 - most commands read one store
+
+    for name in stores:
+        if "://" in name:
+            raise remote_refusal(name)
+    with ExitStack() as stack:
+        opened = [stack.enter_context(reading(replace(settings, store=Path(name).expanduser()))) for name in stores]
+        yield stack.enter_context(union_of(opened))
 
 
 @contextmanager
@@ -85,12 +160,13 @@ def writable(settings: Settings, *, create: bool = True) -> Iterator[EmbeddedSto
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
     from kg.store.layout import FOLDER  # noqa: PLC0415 - start-up time
 
+    folder = Path.cwd() / FOLDER if settings.store is None else Path(settings.store)
     try:
         store, is_new = existing(settings), False
     except StoreError as error:
         if error.code != "KG301" or not create:
             raise
-        store, is_new = EmbeddedStore.create(settings.store or Path.cwd() / FOLDER), True
+        store, is_new = EmbeddedStore.create(folder), True
     try:
         yield store
     finally:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import re
 from contextlib import contextmanager
+from tempfile import SpooledTemporaryFile
 from typing import IO, TYPE_CHECKING, Final, Self, cast
 from uuid import uuid4
 
@@ -21,8 +22,10 @@ from pyoxigraph import (
     NamedNode,
     Quad,
     QueryResultsFormat,
+    QuerySolutions,
     RdfFormat,
     Store,
+    Variable,
     parse,
     parse_query_results,
     serialize,
@@ -36,7 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from types import TracebackType
 
-    from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples
+    from pyoxigraph import QueryBoolean, QueryTriples
 
     from kg.store.http import Answer
 
@@ -44,7 +47,19 @@ __all__ = ["RemoteSnapshot", "RemoteStore"]
 
 _REFUSED: Final = r"answered (?:(?:404|405|415|501) |400 .*(?:query must be set|[Mm]issing|[Nn]o query))"
 """What servers answer to an update where they take queries; one that lacks the field `query` is Oxigraph's 400."""
-_ACCEPT: Final = "application/sparql-results+json, application/n-triples, text/turtle;q=0.5"
+_VIRTUOSO_ASK: Final = Variable("__ASK_RETVAL")
+"""What Virtuoso calls the answer to ASK, a row with 0 or 1."""
+_VIRTUOSO: Final = b'\n{ "head": { "link": ['
+"""What its rows in JSON begin with."""
+_VIRTUOSO_BOOLEAN: Final = re.compile(rb'("http://www\.w3\.org/2001/XMLSchema#boolean", "value": ")([01])(?=")')
+_IN_MEMORY: Final = 16 << 20
+"""Bytes of rows; more go to a temporary file."""
+_ROWS: Final = "application/sparql-results+json"
+_TRIPLES: Final = "application/n-triples, text/turtle;q=0.5"
+_MAKES_TRIPLES: Final = re.compile(
+    r"(?:\s|\#[^\n]*\n|(?:BASE|PREFIX\s+[^\s:]*:)\s*<[^>]*>)*(?:CONSTRUCT|DESCRIBE)\b", re.IGNORECASE
+)
+"""A query whose answer is triples; servers that are offered both kinds may answer triples as rows (Virtuoso)."""
 
 
 class RemoteStore:
@@ -117,8 +132,13 @@ class RemoteSnapshot:
         """
         declared = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in (prefixes or {}).items())
         fields = {"query": declared + text} | ({"union-default-graph": "true"} if union else {})
-        answer = self._endpoint.post(fields, accept=_ACCEPT, timeout=timeout)
-        return self._parsed(answer)
+        accept = _TRIPLES if _MAKES_TRIPLES.match(text) else _ROWS
+        answer = self._endpoint.post(fields, accept=accept, timeout=timeout)
+        found = self._parsed(answer)
+        if isinstance(found, QuerySolutions) and found.variables == [_VIRTUOSO_ASK]:
+            answered = any(row[_VIRTUOSO_ASK].value == "1" for row in found)
+            return Store().query(f"ASK {{ FILTER({str(answered).lower()}) }}")
+        return found
 
     def rows(self, text: str) -> QuerySolutions:
         """Run a SELECT whose graphs are all named in its text."""
@@ -165,13 +185,26 @@ class RemoteSnapshot:
         place = Place(self._endpoint.shown)
         try:
             if results := QueryResultsFormat.from_media_type(answer.media_type):
-                return parse_query_results(answer.body, format=results)
+                return parse_query_results(_with_booleans(answer.body), format=results)
             if triples := RdfFormat.from_media_type(answer.media_type):
                 return _triples(answer.body, triples)
         except (SyntaxError, ValueError) as error:
             raise StoreError("KG225", f"the answer of the server cannot be read: {error}", place=place) from error
         message = f"the server answered with `{answer.media_type}`, which is not a result of a query"
         raise StoreError("KG225", message, place=place, hint="Check that the address is the one for SPARQL queries.")
+
+
+def _with_booleans(body: IO[bytes]) -> IO[bytes]:
+    """Return rows in which the booleans of Virtuoso, 1 and 0, are those that it was given: true and false."""
+    start = body.read(len(_VIRTUOSO))
+    body.seek(0)
+    if start != _VIRTUOSO:
+        return body
+    mended = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the answer
+    for line in body:  # quotes in a text are escaped, so that this is no part of one
+        mended.write(_VIRTUOSO_BOOLEAN.sub(lambda match: match[1] + (b"true", b"false")[match[2] == b"0"], line))
+    mended.seek(0)
+    return cast("IO[bytes]", mended)
 
 
 def _triples(body: IO[bytes], rdf_format: RdfFormat) -> QueryTriples:

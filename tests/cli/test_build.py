@@ -151,6 +151,24 @@ def test_the_store_named_by_the_environment_is_used(kg: Program, workspace: Path
     assert "base_controller" in kg("nodes", KG_STORE="elsewhere").out
 
 
+def test_a_dry_run_shows_volumes_and_reads_nothing(kg: Program, workspace: Path, tmp_path: Path) -> None:
+    """Packages, files and bytes of code are counted, an estimate is made of them, and no store comes to be."""
+    run = kg("build", str(workspace), "--dry-run", "--json")
+    (volume,) = [json.loads(line) for line in run.out.splitlines()]
+    assert (volume["packages"], volume["reused"]) == (5, 0)
+    assert volume["code_bytes"] > 0
+    assert volume["reading_seconds"] > 0
+    assert "would read 5 packages" in run.err
+    assert not (tmp_path / ".kg").exists()
+
+
+def test_a_dry_run_counts_what_is_as_it_was(kg: Program, workspace: Path) -> None:
+    """What the last build read is not counted again."""
+    kg("build", str(workspace))
+    (volume,) = [json.loads(line) for line in kg("build", "--dry-run", "--json").out.splitlines()]
+    assert (volume["packages"], volume["reused"], volume["code_bytes"]) == (0, 5, 0)
+
+
 def test_ctrl_c_ends_a_build_in_one_line_and_leaves_the_store(kg: Program, workspace: Path, tmp_path: Path) -> None:
     """Interrupted, a build says so without a traceback, ends with 130, and the store is as it was."""
     kg("build", str(workspace))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -129,7 +130,7 @@ def test_completion_counts_once_and_keeps_it(snapshot: EmbeddedSnapshot, setting
     assert found["snapshot"] == snapshot.identity
     assert found["ready"]
     assert complete(snapshot, settings, text) == found
-    assert settings.store is not None
+    assert isinstance(settings.store, Path)
     assert list(settings.store.glob("cache/completion-*/*/statistics.json"))
     with pytest.raises(UsageError, match="no number"):
         complete(snapshot, settings, text, "here")

@@ -8,7 +8,21 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Base, Calls, Families, Jobs, Json, MaxFileBytes, Memory, NlpModel, NoRules, Rules, Store
+from kg.cli.options import (
+    Artifacts,
+    Base,
+    Calls,
+    Cluster,
+    Families,
+    Jobs,
+    Json,
+    MaxFileBytes,
+    Memory,
+    NlpModel,
+    NoRules,
+    Rules,
+    Store,
+)
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.session import session
 from kg.cli.supervising import supervise
@@ -38,6 +52,9 @@ Corpus = Annotated[
     str | None,
     typer.Option("--corpus", metavar="LOCK", help="Also build all repositories of this lock file (`kg corpus fetch`)."),
 ]
+DryRun = Annotated[
+    bool, typer.Option("--dry-run", help="Show how much would be read and about how long it takes; read nothing.")
+]
 Problems = Annotated[bool, typer.Option("--problems", help="List all problems and reasons, not only the first.")]
 
 
@@ -48,6 +65,9 @@ def build(  # noqa: PLR0913 - the options of a command
     corpus: Corpus = None,
     problems: Problems = False,
     jobs: Jobs = None,
+    cluster: Cluster = None,
+    artifacts: Artifacts = None,
+    dry_run: DryRun = False,
     max_file_bytes: MaxFileBytes = None,
     memory: Memory = None,
     nlp_model: NlpModel = None,
@@ -70,10 +90,13 @@ def build(  # noqa: PLR0913 - the options of a command
         kg build https://github.com/ros-planning/navigation.git@noetic-devel
         kg build --corpus robots/corpus.lock.toml
         kg build
+        kg build --cluster tcp://scheduler:8786 --artifacts /shared/kg SOURCE...
     """
     given = session(context).settings(
         store=store,
         jobs=jobs,
+        cluster=cluster,
+        artifacts=artifacts,
         max_file_bytes=max_file_bytes,
         memory=memory,
         nlp_model=nlp_model,
@@ -86,6 +109,9 @@ def build(  # noqa: PLR0913 - the options of a command
         supervise(given.memory)
     checkouts, whole = _checkouts(corpus) if corpus else ([], True)
     named = [*(sources or ()), *checkouts]
+    if dry_run:
+        _estimate(named, given, json=json)
+        return
     sound = _build(named, given, problems=problems, infer=not no_rules, json=json) and whole
     if watch:
         _watch(given, problems=problems, infer=not no_rules, json=json)
@@ -117,6 +143,24 @@ def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, 
     if json:
         json_lines([report_object(report)])
     return not left_out(report.inferred)
+
+
+def _estimate(named: list[str], given: "Settings", *, json: bool) -> None:
+    """List what a build would read of each source, and about how long that takes."""
+    from kg.cli.build_view import volume_object, volume_row, volumes_in_words  # noqa: PLC0415 - start-up time
+    from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
+    from kg.pipeline.estimating import estimate  # noqa: PLC0415 - start-up time
+
+    with for_people() as progress:
+        found = estimate(named, given, progress)
+    columns = (
+        Column("source", "name"),
+        *(Column(title, "number") for title in ("packages", "unchanged", "files", "code MB", "s of reading")),
+    )
+    objects = map(volume_object, found) if json else None
+    listing(columns, map(volume_row, found), objects=objects)
+    for line in volumes_in_words(found):
+        note(line)
 
 
 def _watch(given: "Settings", *, problems: bool, infer: bool, json: bool) -> None:

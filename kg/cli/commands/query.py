@@ -8,15 +8,15 @@ import typer
 
 from kg.cli.completion import queries as query_names
 from kg.cli.diagnostics import note
-from kg.cli.options import Format, Json, Limit, Queries, Rules, Store, Timeout
+from kg.cli.options import Format, Json, Limit, Queries, Rules, Stores, Timeout
 from kg.cli.output import json_lines, listing, terminal, write
 from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
 from kg.render.text import count
-from kg.store.opening import reading
+from kg.store.opening import reading_all
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from kg.cli.links import Links
     from kg.query.stored import StoredQuery
@@ -63,7 +63,7 @@ def query(  # noqa: PLR0913 - the options of a command
     timeout: Timeout = None,
     queries: Queries = None,
     json: Json = False,
-    store: Store = None,
+    store: Stores = None,
 ) -> None:
     """Run a SPARQL query or a stored query.
 
@@ -78,10 +78,17 @@ def query(  # noqa: PLR0913 - the options of a command
         kg query -f mine.rq --format csv > answer.csv
         kg query --list
         kg query who-publishes --param topic=cmd_vel
+        kg query --store mine --store theirs who-publishes --param topic=cmd_vel
         kg query --on-demand kinship 'SELECT ?who { ?who <urn:x:ancestor> <urn:x:anna> }'
     """
+    stores = store or ()
     settings = session(context).settings(
-        store=store, format=format_name, limit=limit, timeout=timeout, queries=queries, rules=rules
+        store=stores[-1] if stores else None,
+        format=format_name,
+        limit=limit,
+        timeout=timeout,
+        queries=queries,
+        rules=rules,
     )
     if listed:
         _list(settings, json=json)
@@ -90,7 +97,7 @@ def query(  # noqa: PLR0913 - the options of a command
     if help_query:
         _explain(asked, json=json)
         return
-    _answer(asked, pairs(param or []), settings, on_demand, json=json)
+    _answer(asked, pairs(param or []), settings, stores, on_demand, json=json)
 
 
 def _list(settings: "Settings", *, json: bool) -> None:
@@ -115,15 +122,21 @@ def _explain(asked: "StoredQuery", *, json: bool) -> None:
         write(line)
 
 
-def _answer(
-    asked: "StoredQuery", values: dict[str, str], settings: "Settings", family: str | None, *, json: bool
+def _answer(  # noqa: PLR0913 - the options of a query
+    asked: "StoredQuery",
+    values: dict[str, str],
+    settings: "Settings",
+    stores: "Sequence[str]",
+    family: str | None,
+    *,
+    json: bool,
 ) -> None:
     from kg.cli.answers import answer, format_for, is_empty  # noqa: PLC0415 - start-up time
     from kg.query.ask import ask  # noqa: PLC0415 - start-up time
 
     chosen = "jsonl" if json else format_for(settings.format)
     timeout = settings.timeout or None
-    with reading(settings) as stored, _extended(stored, asked, values, settings, family) as snapshot:
+    with reading_all(settings, stores) as stored, _extended(stored, asked, values, settings, family) as snapshot:
         result = ask(snapshot, asked, values, timeout=timeout, limit=_limit(settings, chosen))
         meant = _meant(snapshot, asked, values, timeout) if is_empty(result) else []
         links = _links(snapshot) if chosen == "table" and terminal() else None

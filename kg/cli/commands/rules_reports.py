@@ -8,18 +8,19 @@ import typer
 
 from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Families, Json, Rules, Store, Timeout
+from kg.cli.options import Base, Families, Json, Rules, Store, Timeout
 from kg.cli.output import Column, json_line, json_lines, listing, show, terminal
 from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count
 from kg.similar import did_you_mean
+from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.rules.authoring.coverage import Coverage
     from kg.rules.authoring.profiling import Profile
 
-__all__ = ["coverage", "graph", "profile"]
+__all__ = ["coverage", "graph", "plan", "profile"]
 
 _FORMATS: Final = ("svg", "mermaid", "json")
 _ENDINGS: Final = {".svg": "svg", ".mmd": "mermaid", ".mermaid": "mermaid", ".json": "json", ".jsonl": "json"}
@@ -34,6 +35,7 @@ _PROFILE: Final = (
 )
 _COVERAGE: Final = (Column("rule", "name"), Column("parts", "number"), Column("covered", "number"), Column("never"))
 
+Cluster = Annotated[bool, typer.Option("--cluster", help="For a graph divided by source; the only plan so far.")]
 Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
 Form = Annotated[str | None, typer.Option("--format", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
 
@@ -79,6 +81,43 @@ def graph(  # noqa: PLR0913 - the options of a command
         say(f"wrote {output}: {count(len(found.rules), 'rule')}")
     else:
         sys.stdout.write(text)
+
+
+def plan(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    cluster: Cluster = True,  # noqa: ARG001 - the only plan there is
+    rules: Rules = None,
+    rule_families: Families = None,
+    base: Base = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Show which rules can run on each source alone, and why not.
+
+    A graph that is divided among machines has each source, with its launch files, in one part, and a copy of the
+    ontologies and of what sources share in each. A local rule infers the same from the parts as from the whole. The
+    others need a join over all parts. Which properties stay within a source is read from the store. For example:
+
+        kg rules plan --cluster
+        kg rules plan --json
+    """
+    from kg.pipeline.reasoning import division, rules_over  # noqa: PLC0415 - start-up time
+    from kg.rules.partitions import verdicts  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, base=base)
+    with reading(settings) as snapshot:
+        parts, asserted = division(settings, snapshot)
+        found = verdicts(rules_over(settings, snapshot).rules, parts, asserted)
+    objects = (
+        {"rule": one.rule.name, "part": one.rule.part, "local": one.is_local, "why": one.reason} for one in found
+    )
+    rows = [(str(one.rule), "a source" if one.is_local else "all together", one.reason) for one in found]
+    listing((Column("rule", "name"), Column("needs"), Column("why")), rows, objects=objects if json else None)
+    local = sum(one.is_local for one in found)
+    note(f"{local:,} of {count(len(found), 'rule')} are local to a source")
+    if parts.number < 2:  # noqa: PLR2004 - one source shows no property that leads to another
+        note("the store has one source; only one with several shows which properties lead from one to another")
 
 
 def _write(output: str, text: str) -> None:

@@ -1,6 +1,7 @@
 """`kg search`: nodes by what they do, need and are wired to, with the reasons."""
 
 import sys
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
@@ -15,9 +16,11 @@ from kg.cli.session import session
 from kg.errors import Exit, UsageError
 from kg.render.text import count
 from kg.search.options import FILTERS
-from kg.store.opening import existing, reading
+from kg.store.opening import existing, reading, reading_with_cache
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from kg.cli.links import Links
     from kg.search.searching import Search
     from kg.settings import Settings
@@ -59,7 +62,7 @@ def search(  # noqa: PLR0913 - the options of a command
         kg search --subscribes LaserScan --publishes Odometry
         kg search "follow a person" --hardware lidar --ros 1 --json
     """
-    from kg.search.searching import hit_object, open_search  # noqa: PLC0415 - start-up time
+    from kg.search.searching import hit_object  # noqa: PLC0415 - start-up time
     from kg.search.wording import near  # noqa: PLC0415 - start-up time
 
     filters = {name: values for name, values in given.items() if values}
@@ -71,10 +74,10 @@ def search(  # noqa: PLR0913 - the options of a command
         raise UsageError("KG003", "no search words or filters given", hint=hint)
     most = whole(limit, "--limit", 1)
     settings = session(context).settings(store=store, search_model=model)
-    found = open_search(existing(settings), _indexing, settings.search_model)
-    if words:
-        _embedding(found)
-    answer = found.find(words, filters, most)
+    with _opened(settings) as found:
+        if words:
+            _embedding(found)
+        answer = found.find(words, filters, most)
     if words:
         tell(answer.need)
     if terminal() and not json:
@@ -86,6 +89,18 @@ def search(  # noqa: PLR0913 - the options of a command
     if not answer.hits:
         note(f"no results; {near(words, found) or 'try fewer words or filters'}")
         raise typer.Exit(Exit.FOUND)
+
+
+@contextmanager
+def _opened(settings: "Settings") -> "Iterator[Search]":
+    """Yield the search over the store in force; for a SPARQL server the index is built for this command alone."""
+    from kg.search.searching import open_search, search_of  # noqa: PLC0415 - start-up time
+
+    if isinstance(settings.store, str):
+        with reading_with_cache(settings) as (snapshot, cache):
+            yield search_of(snapshot, cache, settings.search_model)
+    else:
+        yield open_search(existing(settings), _indexing, settings.search_model)
 
 
 def _links(settings: "Settings") -> "Links":

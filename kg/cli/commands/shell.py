@@ -44,7 +44,8 @@ def shell(  # noqa: PLR0913 - the options of a command
     if once is not None:
         from kg.cli.commands.query import query  # noqa: PLC0415 - the branch that needs it
 
-        query(context, once, format_name=format_name, limit=limit, timeout=timeout, queries=queries, store=store)
+        stores = [store] if store else None
+        query(context, once, format_name=format_name, limit=limit, timeout=timeout, queries=queries, store=stores)
         return
     from kg.shell.running import run  # noqa: PLC0415 - start-up time
 

@@ -11,7 +11,7 @@ from kg.cli.output import json_lines, write
 from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
 from kg.errors import Exit, UsageError
-from kg.store.opening import existing
+from kg.store.opening import existing, reading_with_cache
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -80,9 +80,8 @@ def why(  # noqa: PLR0913 - the options of a command
     """
     form = _form("json" if json else form)
     settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
-    kept = existing(settings)
-    with kept.read() as snapshot:
-        known, view = _known(snapshot, settings, kept.layout.cache)
+    with reading_with_cache(settings) as (snapshot, cache):
+        known, view = _known(snapshot, settings, cache)
         if query is not None:
             if words:
                 raise UsageError("KG003", "a fact and --query are mutually exclusive", hint="See `kg why --help`.")

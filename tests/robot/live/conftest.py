@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import shutil
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -10,8 +11,6 @@ from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from kg.settings import Settings
 
 
@@ -24,7 +23,7 @@ def settings(tmp_path: Path) -> Settings:
 @pytest.fixture
 def store(settings: Settings) -> EmbeddedStore:
     """A store without any content."""
-    assert settings.store
+    assert isinstance(settings.store, Path)
     return EmbeddedStore.create(settings.store)
 
 

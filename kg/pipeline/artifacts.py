@@ -1,0 +1,258 @@
+"""Results of extraction that machines share, each found by a digest of the version of `kg` and of its own inputs.
+
+    artifacts = Artifacts("/shared/kg-artifacts")       # or any address that fsspec opens, such as s3://bucket/kg
+    found = artifacts.result(version, job, source, package, read)
+
+The key of a package stands for the version of `kg`, its settings and the package's own files. What a result depends on
+elsewhere (look-ups, files of other packages) is recorded in it and compared when it is found, so that a key may have
+several results. Every file has a name that contains the digest of its content: a file that is half written, damaged or
+foreign is never used.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import zlib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, TypeVar
+
+from kg.corpus.files import FilePath, PackageFolder, Source
+from kg.corpus.reading import load, mark
+from kg.errors import Place, SourceError, UsageError
+from kg.facts import Known, Problem  # noqa: TC001 - results are read by these annotations
+from kg.pipeline import cache
+from kg.pipeline.plan import listing
+from kg.pipeline.recording import Lookup, RecordingWorkspace, answer
+from kg.pipeline.report import PackageResult
+from kg.pipeline.work import Job, Outcome
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+__all__ = ["Artifacts", "Found", "without_extra"]
+
+_BYTES: Final = 16
+_JOBS: Final = "jobs"
+_RESULTS: Final = "results"
+_Content = TypeVar("_Content")
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A result in the store: its name there, and the problems that the report of a build lists."""
+
+    name: str
+    outcome: Outcome
+
+
+@dataclass(frozen=True, slots=True)
+class _Result:
+    """The content of the file of a result."""
+
+    source: str
+    name: str
+    path: str
+    counts: dict[str, int]
+    unresolved: dict[str, int]
+    problems: tuple[Problem, ...]
+    seconds: float
+    inputs: dict[str, str]
+    outside: tuple[tuple[Lookup, str], ...]
+    packed: bytes
+    known: Known
+
+
+@dataclass(frozen=True, slots=True)
+class _Build:
+    """The content of the file of a job: all that workers have to know of a build."""
+
+    version: str
+    code: str
+    base: str
+    max_file_bytes: int
+    model: str
+    calls: tuple[str, ...]
+    sources: tuple[Source, ...]
+    installed: tuple[Path, ...] = field(default_factory=tuple)
+
+
+class Artifacts:
+    """A folder, or an address that fsspec opens, of results and of the jobs that they belong to.
+
+    Raises:
+        UsageError: KG125 without the extra `cluster`.
+        SourceError: KG128 when the address cannot be used; so does every writing that fails.
+    """
+
+    def __init__(self, address: str) -> None:
+        try:
+            from fsspec.core import url_to_fs  # noqa: PLC0415 - part of the extra `cluster`
+        except ImportError as error:
+            raise without_extra() from error
+        self.address = address if "://" in address else str(Path(address).absolute())
+        try:
+            self._files, self._root = url_to_fs(self.address)
+        except (ImportError, OSError, ValueError) as error:
+            raise self._unusable(error) from error
+
+    def keep_job(self, version: str, code: str, job: Job) -> str:
+        """Write what workers have to know of a build and return its name.
+
+        `version` is that of results, `code` what stands for the code that makes them.
+        """
+        workspace = job.workspace
+        described = _Build(
+            version, code, job.base, job.max_file_bytes, job.model, job.calls, workspace.sources, workspace.installed
+        )
+        return self._write(_JOBS, zlib.compress(_encode(described), 1))
+
+    def job(self, name: str) -> tuple[str, str, Job]:
+        """Return the version of results and the code of a build, and its job, prepared for look-ups.
+
+        Raises:
+            SourceError: KG128 when it is not there or damaged.
+        """
+        content = self._read(name)
+        described = _decode(zlib.decompress(content), _Build) if content else None
+        if described is None:
+            hint = "Use a folder that all workers can read under the same path, and the same kg everywhere."
+            message = f"the description of the build, {name}, is missing or of another version of kg"
+            raise SourceError("KG128", message, place=Place(self.address), hint=hint)
+        workspace = RecordingWorkspace(described.sources, described.installed)
+        workspace.prepare()
+        job = Job(workspace, described.base, described.max_file_bytes, described.model, None, described.calls)
+        return described.version, described.code, job
+
+    def result(
+        self, version: str, job: Job, source: Source, package: PackageFolder, read: Callable[[], Outcome]
+    ) -> Found:
+        """Return the result of a package as it is now in the build of `job`; without one, `read` it and keep it.
+
+        A result that the next build is not to use again is not kept; its name is empty.
+        """
+        repository = source.repository.name
+        marks = {f"{repository}:{one.path}": _mark(job, FilePath(repository, one.path)) for one in package.files}
+        listed = [version, repository, package.path, listing(package), *map(" ".join, marks.items())]
+        key = _digest("\n".join(listed).encode("utf-8", "surrogateescape"))
+        folder = f"{_RESULTS}/{key[:2]}/{key}"
+        for name in self._names(folder):
+            outcome = self.outcome(name)
+            if outcome is not None and _holds(job, outcome, marks):
+                return Found(name, outcome)
+        outcome = read()
+        return Found(self._write(folder, _packed(outcome)) if outcome.reusable else "", outcome)
+
+    def outcome(self, name: str) -> Outcome | None:
+        """Return a result by its name; None when it is not there or damaged."""
+        content = self._read(name)
+        found = _decode(content, _Result) if content else None
+        if found is None:
+            return None
+        result = PackageResult(
+            found.source, found.name, found.path, found.counts, found.unresolved, found.problems, found.seconds
+        )
+        return Outcome(result, found.inputs, dict(found.outside), found.packed, found.known)
+
+    def _names(self, folder: str) -> Iterable[str]:
+        try:
+            found: list[str] = self._files.ls(f"{self._root}/{folder}", detail=False)
+        except OSError:
+            return ()
+        names = (path.rpartition("/")[2] for path in found)
+        return sorted(f"{folder}/{name}" for name in names if len(name) == 2 * _BYTES)
+
+    def _read(self, name: str) -> bytes | None:
+        """Return the content of a file; None when it is not there, or damaged, and then it is removed."""
+        path = f"{self._root}/{name}"
+        try:
+            content: bytes = self._files.cat_file(path)
+        except OSError:
+            return None
+        if _digest(content) == name.rpartition("/")[2]:
+            return content
+        self._remove(path)
+        return None
+
+    def _write(self, folder: str, content: bytes) -> str:
+        """Write a file under a temporary name, then rename it, so that its name always has its whole content."""
+        name = f"{folder}/{_digest(content)}"
+        temporary = f"{self._root}/{folder}/{os.urandom(8).hex()}.tmp"
+        try:
+            self._files.makedirs(f"{self._root}/{folder}", exist_ok=True)
+            self._files.pipe_file(temporary, content)
+            self._files.mv(temporary, f"{self._root}/{name}")
+        except OSError as error:
+            self._remove(temporary)
+            raise self._unusable(error) from error
+        return name
+
+    def _remove(self, path: str) -> None:
+        if self._files.exists(path):
+            self._files.rm_file(path)
+
+    def _unusable(self, error: Exception) -> SourceError:
+        words = getattr(error, "strerror", None) or str(error)
+        hint = "Name a folder that all machines can write to under the same path, or an address that fsspec opens."
+        return SourceError("KG128", f"the store of results: {words}", place=Place(self.address), hint=hint)
+
+
+def without_extra() -> UsageError:
+    """Return the error of a command that needs the extra `cluster`."""
+    hint = "Install the extra: pip install 'kg-ros[cluster]'"
+    return UsageError("KG125", "builds on a cluster need Dask, which is not installed", hint=hint)
+
+
+def _packed(outcome: Outcome) -> bytes:
+    found = outcome.result
+    content = _Result(
+        source=found.source,
+        name=found.name,
+        path=found.path,
+        counts=dict(found.counts),
+        unresolved=dict(found.unresolved),
+        problems=found.problems,
+        seconds=found.seconds,
+        inputs=outcome.inputs,
+        outside=tuple(sorted(outcome.outside.items())),
+        packed=outcome.packed,
+        known=outcome.known,
+    )
+    return _encode(content)
+
+
+def _holds(job: Job, outcome: Outcome, marks: Mapping[str, str]) -> bool:
+    """Tell whether all that a result was read from is the same now; `marks` are those of the package's own files."""
+    recorded = {**cache.lookups_of(outcome.packed), **outcome.outside}
+    if any(answer(job.workspace, lookup) != before for lookup, before in recorded.items()):
+        return False
+    for key, before in outcome.inputs.items():
+        repository, _, path = key.partition(":")
+        if (marks.get(key) or _mark(job, FilePath(repository, path))) != before:
+            return False
+    return True
+
+
+def _mark(job: Job, file: FilePath) -> str:
+    return mark(load(job.workspace, file, job.max_file_bytes))
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.blake2b(content, digest_size=_BYTES).hexdigest()
+
+
+def _encode(content: Any) -> bytes:
+    from msgspec import msgpack  # noqa: PLC0415 - start-up time
+
+    return msgpack.encode(content, enc_hook=str)
+
+
+def _decode(content: bytes, kind: type[_Content]) -> _Content | None:
+    """Return the content of a file; None for one of another form, which another version of `kg` wrote."""
+    from msgspec import DecodeError, msgpack  # noqa: PLC0415 - start-up time
+
+    try:
+        return msgpack.decode(content, type=kind, dec_hook=lambda wanted, value: wanted(value))
+    except DecodeError:
+        return None

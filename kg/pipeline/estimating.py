@@ -1,0 +1,104 @@
+"""What a build would read, and about how long that takes: counted by a scan, without opening a source file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.workspace import Workspace
+from kg.errors import StoreError
+from kg.facts import FileKind
+from kg.pipeline.plan import make_plan, version
+from kg.pipeline.sources import gather, installed_folders
+from kg.pipeline.state import load
+from kg.store.layout import Layout
+from kg.store.opening import layout_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kg.corpus.files import PackageFolder, Source
+    from kg.pipeline.report import Report
+    from kg.settings import Settings
+
+__all__ = ["Volume", "estimate"]
+
+_CODE: Final = frozenset({FileKind.CPP, FileKind.PYTHON})
+_READING: Final = 2.6
+"""Processor seconds that a megabyte of code takes, measured on 77 repositories (docs/cluster.md, "Volumes")."""
+_WRITING: Final = 1.6
+"""Seconds that wiring, rules and writing take for a megabyte of code, in the same measurement; one process does it."""
+_TRIPLES: Final = 40_000
+"""Triples for a megabyte of code, with inferred ones."""
+_STORE_BYTES: Final = 14.5
+"""Bytes of the store and its cache for each byte of code."""
+
+
+@dataclass(frozen=True, slots=True)
+class Volume:
+    """What a build would read of one source: packages, files, bytes of code; and what earlier results hold for.
+
+    The other figures are estimates: seconds of reading by one processor, seconds of writing, triples with those that
+    rules infer, and bytes of the store.
+    """
+
+    source: str
+    packages: int
+    reused: int
+    files: int
+    code_bytes: int
+
+    @property
+    def reading(self) -> float:
+        """Processor seconds of reading."""
+        return self.code_bytes * _READING / 1e6
+
+    @property
+    def writing(self) -> float:
+        """Seconds of wiring, rules and writing."""
+        return self.code_bytes * _WRITING / 1e6
+
+    @property
+    def triples(self) -> int:
+        """Triples, with those that rules infer."""
+        return round(self.code_bytes * _TRIPLES / 1e6)
+
+    @property
+    def store_bytes(self) -> int:
+        """Bytes of the store and its cache."""
+        return round(self.code_bytes * _STORE_BYTES)
+
+
+def estimate(named: Sequence[str], settings: Settings, report: Report) -> list[Volume]:
+    """Return what a build of the sources `named` would read, source by source.
+
+    Git addresses are fetched: into the store where there is one, else into a temporary folder.
+
+    Raises:
+        SourceError: KG101, KG102, KG103 when a source cannot be read at all.
+        StoreError: KG301 for a store that the settings name and that is not there.
+    """
+    with TemporaryDirectory(prefix="kg-") as temporary:
+        try:
+            layout = layout_of(settings)
+        except StoreError:
+            if not named:
+                raise
+            layout = Layout(Path(temporary))
+        state = load(layout.cache)
+        sources = gather(named or state.roots, layout.checkouts, report, again=not named)
+        workspace = Workspace(sources, installed_folders(settings))
+        now = version(settings, layout.cache)
+        plan = make_plan(workspace, state, layout.cache, now, settings.max_file_bytes)
+    reading: dict[str, list[PackageFolder]] = {source.repository.name: [] for source in sources}
+    for source, package in plan.read:
+        reading[source.repository.name].append(package)
+    return [_volume(source, reading[source.repository.name]) for source in sources]
+
+
+def _volume(source: Source, read: list[PackageFolder]) -> Volume:
+    entries = [entry for package in read for entry in package.files]
+    code = sum(entry.bytes for entry in entries if entry.kind in _CODE)
+    return Volume(source.repository.name, len(read), len(source.packages) - len(read), len(entries), code)

@@ -1,0 +1,183 @@
+"""A process that reads packages for a worker of a cluster, and the handle by which the worker uses it.
+
+A worker runs several threads and must stay reachable, so packages are read in a process of their own: one that dies or
+hangs is replaced, and costs the package that it was at. The process ends when its worker does.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from typing import Final, NamedTuple
+
+from kg.errors import KgError, SourceError
+from kg.language.annotating import prepare
+from kg.pipeline.artifacts import Artifacts
+from kg.pipeline.plan import code_version
+from kg.pipeline.pool import Task, attempt, end_of
+
+__all__ = ["Extractor", "Reading", "Request"]
+
+_START_SECONDS: Final = 120.0
+"""How long a process may take to load code, the tagger and the description of a build."""
+_END_SECONDS: Final = 0.5
+"""How long a process that has closed its end may take to exit."""
+
+
+class Request(NamedTuple):
+    """A build as a worker gets it: the store of results, the job in it, and how many seconds a package may take."""
+
+    artifacts: str
+    job: str
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What became of one package on a worker.
+
+    `artifact` is the name of its result, empty where it gave none; then `problem` is the reason. `again` tells whether
+    another attempt may succeed. With `code`, an error of `kg`, no package can be read there.
+    """
+
+    task: Task
+    artifact: str = ""
+    problem: str = ""
+    again: bool = False
+    code: str = ""
+
+
+class Extractor:
+    """Reads packages, one at a time, in a process that starts with the first and serves any number of builds."""
+
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[bytes] | None = None
+        self._pipe: Connection | None = None
+        self._request: Request | None = None
+
+    def read(self, request: Request, task: Task) -> Reading:
+        """Return what became of a package of a build, after at most the time that one may take."""
+        if self._process is not None and self._process.poll() is not None:
+            self.close()  # it ended while it had nothing to do
+        is_new = self._pipe is None
+        seconds = request.seconds + (0 if request == self._request else _START_SECONDS)
+        try:
+            found = self._answer(self._pipe or self._start(), request, task, seconds)
+        except TimeoutError:
+            self.close()
+            return Reading(task, problem=f"the package took longer than {seconds:g} s", again=True)
+        except (EOFError, OSError):
+            message = f"the process that read the package ended with {end_of(self.close())}"
+            return Reading(task, problem=message, again=True)
+        if found.code:
+            self.close()
+            if not is_new:  # an update of kg needs a new process
+                return self.read(request, task)
+        return found
+
+    def close(self) -> int:
+        """End the process and return its exit code, negative for a signal."""
+        process, pipe = self._process, self._pipe
+        self._process = self._pipe = self._request = None
+        if process is None or pipe is None:
+            return 0
+        pipe.close()
+        try:
+            code = process.wait(_END_SECONDS)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            code = process.wait()
+        if process.stdin:
+            process.stdin.close()
+        return code
+
+    def _answer(self, pipe: Connection, request: Request, task: Task, seconds: float) -> Reading:
+        if request != self._request:
+            pipe.send(request)
+            self._request = request
+        pipe.send(task)
+        if not pipe.poll(seconds):
+            raise TimeoutError
+        found: Reading = pipe.recv()
+        return found
+
+    def _start(self) -> Connection:
+        """Start the process; what keeps it from reading comes as its first answer."""
+        here, there = Pipe()
+        command = [sys.executable, "-c", f"from {__name__} import main; main()", str(there.fileno())]
+        # A worker of Dask is a daemon of its nanny, so it may not start a process by `multiprocessing`. The standard
+        # input is held open: it ends when the worker does.
+        self._process = subprocess.Popen(command, pass_fds=[there.fileno()], stdin=subprocess.PIPE)  # noqa: S603 - our own module
+        there.close()
+        self._pipe = here
+        return here
+
+
+def main() -> None:
+    """Read packages until the other end closes: after each `Request` the tasks of that build."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_worker, daemon=True).start()
+    pipe = Connection(int(sys.argv[1]))
+    request, reader = Request("", "", 0), None
+    with suppress(EOFError, OSError):
+        while True:
+            message = pipe.recv()
+            if isinstance(message, Request):
+                request, reader = message, None
+                continue
+            try:
+                reader = reader or _Reader(request)
+                found = reader.read(message)
+            except KgError as error:
+                where = f" ({error.place})" if error.place else ""
+                found = Reading(message, problem=f"{error.message}{where}", code=error.code)
+            pipe.send(found)
+    os._exit(0)
+
+
+def _end_with_worker() -> None:
+    sys.stdin.buffer.read()
+    os._exit(1)
+
+
+class _Reader:
+    """Reads packages of one build into the store of results, unless they are there."""
+
+    def __init__(self, request: Request) -> None:
+        """Raise SourceError KG127 for another version of `kg`, KG128 without the job, UsageError KG141, KG142."""
+        self._artifacts = Artifacts(request.artifacts)
+        self._version, code, self._job = self._artifacts.job(request.job)
+        prepare(self._job.model)
+        if _code(self._job.model) != code:
+            raise _elsewhere("has another version of kg, of Python or of the libraries that read sources")
+
+    def read(self, task: Task) -> Reading:
+        source = self._job.workspace.source(task.source)
+        package = next((one for one in source.packages if one.path == task.path), None) if source else None
+        if source is None or package is None:
+            raise LookupError(f"{task.source}:{task.path}")
+        if not source.root.is_dir():
+            raise _elsewhere(f"cannot read the folder {source.root}, which another machine of the build reads")
+        found = self._artifacts.result(self._version, self._job, source, package, lambda: attempt(self._job, task))
+        if not found.name:
+            return Reading(task, problem=found.outcome.result.problems[0].message)
+        return Reading(task, found.name)
+
+
+@cache
+def _code(model: str) -> str:
+    """Return what stands for the code of this process, found out when it is loaded."""
+    return code_version(model)
+
+
+def _elsewhere(message: str) -> SourceError:
+    return SourceError("KG127", f"the worker on {socket.gethostname()} {message}")
