@@ -325,6 +325,9 @@ class _Notes:
     def planned(self, read: int, reused: int, jobs: int) -> None:
         self.told.append(f"planned {read} {reused} {jobs}")
 
+    def placed(self, worker: str, source: str) -> None:
+        self.told.append(f"{worker} reads {source}")
+
     def done(self, result: PackageResult) -> None:
         self.told.append(f"done {result.name}")
 
