@@ -141,3 +141,13 @@ def test_no_such_branch(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """What the tree does not have is an error with the way out."""
     with pytest.raises(UnknownNameError, match="no branch"):
         tree(snapshot, settings, parent="https://example.org/x")
+
+
+def test_lines_and_general_capabilities(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """An interface has the text of its line; capabilities that others imply are told from those that an end reaches."""
+    found = node(snapshot, settings, name="flight_controller")
+    (state,) = (one for one in found["interfaces"] if one["name"] == "state")
+    assert "names::kState" in state["line_text"]
+    general = {one["label"]: one["general"] for one in found["capabilities"]}
+    assert set(general.values()) == {True, False}
+    assert general["know"]
