@@ -17,6 +17,7 @@ __all__ = ["PAGES", "Examined", "Shown", "examine", "inspect", "shown"]
 
 PAGES: Final = {
     "start": "/",
+    "login": "/login",
     "search, empty": "/search",
     "search": "/search?q=laser+scan",
     "search, filtered": "/search?q=&publishes=LaserScan",

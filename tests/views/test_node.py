@@ -144,10 +144,12 @@ def test_no_such_branch(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
 
 
 def test_lines_and_general_capabilities(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """An interface has the text of its line; capabilities that others imply are told from those that an end reaches."""
+    """An interface has the text of its statement, over several lines too; capabilities that others imply are told from those that an end reaches."""
     found = node(snapshot, settings, name="flight_controller")
     (state,) = (one for one in found["interfaces"] if one["name"] == "state")
     assert "names::kState" in state["line_text"]
+    (home,) = (one for one in found["interfaces"] if one["name"] == "set_home")
+    assert '"set_home"' in home["line_text"]
     general = {one["label"]: one["general"] for one in found["capabilities"]}
     assert set(general.values()) == {True, False}
     assert general["know"]
