@@ -46,9 +46,8 @@ def interface_rows(
     `inferred` has what rules derived of the node: objects by property. The keys are those of an interface in
     `kg nodes --json` (docs/formats.md), and `role`, `title`, `kind` (topic, service, action), `outward`, `iri`,
     `type_iri`, `channel_iri`, `quality` and `how` (words), `switches`, `evidence`, `line_text` (the statement as
-    the file has it now, None where it is not to be had), `calls` (evidence of the calls in wrappers and base classes, from
-    the line to the framework), and `fact` where rules infer the
-    direct relation.
+    the file has it now, None where it is not to be had), `calls` (evidence of the calls in wrappers and base classes,
+    from the line to the framework), and `fact` where rules infer the direct relation.
     """
     chosen = sorted(record.node.interfaces, key=lambda one: (list(Role).index(one.role), one.implicit))
     return [_interface(one, record, where, iris, inferred) for one in chosen]

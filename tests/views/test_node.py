@@ -144,7 +144,7 @@ def test_no_such_branch(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
 
 
 def test_lines_and_general_capabilities(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """An interface has the text of its statement, over several lines too; capabilities that others imply are told from those that an end reaches."""
+    """An interface has the text of its statement; capabilities that an end reaches are not general."""
     found = node(snapshot, settings, name="flight_controller")
     (state,) = (one for one in found["interfaces"] if one["name"] == "state")
     assert "names::kState" in state["line_text"]
