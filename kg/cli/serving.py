@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import sys
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -41,9 +43,18 @@ def announce(address: str, settings: Settings, options: Options, *, say: Callabl
             else "by nobody; set KG_TOKEN to allow it"
         )
         say(f"robot {options.robot} at {address}robot (moved {who})")
+    if (token := _token(options)) and sys.stderr.isatty():  # where this is written to a file, the token stays out of it
+        say(f"log in: {address}login#token={quote(token, safe='')}")
     if not libraries():
         say(f"pages have no pictures and a plain editor: their libraries are not installed. {HELP}")
     if browse:
         import webbrowser  # noqa: PLC0415 - with the branch that needs it
 
         webbrowser.open(address)
+
+
+def _token(options: Options) -> str | None:
+    """Return the token of a server, None where it has none."""
+    from kg.server.safety.tokens import Tokens  # noqa: PLC0415 - start-up time
+
+    return Tokens(options.token, options.token_file).current

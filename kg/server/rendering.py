@@ -32,6 +32,7 @@ __all__ = ["environment", "page", "url", "view"]
 
 _NAVIGATION: Final = (
     ("/", "Start"),
+    ("/nodes", "Nodes"),
     ("/systems", "Systems"),
     ("/query", "Query"),
     ("/rules", "Rules"),

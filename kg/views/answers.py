@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import msgspec
 
@@ -33,7 +33,17 @@ if TYPE_CHECKING:
 
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["Figures", "NodeLine", "channel_names", "channels", "figures", "node_lines", "partly_known", "set_names"]
+__all__ = [
+    "Figures",
+    "NodeLine",
+    "channel_names",
+    "channels",
+    "figures",
+    "node_lines",
+    "partly_known",
+    "rows",
+    "set_names",
+]
 
 _FOLDER: Final = "answers"
 _CODE: Final = ("facts", "graph", "launch/wiring", "query", "render", "views")
@@ -52,9 +62,10 @@ class Figures:
 
 @dataclass(frozen=True, slots=True)
 class NodeLine:
-    """A node type as a line of JSON, without the end of the line, and its kind."""
+    """A node type as a line of JSON, without the end of the line, with its kind and its IRI."""
 
     kind: str
+    iri: str
     text: str
 
 
@@ -73,7 +84,7 @@ def node_lines(snapshot: EmbeddedSnapshot) -> list[NodeLine]:
     """Return all node types of the store as lines of JSON, in the order of `kg.graph.reading.node_records`."""
 
     def make() -> list[NodeLine]:
-        return [NodeLine(str(one.node.kind), json_text(node_object(one))) for one in node_records(snapshot)]
+        return [NodeLine(str(one.node.kind), one.iri, json_text(node_object(one))) for one in node_records(snapshot)]
 
     return _answer(snapshot, "nodes", list[NodeLine], make)
 
@@ -91,6 +102,11 @@ def partly_known(snapshot: EmbeddedSnapshot) -> list[str]:
 def set_names(snapshot: EmbeddedSnapshot) -> list[str]:
     """Return the names of settings and of what they set, as `kg.graph.impact_parts.set_names` does."""
     return _answer(snapshot, "set-names", list[str], lambda: impact_parts.set_names(snapshot))
+
+
+def rows(snapshot: EmbeddedSnapshot, name: str, make: Callable[[], list[dict[str, Any]]]) -> list[dict[str, Any]]:
+    """Return the rows of a list over the whole store; `make` computes those that are not kept under this name."""
+    return _answer(snapshot, name, list[dict[str, Any]], make)
 
 
 def _answer(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer], make: Callable[[], _Answer]) -> _Answer:

@@ -75,6 +75,7 @@ CALLS: Final[dict[str, View]] = {
     "find": View("find", "find"),
     "impact": View("impact", "impact"),
     "lint": View("lint", "lint"),
+    "list": View("lists", "listing"),
     "node": View("node", "node"),
     "overview": View("overview", "overview"),
     "parameter": View("parameter", "parameter"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Final
@@ -28,6 +28,8 @@ _FORGES: Final = {
     "gitlab.com": "https://{name}/-/blob/{commit}/{path}#L{line}",
     "bitbucket.org": "https://{name}/src/{commit}/{path}#lines-{line}",
 }
+_STATEMENT: Final = 4
+"""A statement is shown with so many lines at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +94,19 @@ class Places:
         """Return the line of the file as it stands there now; None when it is not to be had."""
         place = Evidence(location.path, location.line, location.repository or repository)
         return self._lines.at(place, location.line or None)
+
+    def statement(self, repository: str, location: Location) -> str | None:
+        """Return the line of `text` with those after it on which its parentheses end, joined by spaces: few at most."""
+        found: list[str] = []
+        for line in range(location.line, location.line + _STATEMENT):
+            text = self.text(repository, replace(location, line=line))
+            if text is None:
+                break
+            found.append(text.strip())
+            whole = "".join(found)
+            if whole.count("(") <= whole.count(")"):
+                break
+        return " ".join(found) or None
 
     @staticmethod
     def own(path: Path | str, line: int | None) -> dict[str, Any]:

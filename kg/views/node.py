@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ["node"]
 
+_REACHED: Final = "SELECT DISTINCT ?c { GRAPH ?g { <%s> ros:hasComponent ?end } GRAPH ?h { ?end rnkg:reaches ?c } }"
 _CLASSES: Final = {
     "functions": "hasFunction",
     "hardware": "usesHardware",
@@ -54,7 +55,8 @@ def node(
       `kg.views.node_around`.
     * `descriptions`: `text`, `kind`, `heading`, `evidence`; the best first.
     * `functions`, `hardware`, `devices`, `capabilities`: each a list of `iri`, `label`, `inferred`, `fact`, `grade`
-      (`certain`, `strong`, `weak`, or empty) and `evidence` (what shows it: `name`, `text`, `code`).
+      (`certain`, `strong`, `weak`, or empty) and `evidence` (what shows it: `name`, `text`, `code`); those of
+      `capabilities` also `general`: no interface of the node reaches it, others imply it.
 
     A `fact` is `{"subject", "predicate", "object"}`, IRIs, as the view `why` takes them. `evidence` is as
     `kg.views.evidence.Places.evidence` returns it.
@@ -73,7 +75,7 @@ def node(
         "parameters": parameter_rows(first, where),
         "slots": slot_rows(first, where),
         "descriptions": [_description(one, first, where) for one in first.descriptions],
-        **_classes(snapshot, first.iri, inferred),
+        **_with_general(snapshot, first.iri, _classes(snapshot, first.iri, inferred)),
         "neighbours": neighbours(snapshot, first, iris),
         "used_in": users(snapshot, first.iri, where, iris),
     }
@@ -158,3 +160,12 @@ def _classes(
                 )
         found[kind].sort(key=lambda one: (one["label"], one["iri"]))
     return found
+
+
+def _with_general(
+    snapshot: EmbeddedSnapshot, iri: str, found: dict[str, list[dict[str, Any]]]
+) -> dict[str, list[dict[str, Any]]]:
+    """Return the classes of a node, whose capabilities tell whether an interface of the node reaches them."""
+    reached = {capability for (capability,) in rows(snapshot, _REACHED % iri)}
+    capabilities = [{**one, "general": one["iri"] not in reached} for one in found["capabilities"]]
+    return {**found, "capabilities": capabilities}

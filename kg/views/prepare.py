@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from kg.views.complete import kept_of
 from kg.views.find import search_over
+from kg.views.lists import LISTS, listing
 
 if TYPE_CHECKING:
     from kg.settings import Settings
@@ -15,7 +16,7 @@ __all__ = ["prepare"]
 
 
 def prepare(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, int]:
-    """Build the index of the search and the statistics of completion, which the store then keeps.
+    """Build the index of the search, the statistics of completion and all lists, which the store then keeps.
 
     Returns how many nodes (`nodes`) the index has.
 
@@ -24,4 +25,6 @@ def prepare(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, int]:
     """
     search = search_over(snapshot, settings)
     kept_of(snapshot, settings).statistics(fresh=True)
+    for name in LISTS.keys() - {"findings"}:  # which depend on kg.toml, and are not kept
+        listing(snapshot, settings, of=name, limit="1")
     return {"nodes": search.index.size}

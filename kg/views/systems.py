@@ -10,6 +10,7 @@ from kg.graph.systems_reading import included, system_names
 from kg.graph.usual_ends import channels_by_system
 from kg.pipeline.launch_names import matching, several_launches, unknown_launch
 from kg.query.rows import rows
+from kg.views import answers
 from kg.views.arguments import whole
 from kg.views.remembered import once
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["chosen_systems", "included_names", "known_names", "system_named", "systems"]
+__all__ = ["chosen_systems", "included_names", "known_names", "known_systems", "system_named", "systems"]
 
 _MOST: Final = 1000
 _STARTED: Final = """SELECT ?system (COUNT(?instance) AS ?count) {
@@ -41,7 +42,7 @@ def systems(
     """
     words = text.lower().split()
     found = [
-        one for one in _known(snapshot, settings.base)
+        one for one in known_systems(snapshot, settings.base)
         if all(word in f"{one['name']} {one['repository']}".lower() for word in words)
     ]  # fmt: skip
     start, most = whole(offset, 0), min(whole(limit, 200), _MOST)
@@ -102,7 +103,12 @@ def _counts(snapshot: EmbeddedSnapshot, query: str) -> Counter[str]:
 
 
 @once
-def _known(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], ...]:
+def known_systems(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], ...]:
+    """Return all launch configurations as `systems` has them; the store keeps them, and nobody changes them."""
+    return tuple(answers.rows(snapshot, "list-systems", lambda: _systems(snapshot, base)))
+
+
+def _systems(snapshot: EmbeddedSnapshot, base: str) -> list[dict[str, Any]]:
     iris, inner = Iris(base), included_names(snapshot)
     nodes = _counts(snapshot, _STARTED)
     channels = {system: Counter(kind for kind, _ in found) for system, found in channels_by_system(snapshot).items()}
@@ -127,4 +133,4 @@ def _known(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], ...]:
                 "findings": severities.get(iri, {}),
             }
         )
-    return tuple(sorted(found, key=lambda one: (one["included"], one["name"], one["repository"])))
+    return sorted(found, key=lambda one: (one["included"], one["name"], one["repository"]))

@@ -163,3 +163,15 @@ def test_a_file_cannot_open_the_server(tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(UsageError, match="cannot be set in a file") as caught:
         options({})
     assert str(caught.value.place).endswith("kg.toml:3")
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_a_link_logs_in_from_terminals_alone(store: Path, monkeypatch: pytest.MonkeyPatch, terminal: bool) -> None:  # noqa: FBT001 - of a parametrised test
+    """The link has the token behind the `#`, which no server is sent; what is written to files does not have it."""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
+    monkeypatch.setenv("KG_TOKEN", TOKEN)
+    said: list[str] = []
+    settings = load({"store": str(store / ".kg")}, environment={})
+    announce("http://127.0.0.1:7878/", settings, options({}), say=said.append, browse=False)
+    assert (f"log in: http://127.0.0.1:7878/login#token={TOKEN}" in said) == terminal
+    assert any(TOKEN in line for line in said) == terminal

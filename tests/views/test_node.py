@@ -141,3 +141,15 @@ def test_no_such_branch(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """What the tree does not have is an error with the way out."""
     with pytest.raises(UnknownNameError, match="no branch"):
         tree(snapshot, settings, parent="https://example.org/x")
+
+
+def test_lines_and_general_capabilities(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """An interface has the text of its statement; capabilities that an end reaches are not general."""
+    found = node(snapshot, settings, name="flight_controller")
+    (state,) = (one for one in found["interfaces"] if one["name"] == "state")
+    assert "names::kState" in state["line_text"]
+    (home,) = (one for one in found["interfaces"] if one["name"] == "set_home")
+    assert '"set_home"' in home["line_text"]
+    general = {one["label"]: one["general"] for one in found["capabilities"]}
+    assert set(general.values()) == {True, False}
+    assert general["know"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.server.pages import channel, node, query, resource, robot, rule_blocks, rules, search, start, system, why
+from kg.server.pages import channel, lists, node, query, resource, robot, rule_blocks, rules, search, start, system, why
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -14,6 +14,7 @@ __all__ = ["ROUTES"]
 ROUTES: Final[list[BaseRoute]] = [
     *start.ROUTES,
     *search.ROUTES,
+    *lists.ROUTES,
     *node.ROUTES,
     *system.ROUTES,
     *channel.ROUTES,

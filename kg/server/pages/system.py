@@ -1,4 +1,4 @@
-"""`/systems`, `/system?name=`: what launch files start, wired, and what is wrong in it."""
+"""`/system?name=`: what a launch file starts, wired, and what is wrong in it."""
 
 from __future__ import annotations
 
@@ -22,25 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["ROUTES"]
 
 _SEE_OTHER: Final = 303
-_PAGE: Final = 100
 _LONG: Final = 100
 """A table of more rows has a page of its own, which that of the system loads where somebody opens it."""
-
-
-async def _systems(request: Request) -> Response:
-    text, offset = (request.query_params.get(key, "") for key in ("q", "offset"))
-    found = await view(request, "systems", text=text, offset=offset, limit=str(_PAGE))
-    start, shown = found["offset"], len(found["systems"])
-    return page(
-        request,
-        "systems.html",
-        title="Systems",
-        twin=url("/api/systems", text=text, offset=offset),
-        found=found,
-        text=text,
-        before=url("/systems", q=text, offset=max(0, start - _PAGE) or "") if start else "",
-        after=url("/systems", q=text, offset=start + shown) if start + shown < found["total"] else "",
-    )
 
 
 async def _system(request: Request) -> Response:
@@ -111,4 +94,4 @@ def _drawn(one: Mapping[str, Any]) -> dict[str, Any]:
     return {**node, "marked": True} if one["findings"] else node
 
 
-ROUTES = [Route("/systems", _systems), Route("/system", _system)]
+ROUTES = [Route("/system", _system)]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import re
-from html import escape
 from typing import TYPE_CHECKING, Final
 
-from starlette.responses import HTMLResponse, RedirectResponse
+from starlette.responses import RedirectResponse
 from starlette.routing import Route
 
 from kg.server.errors import RequestError
+from kg.server.rendering import page
 from kg.server.safety.tokens import Tokens, cookie_name
 
 if TYPE_CHECKING:
@@ -25,18 +25,19 @@ _PAUSE: Final = 0.3
 """Seconds that a wrong token costs who tries it."""
 
 
-def _page(following: str, *, wrong: bool = False) -> str:
-    said = '<p role="alert">This is not the token of the server.</p>' if wrong else ""
-    return (
-        '<!doctype html><html lang="en"><meta charset="utf-8"><title>Log in</title>'
-        '<meta name="viewport" content="width=device-width"><link rel="icon" href="/static/kg.svg">'
-        '<link rel="stylesheet" href="/static/error.css">'
-        f'<main><h1>Log in</h1>{said}<form method="post" action="/login"><label>Token of the server '
-        '<input type="password" name="token" required autofocus autocomplete="current-password"></label>'
-        f'<input type="hidden" name="next" value="{escape(following)}"><button>Log in</button></form>'
-        "<p>Who started the server has it: it is in <code>KG_TOKEN</code> or the file of <code>--token-file</code>.</p>"
-        "</main></html>"
+def _page(request: Request, following: str, *, wrong: bool = False) -> Response:
+    """Return the page; it tells nothing of the store to who is not logged in."""
+    shown = page(
+        request,
+        "login.html",
+        title="Log in",
+        status=401 if wrong else 200,
+        following=following,
+        wrong=wrong,
+        snapshot=None,
     )
+    shown.headers["Cache-Control"] = "no-store"
+    return shown
 
 
 def _following(value: object) -> str:
@@ -45,7 +46,7 @@ def _following(value: object) -> str:
 
 async def _login(request: Request) -> Response:
     if request.method != "POST":
-        return HTMLResponse(_page(_following(request.query_params.get("next"))), headers={"Cache-Control": "no-store"})
+        return _page(request, _following(request.query_params.get("next")))
     tokens = request.scope["kg.tokens"]
     assert isinstance(tokens, Tokens)  # noqa: S101 - `Doors` put it there
     async with request.form(max_files=0, max_fields=4, max_part_size=8192) as form:
@@ -55,7 +56,7 @@ async def _login(request: Request) -> Response:
     proof = tokens.proof
     if proof is None or not tokens.matches(token):
         await asyncio.sleep(_PAUSE)
-        return HTMLResponse(_page(following, wrong=True), 401, headers={"Cache-Control": "no-store"})
+        return _page(request, following, wrong=True)
     return _session(RedirectResponse(following, 303), request, proof)
 
 

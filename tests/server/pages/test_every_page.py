@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _MISSING = {"node, misspelt", "rule, missing", "address, missing"}
 _REFUSED = {"search, wrong filter": 400} | dict.fromkeys(_MISSING, 404)
-_WITHOUT_TWIN = {"search, empty"} | _MISSING
+_WITHOUT_TWIN = {"search, empty", "login"} | _MISSING
 _EVERY = pytest.mark.parametrize("name", PAGES)
 
 

@@ -122,6 +122,8 @@ def _addresses(site: str) -> dict[str, str]:
         "node": f"/node?iri={quote(hit['iri'], safe='')}",
         "resource": f"/resource?iri={quote('javascript:' + _SCRIPT, safe='')}",
         "systems": "/systems",
+        "nodes": "/nodes",
+        "parameters": "/parameters",
         "system": f"/system?name={quote('evil/launch/evil.launch', safe='')}",
         "query": f"/query?query={quote(query)}",
         "why": f"/why?subject={quote(HOSTILE[0])}&predicate=a&object={quote(HOSTILE[1])}",

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from serving import TOKEN, served
+
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from browsing import Chromium
 
 
@@ -116,3 +120,15 @@ def test_each_hit_has_its_evidence(browser: Chromium, site: str) -> None:
     found = browser.run(links())
     assert found
     assert all(any(one.startswith(("vscode://", "https://")) for one in hit) for hit in found)
+
+
+def test_a_link_with_the_token_logs_in(browser: Chromium, store: Path) -> None:
+    """The link that `kg serve` prints leads to the start page; the token is gone from the address."""
+
+    async def follow(address: str) -> tuple[str, int]:
+        async with browser.visit(f"{address}/login#token={TOKEN}") as visit:
+            await visit.page.locator("form[action='/logout']").wait_for()
+            return visit.page.url, await visit.page.locator(".questions").count()
+
+    with served(store, token=TOKEN, log="off") as server:
+        assert browser.run(follow(server.address)) == (f"{server.address}/", 1)

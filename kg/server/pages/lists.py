@@ -1,0 +1,358 @@
+"""`/nodes`, `/topics`, ...: everything of one kind in the store, with facets, order, pages and exports.
+
+One template shows all of them. `LISTS` has a line for each: what the view `list` calls it is the path. The parameters
+of an address are `q` (words), `sort`, `offset`, `limit`, those of the facets, and `format`: `json`, `jsonl` or `csv`.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+from starlette.responses import Response
+from starlette.routing import Route
+
+from kg.server.errors import RequestError
+from kg.server.negotiation import best, ranges
+from kg.server.rendering import page, url, view
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from starlette.requests import Request
+
+__all__ = ["LISTS", "ROUTES"]
+
+_PAGE: Final = 100
+_MOST: Final = 1000
+_FORMATS: Final = (
+    ("text/html", "html"),
+    ("application/json", "json"),
+    ("text/csv", "csv"),
+    ("application/x-ndjson", "jsonl"),
+)
+_EXPORTS: Final = {"csv": "CSV", "json": "JSON", "jsonl": "JSON Lines"}
+_OWN: Final = frozenset({"q", "sort", "offset", "limit", "format"})
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column: its title, the key of the rows, how a cell is shown, and where it leads.
+
+    `shape` is `text`, `mono`, `number`, `tags` or `place`. `to` is a path with the parameters and the keys of the rows
+    that give their values.
+    """
+
+    title: str
+    key: str
+    shape: str = "text"
+    to: tuple[str, Mapping[str, str]] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A page: its title, what one thing on it is called, a sentence about it, and its columns."""
+
+    title: str
+    one: str
+    lead: str
+    columns: Sequence[Column]
+
+    def called(self, number: int) -> str:
+        """Return what so many things are called."""
+        return self.one if number == 1 else self.title[0].lower() + self.title[1:]
+
+
+_NODE: Final = ("/node", {"iri": "iri"})
+_PACKAGE: Final = Column("Package", "package", to=("/nodes", {"package": "package"}))
+_PLACE: Final = Column("Line", "place", "place")
+_GRADES: Final = tuple(Column(title, title.lower(), "number") for title in ("Certain", "Strong", "Weak"))
+
+
+def _channels(kind: str, giving: str, taking: str) -> tuple[Column, ...]:
+    return (
+        Column("Name", "name", "mono", (f"/channel?kind={kind}", {"name": "name"})),
+        Column("Types", "types", "mono"),
+        Column(giving, "giving", "number"),
+        Column(taking, "taking", "number"),
+        Column("Launch files", "systems", "number"),
+        Column("Ends", "ends"),
+    )
+
+
+def _classes(parameter: str) -> tuple[Column, ...]:
+    return (
+        Column("Name", "name", to=("/resource", {"iri": "iri"})),
+        Column("Nodes", "nodes", "number", ("/nodes", {parameter: "name"})),
+        *_GRADES,
+    )
+
+
+LISTS: Final[Mapping[str, Listed]] = {
+    "nodes": Listed(
+        "Nodes",
+        "node",
+        "Every node that code or packages declare. Numbers leave out what frameworks create.",
+        (
+            Column("Node", "node", to=_NODE),
+            _PACKAGE,
+            Column("Description", "description"),
+            Column("Kind", "kind", "tags"),
+            Column("ROS", "ros", "number"),
+            *(
+                Column(title, key, "number")
+                for title, key in (
+                    ("Pub", "publishes"),
+                    ("Sub", "subscribes"),
+                    ("Srv", "services"),
+                    ("Cli", "clients"),
+                    ("Act", "actions"),
+                    ("Par", "parameters"),
+                )
+            ),
+        ),
+    ),
+    "packages": Listed(
+        "Packages",
+        "package",
+        "Every package of the sources.",
+        (
+            Column("Package", "name", to=("/resource", {"iri": "iri"})),
+            Column("Version", "version"),
+            Column("ROS", "ros", "number"),
+            Column("Nodes", "nodes", "number", ("/nodes", {"package": "name", "repository": "repository"})),
+            Column("Definitions", "definitions", "number"),
+            Column("Problems", "problems", "number"),
+            Column("Source", "repository", to=("/packages", {"repository": "repository"})),
+            Column("Folder", "folder", "mono"),
+        ),
+    ),
+    "topics": Listed(
+        "Topics",
+        "topic",
+        "Names in launched systems, after remapping, and of nodes started alone, without what frameworks create.",
+        _channels("topic", "Publishers", "Subscribers"),
+    ),
+    "services": Listed(
+        "Services",
+        "service",
+        "Names in launched systems, after remapping, and of nodes started alone, without what frameworks create.",
+        _channels("service", "Servers", "Clients"),
+    ),
+    "actions": Listed(
+        "Actions",
+        "action",
+        "Names in launched systems, after remapping, and of nodes started alone.",
+        _channels("action", "Servers", "Clients"),
+    ),
+    "types": Listed(
+        "Types",
+        "type",
+        "Types of messages, services and actions that nodes use or packages define.",
+        (
+            Column("Type", "name", "mono", ("/resource", {"iri": "iri"})),
+            Column("Kind", "kind", "tags"),
+            Column("Nodes", "nodes", "number", ("/nodes", {"type": "name"})),
+            Column("Defined", "defined"),
+            Column("Sources", "repositories"),
+        ),
+    ),
+    "hardware": Listed(
+        "Hardware",
+        "kind of hardware",
+        "Kinds of hardware and known devices that nodes work with, with the number of nodes by grade of evidence.",
+        _classes("hardware"),
+    ),
+    "functions": Listed(
+        "Functions",
+        "function",
+        "What nodes are for, with the number of nodes by grade of evidence.",
+        _classes("function"),
+    ),
+    "capabilities": Listed(
+        "Capabilities",
+        "capability",
+        "What nodes enable a robot to do, with the number of nodes by grade of evidence.",
+        _classes("capability"),
+    ),
+    "systems": Listed(
+        "Launch files",
+        "launch file",
+        "Every launch file, evaluated with the defaults of its arguments: the nodes it starts and their connections.",
+        (
+            Column("Launch file", "name", to=("/system", {"name": "iri"})),
+            Column("Source", "repository", to=("/systems", {"repository": "repository"})),
+            Column("ROS", "ros", "number"),
+            *(Column(title, title.lower(), "number") for title in ("Nodes", "Topics", "Services", "Actions")),
+            Column("Findings", "problems", "number"),
+            Column("Worst", "worst", "tags"),
+            Column("Use", "use"),
+        ),
+    ),
+    "parameters": Listed(
+        "Parameters",
+        "parameter",
+        "Parameters of nodes, without those that frameworks create.",
+        (
+            Column("Parameter", "name", "mono"),
+            Column("Node", "node", to=_NODE),
+            _PACKAGE,
+            Column("Type", "type", "mono"),
+            Column("Default", "default", "mono"),
+            Column("Access", "access", "tags"),
+            Column("Description", "description"),
+            _PLACE,
+        ),
+    ),
+    "findings": Listed(
+        "Findings",
+        "finding",
+        "Problems in the wiring of launch files, as `kg lint` reports them.",
+        (
+            Column("Severity", "severity", "tags"),
+            Column("Code", "code", "mono", ("/resource", {"iri": "iri"})),
+            Column("Message", "message"),
+            Column("Launch file", "system", to=("/system", {"name": "system", "repository": "repository"})),
+            _PLACE,
+        ),
+    ),
+}
+"""Name of the list to its page."""
+_LABELS: Final = {"ros": "ROS version", "worst": "Worst finding", "repository": "Source", "system": "Launch file"}
+"""What facets are called that are not called as their parameter."""
+
+
+async def _list(request: Request) -> Response:
+    name = request.url.path.removeprefix("/")
+    listed = LISTS[name]
+    given = {key: value.strip() for key, value in request.query_params.items() if value.strip()}
+    wanted = _format(request, given)
+    limit = min(int(given["limit"]), _MOST) if _is_whole(given.get("limit", "")) else 0
+    asked = {key: value for key, value in given.items() if key not in _OWN}
+    asked |= {"sort": given.get("sort", ""), "offset": given.get("offset", ""), "text": given.get("q", "")}
+    limited = str(limit or (_PAGE if wanted == "html" else "")) if wanted in {"html", "json"} else ""
+    whole = "yes" if wanted in {"json", "jsonl"} else ""
+    found = await view(request, "list", of=name, limit=limited, whole=whole, **asked)
+    if wanted != "html":
+        return _export(found, wanted, listed.columns, name)
+    kept = {key: value for key, value in given.items() if key not in {"offset", "format"}}
+    address = f"/{name}"
+    start, end = found["offset"], found["offset"] + len(found["rows"])
+    most = limit or _PAGE
+    return page(
+        request,
+        "list.html",
+        title=listed.title,
+        twin=url(address, **kept, offset=start or "", format="json"),
+        name=name,
+        lists=LISTS,
+        listed=listed,
+        found=found,
+        text=given.get("q", ""),
+        hidden={key: kept[key] for key in ("sort", "limit") if key in kept},
+        facets=_facets(found, kept),
+        chosen=[(label, value, url(address, **_without(kept, key))) for key, label, value in _given(found, kept)],
+        columns=[(one, _turned(address, kept, one), _order(kept, one)) for one in listed.columns],
+        link=_link,
+        before=url(address, **kept, offset=max(0, start - most) or "") if start else "",
+        after=url(address, **kept, offset=end) if end < found["total"] else "",
+        last=url(address, **kept, offset=(found["total"] - 1) // most * most or "") if end < found["total"] else "",
+        exports=[(label, url(address, **kept, format=key)) for key, label in _EXPORTS.items()],
+    )
+
+
+def _is_whole(text: str) -> bool:
+    return text.isascii() and text.isdigit() and len(text) < len(str(_MOST)) + 1
+
+
+def _format(request: Request, given: Mapping[str, str]) -> str:
+    """Return the format that an address names, or that the client prefers: html where it takes that or says nothing.
+
+    Raises:
+        RequestError: KG523 when there is no such format.
+    """
+    names = [name for _, name in _FORMATS]
+    if "format" in given:
+        if given["format"] not in names:
+            raise RequestError("KG523", f"unknown format `{given['format']}`", hint=f"Use one of {', '.join(names)}.")
+        return given["format"]
+    accepted = ranges(request.headers.get("accept", "") or "*/*")
+    chosen = best(accepted, _FORMATS) if accepted else None
+    if chosen is None:
+        types = ", ".join(kind for kind, _ in _FORMATS)
+        raise RequestError("KG523", "no list can be written in an accepted format", hint=f"Accept one of {types}.")
+    return chosen.format
+
+
+def _export(found: Mapping[str, Any], wanted: str, columns: Sequence[Column], name: str) -> Response:
+    """Return the rows as JSON with their facets, as JSON Lines, or as a table of the columns."""
+    if wanted == "json":
+        return Response(msgspec.json.encode(found), media_type="application/json")
+    headers = {"Content-Disposition": f'attachment; filename="{name}.{wanted}"'}
+    if wanted == "jsonl":
+        body = b"".join(msgspec.json.encode(row) + b"\n" for row in found["rows"])
+        return Response(body, media_type="application/x-ndjson", headers=headers)
+    text = io.StringIO()
+    writer = csv.writer(text)
+    keys = [key for one in columns for key in (("file", "line") if one.shape == "place" else (one.key,))]
+    writer.writerow(keys)
+    writer.writerows([_cell(row.get(key)) for key in keys] for row in found["rows"])
+    return Response(text.getvalue(), media_type="text/csv", headers=headers)
+
+
+def _cell(value: Any) -> Any:
+    return " ".join(map(str, value)) if isinstance(value, list) else value
+
+
+def _given(found: Mapping[str, Any], kept: Mapping[str, str]) -> list[tuple[str, str, str]]:
+    """Return the parameter, the label and the value of each facet that is given."""
+    return [(key, _label(key), kept[key]) for key in found["facets"] if key in kept]
+
+
+def _facets(found: Mapping[str, Any], kept: Mapping[str, str]) -> list[dict[str, Any]]:
+    """Return the facets that there is something to choose of."""
+    return [
+        {"name": name, "label": _label(name), "given": kept.get(name, ""), "values": values}
+        for name, values in found["facets"].items()
+        if len(values) > 1 or name in kept
+    ]
+
+
+def _label(name: str) -> str:
+    return _LABELS.get(name, name.capitalize())
+
+
+def _without(kept: Mapping[str, str], name: str) -> dict[str, str]:
+    return {key: value for key, value in kept.items() if key != name}
+
+
+def _order(kept: Mapping[str, str], column: Column) -> str:
+    """Return which way the rows are sorted by a column, as `aria-sort` says it; empty where they are not."""
+    sort = kept.get("sort", "")
+    return {column.key: "ascending", f"-{column.key}": "descending"}.get(sort, "")
+
+
+def _turned(address: str, kept: Mapping[str, str], column: Column) -> str:
+    """Return the list sorted by a column, the other way where it is already; empty for places.
+
+    Numbers begin with the greatest.
+    """
+    if column.shape == "place":
+        return ""
+    ways = (f"-{column.key}", column.key) if column.shape == "number" else (column.key, f"-{column.key}")
+    return url(address, **{**kept, "sort": ways[kept.get("sort") == ways[0]]})
+
+
+def _link(column: Column, row: Mapping[str, Any]) -> str:
+    """Return where a cell leads; empty where it has nothing to show."""
+    if column.to is None or row[column.key] in (None, "", 0):
+        return ""
+    path, parameters = column.to
+    given = url("", **{name: row[key] for name, key in parameters.items()})
+    return f"{path}&{given[1:]}" if "?" in path else f"{path}{given}"
+
+
+ROUTES = [Route(f"/{name}", _list) for name in LISTS]

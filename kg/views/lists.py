@@ -1,0 +1,223 @@
+"""Lists over the whole store, with facets, order and pages: the view `list`.
+
+`LISTS` has a line for each kind of thing. Its rows are computed once for a snapshot (`kg.views.list_rows`).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import UsageError
+from kg.facts import Location
+from kg.settings import table
+from kg.similar import did_you_mean
+from kg.views import list_rows
+from kg.views.arguments import whole as number
+from kg.views.evidence import places
+from kg.views.remembered import once
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+    Row = dict[str, Any]
+    Rows = Sequence[Row]
+
+__all__ = ["LISTS", "List", "listing"]
+
+_VALUES: Final = 200
+"""At most so many values of a facet are offered, those of most rows."""
+
+
+@dataclass(frozen=True, slots=True)
+class List:
+    """A kind of list: what makes its rows, its facets by the key of the rows that each is of, which keys `text` is in.
+
+    `objects` makes what other programs read of rows (docs/formats.md) where that is more than the rows themselves.
+    """
+
+    rows: Callable[[EmbeddedSnapshot, str], Rows]
+    facets: Mapping[str, str]
+    words: Sequence[str] = ("name",)
+    objects: Callable[[EmbeddedSnapshot, Rows], Rows] | None = None
+
+
+_OF_CHANNELS: Final = {"type": "types", "package": "packages", "ends": "ends"}
+LISTS: Final[Mapping[str, List]] = {
+    "nodes": List(
+        list_rows.nodes,
+        {
+            "package": "package",
+            "kind": "kind",
+            "repository": "repository",
+            "ros": "ros",
+            "language": "language",
+            "function": "functions",
+            "hardware": "hardware",
+            "capability": "capabilities",
+            "type": "types",
+        },
+        ("node", "package", "description", "plugin"),
+        list_rows.node_objects,
+    ),
+    "packages": List(
+        list_rows.packages, {"repository": "repository", "ros": "ros", "deprecated": "deprecated"}, ("name", "folder")
+    ),
+    "topics": List(list_rows.topics, _OF_CHANNELS),
+    "services": List(list_rows.services, _OF_CHANNELS),
+    "actions": List(list_rows.actions, _OF_CHANNELS),
+    "types": List(list_rows.types, {"kind": "kind", "package": "package", "defined": "defined"}),
+    "hardware": List(list_rows.hardware, {"kind": "kind"}),
+    "functions": List(list_rows.functions, {}),
+    "capabilities": List(list_rows.capabilities, {}),
+    "systems": List(
+        list_rows.systems,
+        {"package": "package", "repository": "repository", "ros": "ros", "use": "use", "worst": "worst"},
+        ("name", "repository"),
+    ),
+    "parameters": List(
+        list_rows.parameters,
+        {"package": "package", "repository": "repository", "node": "node", "type": "type", "access": "access"},
+        ("name", "node", "description"),
+    ),
+    "findings": List(
+        list_rows.findings,
+        {"severity": "severity", "code": "code", "package": "package", "system": "system", "repository": "repository"},
+        ("message", "system", "rule"),
+    ),
+}
+"""Name to list."""
+
+
+def listing(  # noqa: PLR0913 - what a list can be asked
+    snapshot: EmbeddedSnapshot,
+    settings: Settings,
+    *,
+    of: str,
+    text: str = "",
+    sort: str = "",
+    offset: str = "0",
+    limit: str = "",
+    whole: str = "",
+    **facets: str,
+) -> dict[str, Any]:
+    """Return the rows of the list `of` that have all words of `text` and the values of `facets`.
+
+    `sort` is a key of the rows, with `-` before it for the other direction; rows without a value come last. With a
+    `limit` (else all rows from `offset` on are there) each row also has `place`, null where it names no file (see
+    `kg.views.evidence`). With `whole` (any text) rows are as other programs read them (docs/formats.md).
+
+    The answer has `of`, `all` (how many rows the list has), `total` (how many were chosen), `offset`, `sort`, `rows`,
+    and `facets`: for each the objects `{"value", "count"}` of the values that rows have which fit everything else, the
+    most frequent first.
+
+    Raises:
+        UsageError: KG003 for a list, a facet or a key that there is none of; KG002 and KG421 for kg.toml (findings).
+    """
+    kind = LISTS.get(of)
+    if kind is None:
+        raise UsageError("KG003", f"unknown list `{of}`", hint=f"Valid lists: {', '.join(LISTS)}.")
+    given = {name: value.strip() for name, value in facets.items() if value.strip()}
+    for name in given:
+        if name not in kind.facets:
+            hint = did_you_mean(name, kind.facets) or f"Valid filters: {', '.join(kind.facets) or 'none'}."
+            raise UsageError("KG003", f"unknown filter `{name}` of {of}", hint=hint)
+    allowed = repr(table("lint", Path.cwd())) if of == "findings" else ""
+    known = _rows(snapshot, of, settings.base, allowed)
+    found, counts = _chosen(kind, known, text.lower().split(), given)
+    found = _sorted(found, sort, known)
+    start, most = number(offset, 0), number(limit, 0)
+    shown = found[start : start + most] if most else found[start:]
+    if whole and kind.objects:
+        shown = list(kind.objects(snapshot, shown))
+    elif most and not whole:
+        shown = list(_placed(snapshot, shown))
+    return {
+        "of": of,
+        "all": len(known),
+        "total": len(found),
+        "offset": start,
+        "sort": sort,
+        "facets": {name: _offered(counts[name], given.get(name)) for name in kind.facets},
+        "rows": shown,
+    }
+
+
+@once
+def _rows(snapshot: EmbeddedSnapshot, of: str, base: str, allowed: str) -> Rows:  # noqa: ARG001 - what kg.toml allows is part of what is remembered
+    return LISTS[of].rows(snapshot, base)
+
+
+def _chosen(
+    kind: List, rows: Rows, words: Sequence[str], given: Mapping[str, str]
+) -> tuple[list[Row], dict[str, Counter[str]]]:
+    """Return the rows that fit, and for each facet how many rows of each value fit all others."""
+    counts: dict[str, Counter[str]] = {name: Counter() for name in kind.facets}
+    found = []
+    for row in rows:
+        if words and not _has(row, kind.words, words):
+            continue
+        values = {name: _texts(row[key]) for name, key in kind.facets.items()}
+        failed = [name for name, value in given.items() if value not in values[name]]
+        if not failed:
+            found.append(row)
+            for name, texts in values.items():
+                counts[name].update(texts)
+        elif len(failed) == 1:
+            counts[failed[0]].update(values[failed[0]])
+    return found, counts
+
+
+def _has(row: Row, keys: Sequence[str], words: Sequence[str]) -> bool:
+    text = " ".join(str(row[key] or "") for key in keys).lower()
+    return all(word in text for word in words)
+
+
+def _texts(value: Any) -> tuple[str, ...]:
+    """Return the values that a facet tells apart: those of a list, none for None, yes or no for a truth value."""
+    if value is None or value == "":
+        return ()
+    if isinstance(value, bool):
+        return ("yes" if value else "no",)
+    return tuple(map(str, value)) if isinstance(value, list | tuple) else (str(value),)
+
+
+def _offered(counts: Counter[str], given: str | None) -> list[dict[str, Any]]:
+    """Return the values of a facet with their numbers of rows; the one that is given is among them."""
+    ordered = sorted(counts.items(), key=lambda one: (-one[1], one[0]))[:_VALUES]
+    if given and all(value != given for value, _ in ordered):
+        ordered.append((given, counts[given]))
+    return [{"value": value, "count": number} for value, number in ordered]
+
+
+def _sorted(found: list[Row], sort: str, known: Rows) -> list[Row]:
+    key = sort.removeprefix("-")
+    if not key or not known:
+        return found
+    if key not in known[0]:
+        raise UsageError("KG003", f"rows have no `{key}` to sort by", hint=f"Sort by {', '.join(known[0])}.")
+    filled = [row for row in found if row[key] not in (None, "")]
+    empty = [row for row in found if row[key] in (None, "")]
+    return sorted(filled, key=lambda row: _order(row[key]), reverse=sort.startswith("-")) + empty
+
+
+def _order(value: Any) -> tuple[float, str]:
+    """Return what a value is sorted by: numbers as such, texts and lists of texts as texts, without their case."""
+    if isinstance(value, int | float):
+        return value, ""
+    return 0, (value if isinstance(value, str) else ", ".join(map(str, value))).lower()
+
+
+def _placed(snapshot: EmbeddedSnapshot, rows: Rows) -> Iterator[Row]:
+    """Yield rows with the places of those that name a file."""
+    where = places(snapshot)
+    for row in rows:
+        file = row.get("file")
+        source = row.get("repository")
+        place = where.evidence(source, Location(file, row.get("line") or 0)) if file and source else None
+        yield {**row, "place": place}
