@@ -10,7 +10,9 @@ if TYPE_CHECKING:
     from kg.search.needs import Need, Wish
     from kg.search.searching import Search
 
-__all__ = ["near", "understood"]
+__all__ = ["NEAREST", "near", "understood", "unknown"]
+
+NEAREST: Final = "nothing here fits; nearest are"
 
 _VERBS: Final = {"uses": "subscribes or publishes", "services": "offers", "clients": "calls"}
 """How kinds of wishes are said; the others go by their names."""
@@ -23,6 +25,16 @@ def understood(need: Need) -> tuple[list[str], list[str]]:
     strict = dict.fromkeys(_said(wish) for wish in need.wishes if wish.strict)
     rather = dict.fromkeys(_said(wish) for wish in need.wishes if not wish.strict)
     return list(strict), list(rather)
+
+
+def unknown(need: Need) -> list[str]:
+    """Return a sentence for each word of the need that no node knows, with the spellings searched for instead."""
+    found = []
+    for one in need.wordings:
+        if one.unknown:
+            instead = f"; searched for {' and '.join(f'`{term}`' for term in one.near)} instead" if one.near else ""
+            found.append(f"no node knows `{one.text}`{instead}")
+    return found
 
 
 def near(words: str, search: Search) -> str | None:
