@@ -9,9 +9,9 @@
 The first writes one object a query: {"id": ..., "nodes": [{"repository", "package", "node"}, ...]}, in rank order; each
 query has an `id` and a `query`. A half takes every second query, so that weights can be tried on one and checked on
 the other. The second prints for how many needs a node that does (`package/node`) comes first, or among five. The third
-prints NDCG of the search and of plain BM25; `--fit` also chooses weights inside five folds and scores the needs held out. The
-last times in CPU seconds: reading the store, building the index (repeated until it has so many nodes), reading it back, and
-a query of a warm process.
+prints NDCG of the search and of plain BM25; `--fit` also chooses weights inside five folds and scores the needs that
+were held out. The last times in CPU seconds: reading the store, building the index (repeated until it has so many
+nodes), reading it back, and a query of a warm process.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
+from judging import judge
 
 from kg import settings
 from kg.search import cache
@@ -69,8 +70,6 @@ def main() -> None:
     if options.times:
         measure(options.store, options.nodes)
     elif options.judge:
-        from judging import judge
-
         store = opening.existing(settings.load({"store": options.store}))
         judge(open_search(store, model=options.model), options.judge, fit=options.fit)
     elif options.needs:

@@ -1,4 +1,4 @@
-"""NDCG of the search on judged needs, beside plain BM25, and by cross-validation with the weights chosen inside the folds."""
+"""NDCG of the search on judged needs, beside plain BM25, and by cross-validation with weights chosen inside the folds."""
 
 from __future__ import annotations
 
@@ -42,13 +42,19 @@ def judge(search: Search, files: Sequence[Path], *, fit: bool) -> None:
     answered = {name: [need for need in needs if need.id not in nothing] for name, needs in sets.items()}
     plain = _Plain(search)
     for name, needs in answered.items():
-        for label, found in (("kg", [_found(search, need) for need in needs]), ("plain BM25", list(map(plain.found, needs)))):
+        for label, found in (
+            ("kg", [_found(search, need) for need in needs]),
+            ("plain BM25", list(map(plain.found, needs))),
+        ):
             print(f"{name}, {label}: {_figures(list(zip(needs, found, strict=True)))}")
     for name, needs in sets.items():
         said = [need.id for need in needs if not search.find(need.query, limit=3).fits]
         right = len([one for one in said if one in nothing])
         total = len([need for need in needs if need.id in nothing])
-        print(f"{name}: nothing fits said for {right} of {total} such needs, {len(said) - right} of {len(needs) - total} others")
+        print(
+            f"{name}: nothing fits said for {right} of {total} such needs, "
+            f"{len(said) - right} of {len(needs) - total} others"
+        )
     if fit:
         _cross_validated(search, answered, sets, nothing)
 
@@ -92,7 +98,11 @@ def _cross_validated(
     """Print the scores of held-out needs; a need is in one fold, whatever its wording."""
     choices = list(_choices())
     scored = [
-        {(name, need.id): [ndcg(need, _found(search, need), depth) for depth in DEPTHS] for name, needs in sets.items() for need in needs}
+        {
+            (name, need.id): [ndcg(need, _found(search, need), depth) for depth in DEPTHS]
+            for name, needs in sets.items()
+            for need in needs
+        }
         for _ in _applied(choices)
     ]
     held: dict[str, list[list[float]]] = {name: [] for name in sets}
@@ -148,7 +158,10 @@ def _thresholds(search: Search, sets: dict[str, Sequence[Need]], nothing: set[st
                 counts.setdefault((name, need.id in nothing), []).append(said[least][name, need.id])
         print(f"fold {fold}: threshold {least}")
     for (name, is_nothing), values in counts.items():
-        print(f"{name}, held out: nothing fits said for {sum(values)} of {len(values)} {'such needs' if is_nothing else 'others'}")
+        print(
+            f"{name}, held out: nothing fits said for {sum(values)} of {len(values)} "
+            f"{'such needs' if is_nothing else 'others'}"
+        )
 
 
 def _balanced(said: dict[tuple[str, str], bool], keys: Sequence[tuple[str, str]], nothing: set[str]) -> float:

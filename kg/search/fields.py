@@ -111,7 +111,10 @@ def worths(content: Content, groups: Sequence[int]) -> list[dict[str, float]]:
     """
     weights, rank = lexicon().weights["fields"], lexicon().weights["rank"]
     fields = documents(content, groups)
-    mean = {name: max(1.0, sum(one.get(name, Counter()).total() for one in fields) / len(fields)) for name in weights}
+    mean = {
+        name: max(1.0, sum(one.get(name, Counter()).total() for one in fields) / max(1, len(fields)))
+        for name in weights
+    }
     found = []
     for one, main in zip(fields, mains(content, groups), strict=True):
         total: defaultdict[str, float] = defaultdict(float)

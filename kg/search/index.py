@@ -34,6 +34,7 @@ __all__ = ["Columns", "Index", "Nodes", "build"]
 
 _MUCH: Final = 5.0
 """The logarithm of as many starts as a node has that is used everywhere."""
+_ENOUGH: Final = 1000
 _ANY: Final = ("/ShapeShifter", "/AnyMsg")
 """Types that stand for any."""
 
@@ -105,9 +106,12 @@ class Index:
         return len(self.nodes)
 
     def information(self, term: str) -> float:
-        """Return how much it tells that a node has a term: the more, the fewer have it, and most where none has."""
+        """Return how much it tells that a node has a term: the more, the fewer have it, and most where none has.
+
+        A small store counts as one of `_ENOUGH` nodes, for few nodes do not show which words are rare.
+        """
         count = len(self.text.rows_of(term))
-        return math.log(1 + (self.size - count + 0.5) / (count + 0.5))
+        return math.log(1 + (max(self.size, _ENOUGH) - count + 0.5) / (count + 0.5))
 
 
 def build(content: Content) -> Index:

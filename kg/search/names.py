@@ -31,8 +31,8 @@ _FEW: Final = 4
 class Names:
     """The names of the features of an index, the words of its nodes, and what they mean.
 
-    `synonyms` has for each phrase, as stems, the other phrases for the same: those of the lexicon and the labels of each
-    concept.
+    `synonyms` has for each phrase, as stems, the other phrases for the same: those of the lexicon and the labels of
+    each concept.
     """
 
     def __init__(self, features: Iterable[str], concepts: Sequence[Concept], terms: Mapping[str, int]) -> None:
@@ -68,7 +68,7 @@ class Names:
         return term in self._terms
 
     def spellings(self, term: str) -> tuple[tuple[str, float], ...]:
-        """Return terms of nodes that are spelled nearly like one that no node has, and how alike each is, best first."""
+        """Return terms of nodes that are spelled nearly like one that none has, with how alike each is, best first."""
         if term not in self._spellings:
             found = self._alike(term) if len(term) >= _LEAST_LETTERS else ()
             self._spellings[term] = tuple(sorted(found, key=lambda one: (-one[1], one[0]))[:_FEW])

@@ -30,7 +30,9 @@ QUESTIONS: Final = {
 """The questions by the filter that an answer sets, those first that a user can answer best."""
 _MOST: Final = 6
 """So many answers are offered, the most frequent ones."""
-_OTHER: Final = frozenset(("rosgraph_msgs/Log", "tf2_msgs/TFMessage", "tf/tfMessage", "diagnostic_msgs/DiagnosticArray"))
+_OTHER: Final = frozenset(
+    ("rosgraph_msgs/Log", "tf2_msgs/TFMessage", "tf/tfMessage", "diagnostic_msgs/DiagnosticArray")
+)
 """Types that nodes have whatever they do."""
 
 

@@ -79,8 +79,8 @@ class Alternative:
 class Wording:
     """A word or phrase of the need, as typed, and all the ways to say it; the first is the phrase itself.
 
-    `part` is that of the need: task, context, side, purpose or unwanted, and gives the `weight`; `near` has the spellings
-    that are searched for a word that no node has, and a word that is `unknown` has none of its own.
+    `part` is that of the need: task, context, side, purpose or unwanted, and gives the `weight`; `near` has the
+    spellings that are searched for a word that no node has, and a word that is `unknown` has none of its own.
     """
 
     text: str
@@ -253,7 +253,8 @@ def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
     seen: set[str] = set()
     said = {token.whole for token in tokens} | {token.stem for token in tokens}
     spans = dict(_matches(tokens, names.synonyms))  # type: ignore[arg-type]  # only the keys are looked at
-    end, others = 0, ()
+    end = 0
+    others: tuple[tuple[str, ...], ...] = ()
     for at, token in enumerate(tokens):
         if at >= end:
             end = spans.get(at, at + 1)

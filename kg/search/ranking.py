@@ -2,10 +2,10 @@
 
     worth = (covered + named + wishes + meaning) * prior
 
-`covered` is the share of what the need tells that the node has: each word counts by how few nodes have it and by the part
-of the need it is in, times what it is worth to the node (`kg.search.fields`) by the best of its alternatives. `named` is
-how much of the node's name was asked for: of two nodes with a voxel grid the one that has nothing else in its name. A wish
-adds its weight times its rarity to the nodes that have it. `meaning` is there with a model of sentence embeddings only.
+`covered` is the share of what the need tells that the node has: each word counts by how few nodes have it and by the
+part of the need it is in, times what it is worth to the node (`kg.search.fields`) by the best of its alternatives.
+`named` is how much of the node's name was asked for: of two nodes with a voxel grid the one that has nothing else in
+its name. A wish adds its weight times its rarity to the nodes that have it. `meaning` is there with a model of sentence embeddings only.
 The prior marks down what is rarely meant, tests and examples, and prefers what launch files start. The numbers are in
 `ontology/search.toml`.
 """
@@ -32,7 +32,8 @@ _OPEN: Final = ("subscribes", "publishes")
 _OPEN_SHARE: Final = 0.7
 """What a topic of a type that is not known, or any type, is worth beside one of the type wished for."""
 _RAREST: Final = 2.0
-_ORDINARY: Final = 1.0
+_ABOUT: Final = ("ros", "license", "kind", "package")
+"""Filters that tell nothing of what a node does."""
 _FILTERED: Final = 0.01
 """What fulfils the filters is a hit, whatever else the words say."""
 
@@ -75,10 +76,11 @@ def covered(index: Index, need: Need) -> Floats:
 def fits(index: Index, need: Need, places: Sequence[int]) -> bool:
     """Tell whether one of the best nodes covers enough of what a need tells (`least` in `ontology/search.toml`).
 
-    What it covers counts less by the share of words that no node knows; unknown names count twice, since a need is about
-    what it names. A need without words, one of filters alone, fits whatever fulfils it.
+    What it covers counts less by the share of words that no node knows; unknown names count twice, since a need is
+    about what it names. What fulfils a filter for its interface, hardware or function fits, and so does anything where a need
+    has no words.
     """
-    if not need.wordings or not places:
+    if not need.wordings or not places or any(wish.strict and wish.kind not in _ABOUT for wish in need.wishes):
         return True
     strange = (share(index, need, one) * (1 + one.name) for one in need.wordings if one.unknown)
     evidence = float(covered(index, need)[list(places)].max()) * max(0.0, 1 - sum(strange))
@@ -91,17 +93,19 @@ def share(index: Index, need: Need, wording: Wording) -> float:
 
 
 def _told(index: Index, need: Need, wording: Wording) -> float:
-    """Return what a wording tells; an ordinary word that no node has as much as the mean of those that some have."""
+    """Return what a wording tells; an ordinary word that no node has less than a name that none has."""
     if not wording.unknown or wording.name:
         return wording.weight * index.information(_kept(index, wording).terms[0])
     known = [index.information(_kept(index, one).terms[0]) for one in need.wordings if not one.unknown]
     most = index.information(wording.alternatives[0].terms[0])
-    return wording.weight * ((1 - _ORDINARY) * most + _ORDINARY * sum(known) / len(known) if known else most)
+    mean = sum(known) / len(known) if known else most
+    return wording.weight * (most + _rank("ordinary") * (mean - most))
 
 
 def _kept(index: Index, wording: Wording) -> Alternative:
     """Return the spelling of what was typed that nodes have: `influxdb`, where none has `influx`."""
-    return next((one for one in wording.alternatives if one.weight == 1.0 and one.terms[0] in index.text.names), wording.alternatives[0])
+    own = [one for one in wording.alternatives if one.weight == 1.0]
+    return next((one for one in own if one.terms[0] in index.text.names), own[0])
 
 
 def wording_scores(index: Index, wording: Wording) -> Floats:

@@ -65,7 +65,7 @@ def reasons(index: Index, need: Need, place: int, limit: int) -> tuple[Reason, .
     node = index.nodes[place]
     package = index.packages[node.package]
     weights = _weights(index, need, place)
-    found = [*_of_wishes(index, need.wishes, node, package), *_of_words(weights, node, package)]
+    found = [*_of_wishes(index, need.wishes, weights, node, package), *_of_words(weights, node, package)]
     found.sort(key=lambda one: (-one.weight, one.text))
     seen: dict[str, Reason] = {}
     for one in found:
@@ -86,13 +86,17 @@ def _weights(index: Index, need: Need, place: int) -> dict[str, float]:
     return {term: value for term, value in found.items() if value > 0}
 
 
-def _of_wishes(index: Index, wishes: Iterable[Wish], node: Document, package: PackageDocument) -> Iterator[Reason]:
+def _of_wishes(
+    index: Index, wishes: Iterable[Wish], weights: Mapping[str, float], node: Document, package: PackageDocument
+) -> Iterator[Reason]:
     for wish in wishes:
         features = set(wish.features)
         weight = gain(index, wish) + (1.0 if wish.strict else 0.0)
         for end in node.ends:
             if end.role in _ROLES.get(wish.kind, (wish.kind,)) and f"{end.role}:{end.type}" in features:
-                yield Reason(f"{_VERBS[end.role]} {end.type}", weight, end.path, end.line)
+                words = terms(f"{anonymous(end.name or '')} {(end.type or '').rpartition('/')[2]}")
+                said = sum(weights.get(term, 0.0) for term in set(words))
+                yield Reason(f"{_VERBS[end.role]} {end.type}", weight + said / 2, end.path, end.line)
                 break
         labels = {"hardware": node.hardware, "function": node.functions, "capability": node.capabilities}
         if wish.kind in labels:
@@ -105,7 +109,6 @@ def _of_wishes(index: Index, wishes: Iterable[Wish], node: Document, package: Pa
 
 def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocument) -> Iterator[Reason]:
     """Yield a reason for each place that the words of the need stand in, and what it counts."""
-
     fields = lexicon().weights["fields"]
 
     def worth(text: str, field: str) -> float:

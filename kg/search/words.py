@@ -89,9 +89,12 @@ def terms(text: str) -> tuple[str, ...]:
 
 
 def joined(text: str) -> tuple[str, ...]:
-    """Return the stems of names that are one word to some and several to others: `influxdb` of InfluxDB, wifi of Wi-Fi."""
-    names = (match.group().replace("-", "").lower() for match in _COMPOSITE.finditer(text))
-    return tuple(stem(name) for name in names if _SHORT < len(name) <= _LONGEST_JOINED)
+    """Return the stems of names that some write as one word: influxdb of InfluxDB, wifi of Wi-Fi."""
+    names = (
+        match.group() for match in _COMPOSITE.finditer(text) if "-" in match.group() or not match.group().isupper()
+    )
+    plain = (name.replace("-", "").lower() for name in names)
+    return tuple(stem(name) for name in plain if _SHORT < len(name) <= _LONGEST_JOINED)
 
 
 def _terms(text: str) -> tuple[str, ...]:

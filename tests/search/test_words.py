@@ -43,7 +43,8 @@ def test_what_a_name_is_without_is_no_term_of_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "expected"), [("InfluxDB", ["influxdb"]), ("Wi-Fi signal", ["wifi"]), ("laser scan", []), ("voxel_grid", [])]
+    ("name", "expected"),
+    [("InfluxDB", ["influxdb"]), ("Wi-Fi signal", ["wifi"]), ("laser scan", []), ("voxel_grid", [])],
 )
 def test_names_of_several_words_are_one_word_too(name: str, expected: list[str]) -> None:
     """What some write as one word is found by both."""
