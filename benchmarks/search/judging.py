@@ -1,4 +1,4 @@
-"""NDCG of the search on judged needs, beside plain BM25, and by cross-validation with weights chosen inside the folds."""
+"""NDCG of the search on judged needs, beside plain BM25, and with weights chosen inside the folds."""
 
 from __future__ import annotations
 

@@ -5,9 +5,9 @@
 `covered` is the share of what the need tells that the node has: each word counts by how few nodes have it and by the
 part of the need it is in, times what it is worth to the node (`kg.search.fields`) by the best of its alternatives.
 `named` is how much of the node's name was asked for: of two nodes with a voxel grid the one that has nothing else in
-its name. A wish adds its weight times its rarity to the nodes that have it. `meaning` is there with a model of sentence embeddings only.
-The prior marks down what is rarely meant, tests and examples, and prefers what launch files start. The numbers are in
-`ontology/search.toml`.
+its name. A wish adds its weight times its rarity to the nodes that have it. `meaning` is there with a model of sentence
+embeddings only. The prior marks down what is rarely meant, tests and examples, and prefers what launch files start. The
+numbers are in `ontology/search.toml`.
 """
 
 from __future__ import annotations
@@ -77,8 +77,8 @@ def fits(index: Index, need: Need, places: Sequence[int]) -> bool:
     """Tell whether one of the best nodes covers enough of what a need tells (`least` in `ontology/search.toml`).
 
     What it covers counts less by the share of words that no node knows; unknown names count twice, since a need is
-    about what it names. What fulfils a filter for its interface, hardware or function fits, and so does anything where a need
-    has no words.
+    about what it names. What fulfils a filter for its interface, hardware or function fits, and so does anything where
+    a need has no words.
     """
     if not need.wordings or not places or any(wish.strict and wish.kind not in _ABOUT for wish in need.wishes):
         return True

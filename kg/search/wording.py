@@ -28,12 +28,15 @@ def understood(need: Need) -> tuple[list[str], list[str]]:
 
 
 def unknown(need: Need) -> list[str]:
-    """Return a sentence for each word of the need that no node knows, with the spellings searched for instead."""
+    """Return sentences about the words of the need that no node knows: those without, and those with near spellings."""
+    strange = [one for one in need.wordings if one.unknown]
     found = []
-    for one in need.wordings:
-        if one.unknown:
-            instead = f"; searched for {' and '.join(f'`{term}`' for term in one.near)} instead" if one.near else ""
-            found.append(f"no node knows `{one.text}`{instead}")
+    for start, words in (
+        ("no node knows", [one.text for one in strange if not one.near]),
+        ("searched for near spellings of", [one.text for one in strange if one.near]),
+    ):
+        if words:
+            found.append(f"{start} {', '.join(f'`{word}`' for word in words)}")
     return found
 
 

@@ -41,11 +41,11 @@ def test_what_words_were_taken_for(snapshot: EmbeddedSnapshot, settings: Setting
 
 def test_a_need_that_nothing_fits_is_told(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """The hits are the nearest only, and the word that no node knows is named."""
-    found = find(snapshot, settings, "RPLIDAR planner")
+    found = find(snapshot, settings, "RPLIDAR driver of a scanner")
     assert found["hits"]
     assert not found["fits"]
     assert found["unknown"][0].startswith("no node knows `RPLIDAR`")
-    assert find(snapshot, settings, "planner")["fits"]
+    assert find(snapshot, settings, "remove far measurements from laser scans")["fits"]
 
 
 def test_a_misspelt_name_is_asked_about(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
