@@ -93,3 +93,14 @@ def test_what_was_asked_for_is_not_marked_down() -> None:
     assert worth("test", name="test_merger") == 1.0
     assert worth("test", path="tests/tutorials/merger.cpp") == pytest.approx(1 - DOWN["mark"])
     assert worth("merger", name="test_merger") == pytest.approx(1 - DOWN["mark"])
+
+
+def test_a_name_written_as_one_word_has_the_words_of_its_package() -> None:
+    """`camerawatcher` of the package `camera_tools` watches cameras."""
+    package = msgspec.structs.replace(PACKAGE, name="camera_tools", description=None, texts=())
+    nodes = [
+        msgspec.structs.replace(PLAIN, name=name, executable=name, package=0) for name in ("camerawatcher", "lasers")
+    ]
+    hits = Search(build(Content([package], nodes))).find("watch a camera").hits
+    assert hits[0].name == "camerawatcher"
+    assert "watcher" in build(Content([package], nodes)).text.names
