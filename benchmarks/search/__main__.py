@@ -3,13 +3,15 @@
     python benchmarks/search --store FOLDER --queries QUERIES.jsonl --ranked RANKED.jsonl [--limit 10] [--half odd|even]
                              [--model FOLDER]
     python benchmarks/search --store FOLDER --needs benchmarks/search/needs.jsonl [--model FOLDER]
-    python benchmarks/search --store FOLDER --times [--nodes 5000]
+    python benchmarks/search --store FOLDER --judge QUERIES.jsonl... [--fit]
+    python benchmarks/search --store FOLDER --times [--nodes 10000]
 
 The first writes one object a query: {"id": ..., "nodes": [{"repository", "package", "node"}, ...]}, in rank order; each
 query has an `id` and a `query`. A half takes every second query, so that weights can be tried on one and checked on
 the other. The second prints for how many needs a node that does (`package/node`) comes first, or among five. The third
-times in CPU seconds: reading the store, building the index (repeated until it has so many nodes), reading it back, and
-a query of a warm process.
+prints NDCG of the search and of plain BM25; `--fit` also chooses weights inside five folds and scores the needs that
+were held out. The last times in CPU seconds: reading the store, building the index (repeated until it has so many
+nodes), reading it back, and a query of a warm process.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
+from judging import judge
 
 from kg import settings
 from kg.search import cache
@@ -59,11 +62,16 @@ def main() -> None:
     parser.add_argument("--half", choices=("even", "odd"), help="only the queries at even or odd places")
     parser.add_argument("--needs", type=Path, help="JSON Lines with `query` and the `nodes` that do")
     parser.add_argument("--model", type=Path, help="a model of sentence embeddings, to weigh meaning too")
+    parser.add_argument("--judge", type=Path, nargs="+", help="JSON Lines with `query` and graded `relevant` nodes")
+    parser.add_argument("--fit", action="store_true", help="cross-validate the weights")
     parser.add_argument("--times", action="store_true", help="measure")
-    parser.add_argument("--nodes", type=int, default=5000, help="how many nodes the measured index has")
+    parser.add_argument("--nodes", type=int, default=10000, help="how many nodes the measured index has")
     options = parser.parse_args()
     if options.times:
         measure(options.store, options.nodes)
+    elif options.judge:
+        store = opening.existing(settings.load({"store": options.store}))
+        judge(open_search(store, model=options.model), options.judge, fit=options.fit)
     elif options.needs:
         check(options.store, options.needs, options.model)
     else:

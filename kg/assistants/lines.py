@@ -189,6 +189,9 @@ def findings(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[s
 
 def hits(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
     """Yield nodes that were found (view `find`), each with its best reasons."""
+    yield from found["unknown"]
+    if found["hits"] and not found["fits"]:
+        yield "nothing here fits; nearest are"
     for one in found["hits"]:
         ros = f"ROS {one['ros']}" if one["ros"] else ""
         yield _line(f"{one['rank']}. {one['package']}/{one['node']}", one["kind"], ros, where(one["evidence"]))

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from kg.cli.links import Links
-    from kg.search.needs import Need
-    from kg.search.searching import Hit
+    from kg.search.searching import Answer, Hit
 
 __all__ = ["row", "show_hits", "tell"]
 
@@ -95,12 +94,16 @@ def _others(hit: Hit) -> list[str]:
     )
 
 
-def tell(need: Need) -> None:
-    """Tell on standard error which filters and preferences the words were taken for."""
-    from kg.search.wording import understood  # noqa: PLC0415 - start-up time
+def tell(answer: Answer) -> None:
+    """Tell on standard error what the words were taken for, which of them no node knows, and whether anything fits."""
+    from kg.search.wording import NEAREST, understood, unknown  # noqa: PLC0415 - start-up time
 
-    strict, rather = understood(need)
+    strict, rather = understood(answer.need)
     if strict:
         note(f"only nodes with: {', '.join(strict)}")
     if rather:
         note(f"preferring nodes with: {', '.join(rather)}")
+    for sentence in unknown(answer.need):
+        note(sentence)
+    if answer.hits and not answer.fits:
+        note(NEAREST)

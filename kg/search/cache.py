@@ -91,6 +91,7 @@ def _parts(index: Index) -> Iterator[tuple[str, bytes]]:
     yield "concepts", msgspec.json.encode(list(index.concepts))
     yield "group", index.group.tobytes()
     yield "order", index.order.tobytes()
+    yield "started", index.started.tobytes()
     for name in _COLUMNS:
         columns = getattr(index, name)
         yield f"{name}.starts", columns.starts.tobytes()
@@ -121,4 +122,5 @@ def _index(header: _Header, content: bytes, at: int) -> Index:
         columns["features"],
         np.frombuffer(parts["group"], np.int32),
         np.frombuffer(parts["order"], np.int32),
+        np.frombuffer(parts["started"], np.float32),
     )

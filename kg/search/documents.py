@@ -49,7 +49,7 @@ class PackageDocument(msgspec.Struct, frozen=True, gc=False):
 class Document(msgspec.Struct, frozen=True, gc=False):
     """A node type; `package` is the place of its package in the list of packages.
 
-    `hardware`, `functions` and `capabilities` are labels; `feeds` and `fed` are node types as `package/node`.
+    `hardware`, `functions` and `capabilities` are labels; `starts` is how often launch files start it.
     """
 
     iri: str
@@ -69,5 +69,4 @@ class Document(msgspec.Struct, frozen=True, gc=False):
     hardware: tuple[str, ...] = ()
     functions: tuple[str, ...] = ()
     capabilities: tuple[str, ...] = ()
-    feeds: tuple[str, ...] = ()
-    fed: tuple[str, ...] = ()
+    starts: int = 0

@@ -1,4 +1,4 @@
-"""The fields of a document with their weights, and the terms of each.
+"""The fields of a document, and what each term in them is worth (weights: `ontology/search.toml`).
 
 Fields are combined before they are scored, as a weighted sum of how often a term stands in each (Robertson, Zaragoza
 and Taylor 2004, "Simple BM25 extension to multiple weighted fields"): a term in the name counts as often as the
@@ -8,12 +8,12 @@ weight of the name, and a long page about the whole package does not drown the o
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.holes import anonymous
 from kg.search.folding import is_main
-from kg.search.words import name_terms, terms
+from kg.search.lexicon import lexicon
+from kg.search.words import joined, name_terms, stem, terms, words
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -21,43 +21,17 @@ if TYPE_CHECKING:
     from kg.search.documents import Document, PackageDocument
     from kg.search.reading import Content
 
-__all__ = ["FIELDS", "LEAST", "Field", "documents", "own_words", "shared_words", "weighted"]
+__all__ = ["documents", "own_words", "shared_words", "worths"]
 
-_COMMON: Final = ("name", "text", "interface", "type", "parameter", "class")
+_COMMON: Final = ("name", "plugin", "text", "interface", "type", "parameter", "class")
 """What variants of a node have in common."""
-
-LEAST: Final = 0.5
-"""The weighted occurrences that a term has in a document at least, in whatever field it stands."""
 _PROSE: Final = ("manifest", "readme")
-_MAIN: Final = 3
-"""What a word about a package counts for its main node, beside what it counts for others."""
-
-
-@dataclass(frozen=True, slots=True)
-class Field:
-    """A part of a document: what one occurrence of a term in it counts, and how many occurrences count at most.
-
-    With a weight of zero a field adds nothing to others; a term that is in no other counts `LEAST`, as any does.
-    """
-
-    weight: float
-    most: int
-
-
-FIELDS: Final = {
-    "name": Field(14.0, 2),
-    "plugin": Field(0.0, 1),
-    "package": Field(1.5, 1),
-    "repository": Field(1.0, 1),
-    "text": Field(2.0, 1),
-    "manifest": Field(3.0, 1),
-    "readme": Field(1.5, 2),
-    "interface": Field(1.5, 2),
-    "type": Field(1.0, 2),
-    "parameter": Field(0.7, 2),
-    "class": Field(1.5, 1),
-    "neighbour": Field(0.0, 1),
-}
+_PART: Final = 4
+"""Letters that a part of a name that is written as one word has at least."""
+_OFTEN: Final = 2.0
+"""However often a term stands in a field, it counts less than so many times."""
+_SHORTEST: Final = 0.2
+"""A field counts as at least so long, beside the mean of all nodes."""
 
 
 def own_words(node: Document) -> Iterator[tuple[str, str]]:
@@ -80,8 +54,6 @@ def own_words(node: Document) -> Iterator[tuple[str, str]]:
             yield "parameter", told
     for label in (*node.hardware, *node.functions, *node.capabilities):
         yield "class", label
-    for other in (*node.feeds, *node.fed):
-        yield "neighbour", other
 
 
 def shared_words(package: PackageDocument) -> Iterator[tuple[str, str]]:
@@ -99,7 +71,8 @@ def counted(texts: Iterable[tuple[str, str]]) -> dict[str, Counter[str]]:
     """Return how often each term stands in each field."""
     found: dict[str, Counter[str]] = {}
     for field, text in texts:
-        found.setdefault(field, Counter()).update(set(name_terms(text)) if field == "name" else terms(text))
+        once = {*name_terms(text), *joined(text)} if field == "name" else terms(text)
+        found.setdefault(field, Counter()).update(once)
     return found
 
 
@@ -108,8 +81,10 @@ def documents(content: Content, groups: Sequence[int]) -> list[dict[str, Counter
 
     Variants of one node have each other's texts, for who wrote about one meant both.
     """
-    shared = [_capped(counted(shared_words(package))) for package in content.packages]
-    own = [_capped(counted(own_words(node))) for node in content.nodes]
+    shared = [counted(shared_words(package)) for package in content.packages]
+    own = [counted(own_words(node)) for node in content.nodes]
+    for node, fields in zip(content.nodes, own, strict=True):
+        fields.get("name", Counter()).update(_parted(node, content.packages[node.package]))
     members: defaultdict[tuple[int, int], list[int]] = defaultdict(list)
     for place, (node, group) in enumerate(zip(content.nodes, groups, strict=True)):
         members[group, node.package].append(place)
@@ -120,34 +95,50 @@ def documents(content: Content, groups: Sequence[int]) -> list[dict[str, Counter
                 union |= own[place].get(field, Counter())
             for place in places:
                 own[place][field] = union
+    return [{**shared[node.package], **fields} for node, fields in zip(content.nodes, own, strict=True)]
+
+
+def _parted(node: Document, package: PackageDocument) -> set[str]:
+    """Return the terms of a name that is written as one word and begins with a word of its package's name.
+
+    `cameracalibrator` of `camera_calibration` is a camera calibrator.
+    """
+    name = node.name.rpartition("/")[2].removesuffix(".py")
+    starts = [word for word in words(package.name) if len(word) >= _PART and name.startswith(word)]
+    rests = {word: name.removeprefix(word) for word in starts}
+    return {
+        stem(part) for word, rest in rests.items() if rest.isalpha() and len(rest) >= _PART for part in (word, rest)
+    }
+
+
+def mains(content: Content, groups: Sequence[int]) -> list[bool]:
+    """Tell for each node whether what is said of its package is said of it (`kg.search.folding.is_main`)."""
+    members = Counter((group, node.package) for node, group in zip(content.nodes, groups, strict=True))
     sizes = Counter(node.package for node in content.nodes)
+    return [
+        is_main(node, content.packages[node.package], members[group, node.package], sizes[node.package])
+        for node, group in zip(content.nodes, groups, strict=True)
+    ]
+
+
+def worths(content: Content, groups: Sequence[int]) -> list[dict[str, float]]:
+    """Return for each node what it is worth to each term, from 0 to less than 1.
+
+    That is BM25 over fields: occurrences are weighted by field and by how long the field is, summed, then saturated.
+    """
+    weights, rank = lexicon().weights["fields"], lexicon().weights["rank"]
+    fields = documents(content, groups)
+    mean = {
+        name: max(1.0, sum(one.get(name, Counter()).total() for one in fields) / max(1, len(fields)))
+        for name in weights
+    }
     found = []
-    for node, group, fields in zip(content.nodes, groups, own, strict=True):
-        package = content.packages[node.package]
-        main = is_main(node, package, len(members[group, node.package]), sizes[node.package])
-        found.append({**(_told(shared[node.package]) if main else shared[node.package]), **fields})
+    for one, main in zip(fields, mains(content, groups), strict=True):
+        total: defaultdict[str, float] = defaultdict(float)
+        for name, counts in one.items():
+            length = 1 - rank["length"] + rank["length"] * max(counts.total() / mean[name], _SHORTEST)
+            weight, times = weights[name] / length, rank["main"] if main and name in _PROSE else 1.0
+            for term, count in counts.items():
+                total[term] += weight * _OFTEN * count * times / (count * times + 1)
+        found.append({term: value / (value + rank["saturation"]) for term, value in total.items()})
     return found
-
-
-def _capped(fields: dict[str, Counter[str]]) -> dict[str, Counter[str]]:
-    return {
-        name: Counter({term: min(count, FIELDS[name].most) for term, count in counts.items()})
-        for name, counts in fields.items()
-    }
-
-
-def _told(fields: dict[str, Counter[str]]) -> dict[str, Counter[str]]:
-    """Return the fields of a package as those of its main node."""
-    return {
-        name: Counter({term: count * _MAIN for term, count in counts.items()}) if name in _PROSE else counts
-        for name, counts in fields.items()
-    }
-
-
-def weighted(fields: dict[str, Counter[str]]) -> dict[str, float]:
-    """Return the weighted frequency of each term."""
-    total: defaultdict[str, float] = defaultdict(float)
-    for name, counts in fields.items():
-        for term, count in counts.items():
-            total[term] += FIELDS[name].weight * count
-    return total

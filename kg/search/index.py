@@ -1,6 +1,6 @@
 """The index: what each term of a need is worth for each node, and which nodes have each feature.
 
-BM25 (bm25s, the variant of Lucene) gives the worth of a term; a feature is what a filter asks for, such as
+BM25 over fields gives the worth of a term (`kg.search.fields`); a feature is what a filter asks for, such as
 `subscribes:sensor_msgs/LaserScan` or `hardware:camera`. Both are sparse columns over the nodes.
 """
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
-from kg.search.fields import LEAST, documents, weighted
+from kg.search.fields import worths
 from kg.search.folding import bare_name, groups, order
 from kg.search.marking import marks
 from kg.search.words import name_terms
@@ -32,12 +32,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Columns", "Index", "Nodes", "build"]
 
-_SATURATION: Final = 5.0
-"""BM25's k1, in weighted occurrences."""
+_MUCH: Final = 5.0
+"""The logarithm of as many starts as a node has that is used everywhere."""
+_ENOUGH: Final = 1000
 _ANY: Final = ("/ShapeShifter", "/AnyMsg")
 """Types that stand for any."""
-_LENGTH: Final = 0.35
-"""BM25's b: how much long documents are marked down."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +87,7 @@ class Index:
 
     `names` has for each term its share of the name of a node: the shares of all terms of a name sum up to one.
     `group` has for each node the place of the first of those that are one to a user, `order` where it stands among
-    hits of the same worth.
+    hits of the same worth, `started` how much launch files use it.
     """
 
     packages: Sequence[PackageDocument]
@@ -99,51 +98,52 @@ class Index:
     features: Columns
     group: Places
     order: Places
+    started: Floats
 
     @property
     def size(self) -> int:
         """How many nodes there are."""
         return len(self.nodes)
 
+    def information(self, term: str) -> float:
+        """Return how much it tells that a node has a term: the more, the fewer have it, and most where none has.
+
+        A small store counts as one of `_ENOUGH` nodes, for few nodes do not show which words are rare.
+        """
+        count = len(self.text.rows_of(term))
+        return math.log(1 + (max(self.size, _ENOUGH) - count + 0.5) / (count + 0.5))
+
 
 def build(content: Content) -> Index:
     """Return the index of what was read from a store."""
     group = groups(content.packages, content.nodes)
-    counts = [weighted(fields) for fields in documents(content, group.tolist())]
     return Index(
         content.packages,
         content.nodes,
         content.concepts,
-        _scores(counts),
+        _text(worths(content, group.tolist())),
         _shares(content.nodes),
         _features(content),
         group,
         order(content.packages, content.nodes),
+        _started(content.nodes, group),
     )
 
 
-def _scores(documents: Sequence[Mapping[str, float]]) -> Columns:
-    from bm25s import BM25  # noqa: PLC0415 - only who builds an index needs it
-
-    vocabulary = {term: place for place, term in enumerate(sorted(set().union(*documents)))}
-    ids = [
-        [place for term, count in document.items() for place in [vocabulary[term]] * round(_SCALE * max(LEAST, count))]
-        for document in documents
-    ]
-    if not vocabulary:
-        return _columns({})
-    engine = BM25(method="lucene", k1=_SATURATION * _SCALE, b=_LENGTH)
-    engine.index((ids, dict(vocabulary)), show_progress=False, create_empty_token=False)
-    return Columns(
-        vocabulary,
-        engine.scores["indptr"].astype(np.int64),
-        engine.scores["indices"].astype(np.int32),
-        engine.scores["data"].astype(np.float32),
-    )
+def _text(worths: Sequence[Mapping[str, float]]) -> Columns:
+    found: defaultdict[str, dict[int, float]] = defaultdict(dict)
+    for place, values in enumerate(worths):
+        for term, value in values.items():
+            found[term][place] = value
+    return _columns(found)
 
 
-_SCALE: Final = 2
-"""Weighted occurrences are rounded to halves."""
+def _started(nodes: Sequence[Document], group: Places) -> Floats:
+    """Return how much each node is started by launch files, from 0 for never; variants count together."""
+    total: Counter[int] = Counter()
+    for node, first in zip(nodes, group.tolist(), strict=True):
+        total[first] = max(total[first], node.starts)
+    return np.array([math.log1p(total[first]) / _MUCH for first in group.tolist()], np.float32)
 
 
 def _features(content: Content) -> Columns:

@@ -25,7 +25,7 @@ class Lexicon:
     `stop_words` tell nothing; `compounds` has the words of a word written as one; `families` the word that stands for
     another; `synonyms` are groups of phrases; `types` the last parts of message types by phrase; `directions` the
     phrases before them; `surroundings` the phrases that begin what is told beside the point; `meaning` the numbers that
-    likeness in meaning is weighed by.
+    likeness in meaning is weighed by; `weights` those of the ranking (`parts`, `fields`, `rank`, `wishes`, `down`).
     """
 
     stop_words: frozenset[str]
@@ -36,6 +36,7 @@ class Lexicon:
     directions: Mapping[str, tuple[str, ...]]
     surroundings: Mapping[str, tuple[str, ...]]
     meaning: Mapping[str, float]
+    weights: Mapping[str, Mapping[str, float]]
 
 
 @lru_cache(maxsize=1)
@@ -51,4 +52,5 @@ def lexicon() -> Lexicon:
         {direction: tuple(phrases) for direction, phrases in content["directions"].items()},
         {part: tuple(phrases) for part, phrases in content["surroundings"].items()},
         {name: float(value) for name, value in content["meaning"].items()},
+        {kind: {name: float(one) for name, one in table.items()} for kind, table in content["weights"].items()},
     )

@@ -1,14 +1,15 @@
-"""The names that a need can be about: message types, licences, and the labels of hardware, functions, capabilities."""
+"""What a need can be about: message types, licences, labels of hardware, functions and capabilities, and all words."""
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Final
 
-from kg.search.words import phrase
+from kg.search.lexicon import lexicon
+from kg.search.words import is_stop, phrase, stem, words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.search.reading import Concept
 
@@ -17,10 +18,24 @@ __all__ = ["ROLES", "Names"]
 ROLES: Final = ("subscribes", "publishes", "services", "clients", "action_servers", "action_clients")
 
 
-class Names:
-    """The names of the features of an index."""
+_PIECE: Final = 2
+_LEAST_LETTERS: Final = 4
+"""A shorter word is like too many others."""
+_ALIKE: Final = 0.75
+"""Words of which so many pieces of two letters are the same are spellings of one."""
+_ENDING: Final = 2
+"""A word with so many letters more at its end may be a newer version of the other: yolox."""
+_FEW: Final = 4
 
-    def __init__(self, features: Iterable[str], concepts: Sequence[Concept]) -> None:
+
+class Names:
+    """The names of the features of an index, the words of its nodes, and what they mean.
+
+    `synonyms` has for each phrase, as stems, the other phrases for the same: those of the lexicon and the labels of
+    each concept.
+    """
+
+    def __init__(self, features: Iterable[str], concepts: Sequence[Concept], terms: Mapping[str, int]) -> None:
         self._types: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
         self._licenses: dict[str, str] = {}
         self.features = frozenset(features)
@@ -32,6 +47,10 @@ class Names:
             elif kind == "license":
                 self._licenses[name.lower()] = feature
         self.concepts: Mapping[tuple[str, ...], tuple[str, ...]] = self._concepts(concepts)
+        self.synonyms = _synonyms(concepts)
+        self._terms = terms
+        self._pieces: dict[str, list[str]] = {}
+        self._spellings: dict[str, tuple[tuple[str, float], ...]] = {}
 
     def types(self, kind: str, name: str) -> tuple[str, ...]:
         """Return the features of a type: `LaserScan`, `sensor_msgs/LaserScan` or `sensor_msgs/msg/LaserScan`."""
@@ -44,6 +63,33 @@ class Names:
         start = name.lower()
         return tuple(feature for known, feature in self._licenses.items() if _begins(known, start))
 
+    def known(self, term: str) -> bool:
+        """Tell whether a node has a term."""
+        return term in self._terms
+
+    def spellings(self, term: str) -> tuple[tuple[str, float], ...]:
+        """Return terms of nodes that are spelled nearly like one that none has, with how alike each is, best first."""
+        if term not in self._spellings:
+            found = self._alike(term) if len(term) >= _LEAST_LETTERS else ()
+            self._spellings[term] = tuple(sorted(found, key=lambda one: (-one[1], one[0]))[:_FEW])
+        return self._spellings[term]
+
+    def _alike(self, term: str) -> Iterator[tuple[str, float]]:
+        if not self._pieces:
+            pieces: defaultdict[str, list[str]] = defaultdict(list)
+            for one in self._terms:
+                for piece in _cut(one) if len(one) >= _LEAST_LETTERS else ():
+                    pieces[piece].append(one)
+            self._pieces = dict(pieces)
+        own = _cut(term)
+        shared = Counter(one for piece in own for one in self._pieces.get(piece, ()))
+        for one, count in shared.items():
+            likeness = 2 * count / (len(own) + len(_cut(one)))
+            if one.startswith(term) and len(one) - len(term) <= _ENDING:
+                likeness = max(likeness, _ALIKE)
+            if likeness >= _ALIKE:
+                yield one, likeness
+
     def _concepts(self, concepts: Sequence[Concept]) -> dict[tuple[str, ...], tuple[str, ...]]:
         found: defaultdict[tuple[str, ...], list[str]] = defaultdict(list)
         for concept in concepts:
@@ -52,6 +98,27 @@ class Names:
                 for label in (concept.label, *concept.others):
                     found[phrase(label)].append(feature)
         return {stems: tuple(dict.fromkeys(features)) for stems, features in found.items() if stems}
+
+
+def _cut(term: str) -> frozenset[str]:
+    """Return the pieces of two letters of a term, with marks at its ends."""
+    marked = f"^{term}$"
+    return frozenset(marked[at : at + _PIECE] for at in range(len(marked) - _PIECE + 1))
+
+
+def _synonyms(concepts: Sequence[Concept]) -> Mapping[tuple[str, ...], tuple[tuple[str, ...], ...]]:
+    groups = [*lexicon().synonyms, *((concept.label, *concept.others) for concept in concepts)]
+    found: dict[tuple[str, ...], dict[tuple[str, ...], None]] = {}
+    for group in groups:
+        stems = [phrase(one) for one in group]
+        others = [_content(one) for one in group if not one.startswith("=") and "not" not in one.split()]
+        for one in filter(None, stems):
+            found.setdefault(one, {}).update(dict.fromkeys(filter(None, others)))
+    return {one: tuple(others) for one, others in found.items()}
+
+
+def _content(text: str) -> tuple[str, ...]:
+    return tuple(stem(word) for word in words(text) if not is_stop(word))
 
 
 def _begins(known: str, start: str) -> bool:

@@ -6,12 +6,12 @@ A wish is a preference unless the text says it as a filter does: `subscribes Las
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 from kg.search.lexicon import lexicon
-from kg.search.words import is_stop, phrase, stem, words
+from kg.search.words import is_stop, joined, phrase, stem, words
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -57,13 +57,14 @@ _MOST: Final = 2000
 """So many characters of a text are read: a need is a sentence or two, and longer texts cost with their square."""
 _LONGEST: Final = 6
 """So many words has the longest phrase of the lexicon."""
-_SYNONYM: Final = 0.8
-"""What a synonym is worth beside the word that was typed."""
-
 _TOLD: Final = 3
 """Behind so many words that tell something, `for` begins a purpose."""
-_PARTS: Final = {"side": 0.4, "purpose": 0.4, "unwanted": 0.2}
-"""What words of the surroundings count."""
+_SHORT_NAME: Final = 2
+_OF_EVERY: Final = ("ros", "msg", "msgs")
+"""Names that tell nothing of a node."""
+_TASK: Final = "task"
+_ASIDE: Final = ("side", "purpose", "unwanted")
+"""Parts whose words wish for no types and no hardware."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +79,25 @@ class Alternative:
 class Wording:
     """A word or phrase of the need, as typed, and all the ways to say it; the first is the phrase itself.
 
-    `weight` is below one for what is told of the surroundings.
+    `part` is that of the need: task, context, side, purpose or unwanted, and gives the `weight`; `near` has the
+    spellings that are searched for a word that no node has, and a word that is `unknown` has none of its own.
     """
 
     text: str
     alternatives: tuple[Alternative, ...]
-    weight: float = 1.0
+    part: str = _TASK
+    unknown: bool = False
+    near: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> bool:
+        """Whether it was typed as names are, with a capital."""
+        return any(letter.isupper() for letter in self.text)
+
+    @property
+    def weight(self) -> float:
+        """What the wording counts."""
+        return lexicon().weights["parts"][self.part]
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,12 +121,25 @@ class Need:
     wordings: tuple[Wording, ...]
     wishes: tuple[Wish, ...]
 
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """The words of the need that no node knows, as they were typed."""
+        return tuple(one.text for one in self.wordings if one.unknown)
+
 
 @dataclass(frozen=True, slots=True)
 class _Token:
     stem: str
     word: str
-    weight: float = 1.0
+    part: str = _TASK
+    whole: str | None = None
+    """The stem of the name that it is a part of: influxdb, of InfluxDB."""
+    typed: str = ""
+
+    @property
+    def name(self) -> bool:
+        """Whether a word of grammar was typed as a name: CAN."""
+        return self.typed.isupper() and len(self.typed) > _SHORT_NAME and self.word not in _OF_EVERY
 
 
 def parse(text: str, names: Names) -> Need:
@@ -120,7 +147,7 @@ def parse(text: str, names: Names) -> Need:
     strict, rest = _strict(text[:_MOST], names)
     tokens = _weighed(rest)
     wishes = [*strict, *_typed(tokens, names), *_classes(tokens, names)]
-    return Need(text, tuple(_wordings(tokens)), tuple(dict.fromkeys(wishes)))
+    return Need(text, tuple(_wordings(tokens, names)), tuple(dict.fromkeys(wishes)))
 
 
 def _strict(text: str, names: Names) -> tuple[list[Wish], str]:
@@ -164,21 +191,28 @@ def _turns() -> dict[tuple[str, ...], str]:
 
 
 def _weighed(text: str) -> list[_Token]:
-    """Return the tokens of a text; those of its surroundings count less."""
+    """Return the tokens of a text, each with the part of the need that it belongs to."""
     found: list[_Token] = []
     for clause in re.split(r"[,;:]\s", text):
-        stems = [(stem(word), word) for word in words(clause)]
-        at, part = 0, ""
-        while at < len(stems):
-            turn, length = _turn(tuple(one for one, _ in stems), at)
+        tokens = [token for name in clause.split() for token in _tokens(name)]
+        stems = tuple(token.stem for token in tokens)
+        at, part = 0, _TASK
+        while at < len(tokens):
+            turn, length = _turn(stems, at)
             told = sum(not is_stop(token.word) for token in found)
             if turn == "wanted":
-                part = "" if part == "unwanted" else part
-            elif turn and (turn != "purpose" or told >= _TOLD):
-                part = turn
-            found += [_Token(one, word, _PARTS.get(part, 1.0)) for one, word in stems[at : at + length]]
+                part = _TASK if part == "unwanted" else "context" if told and part == _TASK else part
+            elif turn and (told or turn == "unwanted") and (turn != "purpose" or told >= _TOLD):
+                part = turn if part not in _ASIDE else part
+            found += [replace(token, part=part) for token in tokens[at : at + length]]
             at += length
     return found
+
+
+def _tokens(name: str) -> list[_Token]:
+    """Return the tokens of what stands between two spaces."""
+    whole = next(iter(joined(name)), None)
+    return [_Token(stem(word), word, whole=whole, typed=name.strip("\"'.,;:!?()")) for word in words(name)]
 
 
 def _turn(stems: tuple[str, ...], at: int) -> tuple[str, int]:
@@ -188,22 +222,6 @@ def _turn(stems: tuple[str, ...], at: int) -> tuple[str, int]:
         if part is not None:
             return part, min(length, len(stems) - at)
     return "", 1
-
-
-@lru_cache(maxsize=1)
-def _synonyms() -> dict[tuple[str, ...], tuple[tuple[str, ...], ...]]:
-    """Return for each phrase, as stems, the other phrases of its groups."""
-    found: dict[tuple[str, ...], dict[tuple[str, ...], None]] = {}
-    for group in lexicon().synonyms:
-        stems = [phrase(one) for one in group]
-        others = [_content(one) for one in group if not one.startswith("=") and "not" not in one.split()]
-        for one in stems:
-            found.setdefault(one, {}).update(dict.fromkeys(others))
-    return {one: tuple(others) for one, others in found.items()}
-
-
-def _content(text: str) -> tuple[str, ...]:
-    return tuple(stem(word) for word in words(text) if not is_stop(word))
 
 
 @lru_cache(maxsize=1)
@@ -230,29 +248,40 @@ def _matches(tokens: Sequence[_Token], known: dict[tuple[str, ...], object]) -> 
             begin += 1
 
 
-def _wordings(tokens: Sequence[_Token]) -> Iterator[Wording]:
-    """Yield the wordings of a need: phrases with synonyms, then every word that tells something, each once."""
-    known = _synonyms()
-    begin, seen = 0, set()
-    spans = dict(_matches(tokens, known))  # type: ignore[arg-type]  # only the keys are looked at
-    while begin < len(tokens):
-        end = spans.get(begin, begin + 1)
-        part = tokens[begin:end]
-        own = tuple(token.stem for token in part if not is_stop(token.word))
-        key = tuple(token.stem for token in part)
-        if own and own not in seen:
-            seen.add(own)
-            others = (Alternative(one, _SYNONYM) for one in known.get(key, ()) if one != own)
-            weight = max(token.weight for token in part)
-            yield Wording(" ".join(token.word for token in part), (Alternative(own, 1.0), *others), weight)
-        begin = end
+def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
+    """Yield a wording for every word that tells something, once each, with the synonyms of the phrase it is in."""
+    seen: set[str] = set()
+    said = {token.whole for token in tokens} | {token.stem for token in tokens}
+    spans = dict(_matches(tokens, names.synonyms))  # type: ignore[arg-type]  # only the keys are looked at
+    end = 0
+    others: tuple[tuple[str, ...], ...] = ()
+    for at, token in enumerate(tokens):
+        if at >= end:
+            end = spans.get(at, at + 1)
+            others = names.synonyms.get(tuple(one.stem for one in tokens[at:end]), ())
+        if token.stem not in seen and (not is_stop(token.word) or token.name):
+            seen.add(token.stem)
+            yield _wording(token, [one for one in others if not said.issuperset(one)], names)
+
+
+def _wording(token: _Token, synonyms: Sequence[tuple[str, ...]], names: Names) -> Wording:
+    rank = lexicon().weights["rank"]
+    found = [Alternative((token.stem,), 1.0)]
+    if token.whole is not None:
+        found.append(Alternative((token.whole,), 1.0))
+    known = any(names.known(one.terms[0]) for one in found)
+    near = () if known else names.spellings(token.whole or token.stem)
+    found += [Alternative((term,), rank["spelling"] * likeness) for term, likeness in near]
+    found += [Alternative(one, rank["synonym"]) for one in synonyms]
+    spelled = tuple(term for term, _ in near)
+    return Wording(token.typed if not known else token.word, tuple(found), token.part, not known, spelled)
 
 
 def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
     """Yield the wishes of words for message types, with the direction that the words around them give."""
     phrases = _type_phrases()
     for begin, end in _matches(tokens, phrases):  # type: ignore[arg-type]  # only the keys are looked at
-        if tokens[begin].weight < 1:
+        if tokens[begin].part in _ASIDE:
             continue
         stems = tuple(token.stem for token in tokens[begin:end])
         said = " ".join(token.word for token in tokens[begin:end])
@@ -282,7 +311,7 @@ def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
 def _classes(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
     """Yield the wishes of words for hardware, functions and capabilities."""
     for begin, end in _matches(tokens, names.concepts):  # type: ignore[arg-type]  # only the keys are looked at
-        if tokens[begin].weight < 1:
+        if tokens[begin].part in _ASIDE:
             continue
         said = " ".join(token.word for token in tokens[begin:end])
         for feature in names.concepts[tuple(token.stem for token in tokens[begin:end])]:

@@ -1,11 +1,13 @@
-"""The worth of each node for a need: a weighted sum, whose parts are the reasons that hits give.
+"""The worth of each node for a need, from 0 to about 1; its parts are the reasons that hits give.
 
-    worth = (text + name + wishes + meaning) * prior
+    worth = (covered + named + wishes + meaning) * prior
 
-`text` sums BM25 over the wordings of the need, each by the best of its alternatives. `name` is how much of the node's
-name was asked for: of two nodes with a voxel grid the one that has nothing else in its name. A wish adds its weight
-times its rarity to the nodes that have it. `meaning` is there with a model of sentence embeddings only. The prior marks
-down what is rarely meant: tests, examples, what is deprecated.
+`covered` is the share of what the need tells that the node has: each word counts by how few nodes have it and by the
+part of the need it is in, times what it is worth to the node (`kg.search.fields`) by the best of its alternatives.
+`named` is how much of the node's name was asked for: of two nodes with a voxel grid the one that has nothing else in
+its name. A wish adds its weight times its rarity to the nodes that have it. `meaning` is there with a model of sentence
+embeddings only. The prior marks down what is rarely meant, tests and examples, and prefers what launch files start. The
+numbers are in `ontology/search.toml`.
 """
 
 from __future__ import annotations
@@ -16,39 +18,24 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from kg.search.lexicon import lexicon
-from kg.search.marking import MARKED_DOWN
+from kg.search.marking import MARKS
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from kg.search.index import Columns, Floats, Index
     from kg.search.needs import Alternative, Need, Wish, Wording
 
-__all__ = ["WEIGHTS", "gain", "meant", "prior", "scores", "wish_rows", "wording_scores"]
+__all__ = ["covered", "fits", "gain", "meant", "prior", "scores", "share", "wish_rows", "wording_scores"]
 
-WEIGHTS: Final = {
-    "subscribes": 0.5,
-    "publishes": 0.7,
-    "uses": 0.3,
-    "hardware": 0.3,
-    "function": 0.1,
-    "capability": 0.15,
-}
-"""What a wish is worth, for each unit of its rarity."""
 _OPEN: Final = ("subscribes", "publishes")
 _OPEN_SHARE: Final = 0.7
 """What a topic of a type that is not known, or any type, is worth beside one of the type wished for."""
-_COVERAGE: Final = 0.5
-_PRESENT: Final = 0.5
-"""A wording is there where it is worth this share of what it is worth where it is worth most."""
-_TINY: Final = 1e-6
-_NAMED: Final = 3.0
-"""What it is worth that all of a node's name was asked for."""
 _RAREST: Final = 2.0
-_PHRASE: Final = 0.25
-"""What each further word of a phrase adds to the worth of its first."""
-_LIBRARY: Final = 0.8
-_DEPRECATED: Final = 0.9
-_UNTOLD: Final = 0.9
-"""What a node is worth that nobody wrote a sentence about."""
+_ABOUT: Final = ("ros", "license", "kind", "package")
+"""Filters that tell nothing of what a node does."""
+_FILTERED: Final = 0.01
+"""What fulfils the filters is a hit, whatever else the words say."""
 
 
 def scores(index: Index, need: Need, likeness: Floats | None = None) -> Floats:
@@ -56,7 +43,7 @@ def scores(index: Index, need: Need, likeness: Floats | None = None) -> Floats:
 
     `likeness` has the cosine of the need to each node (`kg.search.meaning`); without it meaning counts nothing.
     """
-    total = _text(index, need) + _NAMED * _named(index, need) + _wished(index, need)
+    total = covered(index, need) + np.float32(_rank("named")) * _named(index, need) + _wished(index, need)
     if likeness is not None:
         total += meant(likeness)
     asked = {term for wording in need.wordings for one in wording.alternatives for term in one.terms}
@@ -67,8 +54,7 @@ def scores(index: Index, need: Need, likeness: Floats | None = None) -> Floats:
     kept = np.zeros(index.size, np.int32)
     for wish in strict:
         kept[wish_rows(index, wish)] += 1
-    # What fulfils the filters is a hit, whatever else the words say.
-    return np.where(kept == len(strict), total + 1, 0).astype(np.float32)
+    return np.where(kept == len(strict), total + _FILTERED, 0).astype(np.float32)
 
 
 def meant(likeness: Floats) -> Floats:
@@ -79,31 +65,75 @@ def meant(likeness: Floats) -> Floats:
     return found
 
 
-def _text(index: Index, need: Need) -> Floats:
-    """Return the sum over the wordings, marked down where much of the need is missing altogether."""
-    total, present, most = (np.zeros(index.size, np.float32) for _ in range(3))
+def covered(index: Index, need: Need) -> Floats:
+    """Return the share of what the need tells that each node has, from 0 to 1."""
+    total = np.zeros(index.size, np.float32)
     for wording in need.wordings:
-        found = wording_scores(index, wording)
-        best = found.max(initial=0)
-        total += found
-        if best > 0:
-            present += best * np.minimum(1, found / (_PRESENT * best))
-            most += best
-    return total * np.power(present / np.maximum(most, _TINY), _COVERAGE, dtype=np.float32)
+        total += np.float32(share(index, need, wording)) * wording_scores(index, wording)
+    return total
+
+
+def fits(index: Index, need: Need, places: Sequence[int]) -> bool:
+    """Tell whether one of the best nodes covers enough of what a need tells (`least` in `ontology/search.toml`).
+
+    What it covers counts less by the share of words that no node knows; unknown names count twice, since a need is
+    about what it names. What fulfils a filter for its interface, hardware or function fits, and so does anything where
+    a need has no words.
+    """
+    if not need.wordings or not places or any(wish.strict and wish.kind not in _ABOUT for wish in need.wishes):
+        return True
+    strange = (share(index, need, one) * (1 + one.name) for one in need.wordings if one.unknown)
+    evidence = float(covered(index, need)[list(places)].max()) * max(0.0, 1 - sum(strange))
+    return evidence >= _rank("least")
+
+
+def share(index: Index, need: Need, wording: Wording) -> float:
+    """Return the share of a wording in what its need tells."""
+    return _told(index, need, wording) / sum(_told(index, need, one) for one in need.wordings)
+
+
+def _told(index: Index, need: Need, wording: Wording) -> float:
+    """Return what a wording tells; an ordinary word that no node has less than a name that none has."""
+    if not wording.unknown or wording.name:
+        return wording.weight * index.information(_kept(index, wording).terms[0])
+    known = [index.information(_kept(index, one).terms[0]) for one in need.wordings if not one.unknown]
+    most = index.information(wording.alternatives[0].terms[0])
+    mean = sum(known) / len(known) if known else most
+    return wording.weight * (most + _rank("ordinary") * (mean - most))
+
+
+def _kept(index: Index, wording: Wording) -> Alternative:
+    """Return the spelling of what was typed that nodes have: `influxdb`, where none has `influx`."""
+    own = [one for one in wording.alternatives if one.weight == 1.0]
+    return next((one for one in own if one.terms[0] in index.text.names), own[0])
+
+
+def wording_scores(index: Index, wording: Wording) -> Floats:
+    """Return what a wording is worth to each node, from 0 to 1.
+
+    A synonym that more nodes have than the word itself tells less, and counts less by as much.
+    """
+    own = index.information(_kept(index, wording).terms[0])
+    best = np.zeros(index.size, np.float32)
+    for one in wording.alternatives:
+        columns = [index.text.dense(term, index.size) for term in one.terms]
+        told = max(index.information(term) for term in one.terms)
+        best = np.maximum(best, np.float32(one.weight * min(1.0, told / own)) * np.min(columns, axis=0))
+    return best
 
 
 def _named(index: Index, need: Need) -> Floats:
     total = np.zeros(index.size, np.float32)
     for wording in need.wordings:
-        total += wording.weight * _best(index.names, index.size, wording)
+        total += _best(index.names, index.size, wording)
     return np.minimum(total, 1) ** 2
 
 
 def _wished(index: Index, need: Need) -> Floats:
     total = np.zeros(index.size, np.float32)
     for wish in need.wishes:
-        if wish.kind in WEIGHTS and not wish.strict:
-            rows, added = wish_rows(index, wish), gain(index, wish)
+        if not wish.strict and (added := gain(index, wish)):
+            rows = wish_rows(index, wish)
             total[rows] += added
             if wish.kind in _OPEN:
                 total[np.setdiff1d(index.features.rows_of(f"{wish.kind}:"), rows)] += _OPEN_SHARE * added
@@ -112,16 +142,8 @@ def _wished(index: Index, need: Need) -> Floats:
 
 def gain(index: Index, wish: Wish) -> float:
     """Return what a wish adds to the worth of a node that fulfils it: the more, the rarer that is."""
-    return WEIGHTS.get(wish.kind, 0.0) * _rarity(index, len(wish_rows(index, wish)))
-
-
-def wording_scores(index: Index, wording: Wording) -> Floats:
-    """Return what a wording adds to the worth of each node."""
-    own = wording.alternatives[0]
-    best = _mean(index, own)
-    for other in wording.alternatives[1:]:
-        best = np.maximum(best, other.weight * _together(index, other))
-    return best * np.float32(wording.weight * (1 + _PHRASE * (len(own.terms) - 1)))
+    weight = lexicon().weights["wishes"].get(wish.kind, 0.0)
+    return weight * _rarity(index, len(wish_rows(index, wish))) if weight else 0.0
 
 
 def wish_rows(index: Index, wish: Wish) -> np.ndarray:
@@ -134,36 +156,29 @@ def _best(columns: Columns, size: int, wording: Wording) -> Floats:
     """Return for each node the most that an alternative of a wording has of its name."""
     best = np.zeros(size, np.float32)
     for one in wording.alternatives:
-        share = sum((columns.dense(term, size) for term in one.terms), np.zeros(size, np.float32))
-        best = np.maximum(best, np.float32(one.weight) * share)
+        part = sum((columns.dense(term, size) for term in one.terms), np.zeros(size, np.float32))
+        best = np.maximum(best, np.float32(one.weight) * part)
     return best
 
 
-def _mean(index: Index, alternative: Alternative) -> Floats:
-    total = sum((index.text.dense(term, index.size) for term in alternative.terms), np.zeros(index.size, np.float32))
-    return total / np.float32(max(1, len(alternative.terms)))
-
-
-def _together(index: Index, alternative: Alternative) -> Floats:
-    """Return the mean worth of terms for the nodes that have all of them."""
-    columns = [index.text.dense(term, index.size) for term in alternative.terms]
-    if not columns:
-        return np.zeros(index.size, np.float32)
-    together = np.min(columns, axis=0) > 0
-    return np.where(together, np.mean(columns, axis=0), 0).astype(np.float32)
-
-
 def _rarity(index: Index, count: int) -> float:
-    return min(_RAREST, math.log(1 + index.size / (count + 1)))
+    """Return how rare a feature is, from 0 to 1."""
+    return min(_RAREST, math.log(1 + index.size / (count + 1))) / _RAREST
+
+
+def _rank(name: str) -> float:
+    return lexicon().weights["rank"][name]
 
 
 def prior(index: Index, asked: frozenset[str]) -> Floats:
     """Return what each node is worth whatever the need; words that were `asked` for mark nothing down."""
-    marks = {word: factor for word, factor in MARKED_DOWN.items() if word not in asked}
-    found = np.ones(index.size, np.float32)
-    for word, factor in marks.items():
-        found[index.features.rows_of(f"mark:{word}")] *= factor
-    found[index.features.rows_of("kind:class")] *= _LIBRARY
-    found[index.features.rows_of("deprecated:")] *= _DEPRECATED
-    found[index.features.rows_of("untold:")] *= _UNTOLD
-    return found
+    down = lexicon().weights["down"]
+    marked = np.zeros(index.size, np.bool_)
+    for word in MARKS - asked:
+        marked[index.features.rows_of(f"mark:{word}")] = True
+    found = (1 + np.float32(_rank("started")) * index.started) * np.where(marked, 1 - down["mark"], 1)
+    for kind in ("class", "plugin"):
+        found[index.features.rows_of(f"kind:{kind}")] *= 1 - down["library"]
+    found[index.features.rows_of("deprecated:")] *= 1 - down["deprecated"]
+    found[index.features.rows_of("untold:")] *= 1 - down["untold"]
+    return found.astype(np.float32)

@@ -6,7 +6,8 @@ of interfaces than of anything else.
 
 from __future__ import annotations
 
-from collections import defaultdict
+import re
+from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import unquote
@@ -71,7 +72,12 @@ _ROLES: Final = {
     "action-client": Role.ACTION_CLIENTS,
 }
 _PARAMETER: Final = "parameter"
-_MOST_FEEDS: Final = 12
+_LICENCE: Final = re.compile(
+    r"\bcopyright\b|\ball rights reserved\b|\bredistribut|\bwarrant(?:y|ies)\b"
+    r"|\b(?:licensed|distributed|released) under\b",
+    re.IGNORECASE,
+)
+"""Texts with such words tell what may be done with the code, not what it does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +138,8 @@ class _Reading:
         for part, properties in parts.items():
             get = _Getter(properties)
             text, kind, path = get(v.DESCRIPTION_TEXT), get(v.DESCRIPTION_KIND), get(v.PATH)
+            if text and _LICENCE.search(text):
+                continue
             found[owners[part]].append(Text(text or "", kind or "", path or "", int(get(v.LINE) or 0), get(v.HEADING)))
         return {
             owner: tuple(sorted(texts, key=lambda one: (one.path, one.line, one.text)))
@@ -172,7 +180,7 @@ class _Reading:
         ends, parameters = self._ends(), self._parameters()
         programs = dict(self._sources(_PROGRAMS))
         classes = self._classes()
-        feeds, fed = self._feeds()
+        starts = self._starts()
         found = []
         for iri, properties in _grouped(self._sources(_NODES)).items():
             if iri not in owners or owners[iri][0] not in places:
@@ -197,8 +205,7 @@ class _Reading:
                     hardware=classes[iri, "hardware"],
                     functions=classes[iri, "functions"],
                     capabilities=classes[iri, "capabilities"],
-                    feeds=feeds.get(iri, ()),
-                    fed=fed.get(iri, ()),
+                    starts=starts[iri],
                 )
             )
         return sorted(found, key=lambda one: (one.package, one.name, one.path, one.line, one.iri))
@@ -245,16 +252,9 @@ class _Reading:
                 found[node, name].add(labels.get(concept) or concept.rpartition("#")[2])
         return defaultdict(tuple, {key: tuple(sorted(names)) for key, names in found.items()})
 
-    def _feeds(self) -> tuple[dict[str, tuple[str, ...]], dict[str, tuple[str, ...]]]:
-        feeds: defaultdict[str, set[str]] = defaultdict(set)
-        fed: defaultdict[str, set[str]] = defaultdict(set)
-        for one, other in rows(self.snapshot, "SELECT ?a ?b { GRAPH ?g { ?a rnkg:feeds ?b } }"):
-            feeds[one].add(_short(other))
-            fed[other].add(_short(one))
-        return (
-            {node: tuple(sorted(others)[:_MOST_FEEDS]) for node, others in feeds.items()},
-            {node: tuple(sorted(others)[:_MOST_FEEDS]) for node, others in fed.items()},
-        )
+    def _starts(self) -> Counter[str]:
+        """Return how often launch files start each node."""
+        return Counter(node for _, node in rows(self.snapshot, "SELECT ?i ?n { GRAPH ?g { ?i rnkg:instanceOf ?n } }"))
 
     def _concepts(self) -> list[Concept]:
         found = []
@@ -308,10 +308,5 @@ def _part(node: str, part: str) -> tuple[str, str | None]:
 def _type_name(iri: str | None) -> str | None:
     if iri is None:
         return None
-    package, name = iri.split("/")[-2:]
-    return f"{unquote(package)}/{unquote(name)}"
-
-
-def _short(iri: str) -> str:
     package, name = iri.split("/")[-2:]
     return f"{unquote(package)}/{unquote(name)}"

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.holes import anonymous
-from kg.search.fields import FIELDS, LEAST, own_words
-from kg.search.ranking import gain
+from kg.search.fields import own_words
+from kg.search.lexicon import lexicon
+from kg.search.ranking import gain, share
 from kg.search.words import terms
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def reasons(index: Index, need: Need, place: int, limit: int) -> tuple[Reason, .
     node = index.nodes[place]
     package = index.packages[node.package]
     weights = _weights(index, need, place)
-    found = [*_of_wishes(index, need.wishes, node, package), *_of_words(weights, node, package)]
+    found = [*_of_wishes(index, need.wishes, weights, node, package), *_of_words(weights, node, package)]
     found.sort(key=lambda one: (-one.weight, one.text))
     seen: dict[str, Reason] = {}
     for one in found:
@@ -77,20 +78,25 @@ def _weights(index: Index, need: Need, place: int) -> dict[str, float]:
     """Return what each term of the need is worth for a node."""
     found: dict[str, float] = {}
     for wording in need.wordings:
+        told = share(index, need, wording)
         for one in wording.alternatives:
             for term in one.terms:
-                value = one.weight * index.text.value(term, place)
+                value = told * one.weight * index.text.value(term, place)
                 found[term] = max(value, found.get(term, 0.0))
     return {term: value for term, value in found.items() if value > 0}
 
 
-def _of_wishes(index: Index, wishes: Iterable[Wish], node: Document, package: PackageDocument) -> Iterator[Reason]:
+def _of_wishes(
+    index: Index, wishes: Iterable[Wish], weights: Mapping[str, float], node: Document, package: PackageDocument
+) -> Iterator[Reason]:
     for wish in wishes:
         features = set(wish.features)
         weight = gain(index, wish) + (1.0 if wish.strict else 0.0)
         for end in node.ends:
             if end.role in _ROLES.get(wish.kind, (wish.kind,)) and f"{end.role}:{end.type}" in features:
-                yield Reason(f"{_VERBS[end.role]} {end.type}", weight, end.path, end.line)
+                words = terms(f"{anonymous(end.name or '')} {(end.type or '').rpartition('/')[2]}")
+                said = sum(weights.get(term, 0.0) for term in set(words))
+                yield Reason(f"{_VERBS[end.role]} {end.type}", weight + said / 2, end.path, end.line)
                 break
         labels = {"hardware": node.hardware, "function": node.functions, "capability": node.capabilities}
         if wish.kind in labels:
@@ -103,9 +109,10 @@ def _of_wishes(index: Index, wishes: Iterable[Wish], node: Document, package: Pa
 
 def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocument) -> Iterator[Reason]:
     """Yield a reason for each place that the words of the need stand in, and what it counts."""
+    fields = lexicon().weights["fields"]
 
     def worth(text: str, field: str) -> float:
-        return sum(weights.get(term, 0.0) for term in set(terms(text))) * min(1.0, max(LEAST, FIELDS[field].weight))
+        return sum(weights.get(term, 0.0) for term in set(terms(text))) * min(1.0, fields[field])
 
     for field, text in own_words(node):
         if field in {"name", "plugin"} and (value := worth(text, field)):
@@ -123,10 +130,6 @@ def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocu
     for name, told in node.parameters:
         if value := worth(f"{name} {told or ''}", "parameter"):
             yield Reason(f"has the parameter {name}", value * 0.5)
-    for kind, others_ in (("feeds", node.feeds), ("is fed by", node.fed)):
-        for other in others_:
-            if value := worth(other, "neighbour"):
-                yield Reason(f"{kind} {other}", value)
 
 
 def _best(texts: Iterable[Text], worth: Callable[[Text], float]) -> Iterator[Reason]:

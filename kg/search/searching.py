@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from kg.search import cache
 from kg.search.filters import wishes
 from kg.search.names import Names
 from kg.search.needs import Need, parse
-from kg.search.ranking import meant, scores
+from kg.search.ranking import fits, meant, scores
 from kg.search.reasons import Reason, reasons
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ class Hit:
     package: PackageDocument
     why: tuple[Reason, ...]
     others: tuple[tuple[PackageDocument, Document], ...]
+    fits: bool = True
 
     @property
     def name(self) -> str:
@@ -55,11 +56,15 @@ class Hit:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The hits of a need as it was understood; `total` is how many there are in all."""
+    """The hits of a need as it was understood; `total` is how many there are in all.
+
+    `fits` is false where the hits are only the nearest: none covers enough of what the need tells.
+    """
 
     need: Need
     hits: tuple[Hit, ...]
     total: int
+    fits: bool = True
 
 
 class Search:
@@ -67,7 +72,7 @@ class Search:
 
     def __init__(self, index: Index, meaning: Meaning | None = None) -> None:
         self.index, self.meaning = index, meaning
-        self.names = Names(index.features.names, index.concepts)
+        self.names = Names(index.features.names, index.concepts, index.text.names)
 
     def find(self, text: str, filters: Mapping[str, Sequence[str]] | None = None, limit: int = 10) -> Answer:
         """Return the best hits for a need in words, of which filters leave out some (`kg.search.filters`).
@@ -86,8 +91,9 @@ class Search:
         for place in places.tolist():
             groups.setdefault(int(self.index.group[place]), []).append(place)
         chosen = list(groups.values())[:limit]
-        hits = (self._hit(rank, members, worth, need, likeness) for rank, members in enumerate(chosen, 1))
-        return Answer(need, tuple(hits), len(groups))
+        fitting = fits(self.index, need, [members[0] for members in chosen])
+        found = [self._hit(rank, members, worth, need, likeness) for rank, members in enumerate(chosen, 1)]
+        return Answer(need, tuple(replace(hit, fits=fitting) for hit in found), len(groups), fitting)
 
     def _hit(self, rank: int, members: Sequence[int], worth: Any, need: Need, likeness: Floats | None) -> Hit:
         place, *others = members
@@ -177,6 +183,7 @@ def hit_object(hit: Hit) -> dict[str, Any]:
         "plugin": node.plugin,
         "file": node.path,
         "line": node.line,
+        "fits": hit.fits,
         "why": [str(reason) for reason in hit.why],
         "reasons": [
             {"text": one.text, "weight": round(one.weight, 2), "file": one.path, "line": one.line} for one in hit.why

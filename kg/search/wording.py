@@ -10,7 +10,9 @@ if TYPE_CHECKING:
     from kg.search.needs import Need, Wish
     from kg.search.searching import Search
 
-__all__ = ["near", "understood"]
+__all__ = ["NEAREST", "near", "understood", "unknown"]
+
+NEAREST: Final = "nothing here fits; nearest are"
 
 _VERBS: Final = {"uses": "subscribes or publishes", "services": "offers", "clients": "calls"}
 """How kinds of wishes are said; the others go by their names."""
@@ -23,6 +25,19 @@ def understood(need: Need) -> tuple[list[str], list[str]]:
     strict = dict.fromkeys(_said(wish) for wish in need.wishes if wish.strict)
     rather = dict.fromkeys(_said(wish) for wish in need.wishes if not wish.strict)
     return list(strict), list(rather)
+
+
+def unknown(need: Need) -> list[str]:
+    """Return sentences about the words of the need that no node knows: those without, and those with near spellings."""
+    strange = [one for one in need.wordings if one.unknown]
+    found = []
+    for start, words in (
+        ("no node knows", [one.text for one in strange if not one.near]),
+        ("searched for near spellings of", [one.text for one in strange if one.near]),
+    ):
+        if words:
+            found.append(f"{start} {', '.join(f'`{word}`' for word in words)}")
+    return found
 
 
 def near(words: str, search: Search) -> str | None:

@@ -16,7 +16,7 @@ from kg.search.lexicon import lexicon
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["is_stop", "name_terms", "phrase", "stem", "terms", "words"]
+__all__ = ["is_stop", "joined", "name_terms", "phrase", "stem", "terms", "words"]
 
 _WORD: Final = re.compile(
     r"\d[dD](?![a-zA-Z])"  # 2D, 3d
@@ -27,6 +27,8 @@ _WORD: Final = re.compile(
     r"|[^\W\d_]+"  # letters of other alphabets
     r"|\d+"
 )
+_COMPOSITE: Final = re.compile(r"[A-Za-z]+[A-Z][A-Za-z0-9]*|\b[A-Za-z]{1,4}-[A-Za-z]{2,}")
+_LONGEST_JOINED: Final = 14
 _WITHOUT: Final = frozenset(("no", "without"))
 _SHORT: Final = 2
 _NAME: Final = 60
@@ -86,8 +88,17 @@ def terms(text: str) -> tuple[str, ...]:
     return _short_terms(text) if len(text) <= _NAME else _terms(text)
 
 
+def joined(text: str) -> tuple[str, ...]:
+    """Return the stems of names that some write as one word: influxdb of InfluxDB, wifi of Wi-Fi."""
+    names = (
+        match.group() for match in _COMPOSITE.finditer(text) if "-" in match.group() or not match.group().isupper()
+    )
+    plain = (name.replace("-", "").lower() for name in names)
+    return tuple(stem(name) for name in plain if _SHORT < len(name) <= _LONGEST_JOINED)
+
+
 def _terms(text: str) -> tuple[str, ...]:
-    return tuple(stem(word) for word in words(text) if not is_stop(word))
+    return (*(stem(word) for word in words(text) if not is_stop(word)), *joined(text))
 
 
 # Names of topics, types and parameters come again and again, sentences do not.

@@ -9,7 +9,7 @@ from kg.facts import Location
 from kg.search.filters import known
 from kg.search.options import FILTERS
 from kg.search.searching import hit_object, search_of
-from kg.search.wording import near, understood
+from kg.search.wording import near, understood, unknown
 from kg.similar import did_you_mean
 from kg.store.opening import layout_of
 from kg.views.arguments import whole
@@ -36,7 +36,8 @@ def find(
 
     Several values of one filter stand apart by commas. `limit` is at most 100. The answer has `text`, `filters`,
     `total`, `only` and `rather` (what the words were taken for, as strict and as loose wishes), `near` (a question
-    whether another name was meant, where nothing was found) and `hits`: objects as of `kg search --json` with `iri`,
+    whether another name was meant, where nothing was found), `fits` (false where the hits are only the nearest),
+    `unknown` (sentences about the words that no node knows) and `hits`: objects as of `kg search --json` with `iri`,
     `evidence` of the node, and in each of `reasons` an `evidence` or None.
 
     Raises:
@@ -61,6 +62,8 @@ def find(
         "only": only,
         "rather": rather,
         "near": None if answer.hits else near(text, search),
+        "fits": answer.fits,
+        "unknown": unknown(answer.need),
         "hits": [_hit(hit, where) for hit in answer.hits],
     }
 

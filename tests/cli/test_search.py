@@ -67,6 +67,16 @@ def test_a_name_that_is_nearly_right_is_named(rover: Program) -> None:
     assert "Did you mean `planner`" in rover("search", "plannner").err
 
 
+def test_where_nothing_fits_the_nearest_are_shown(rover: Program) -> None:
+    """The hits follow, each marked in JSON, and the word that no node knows is named."""
+    run = rover("search", "RPLIDAR", "planner", "--json")
+    assert run.code == 0
+    assert "no node knows `RPLIDAR`" in run.err
+    assert "nothing here fits; nearest are" in run.err
+    assert {json.loads(line)["fits"] for line in run.out.splitlines()} == {False}
+    assert "nothing here fits" not in rover("search", "planner").err
+
+
 def test_a_filter_that_nothing_fulfils_is_refused(rover: Program) -> None:
     """The error names the code and what there is."""
     run = rover("search", "--publishes", "Twits")

@@ -14,7 +14,7 @@ from kg.search.names import Names
 from kg.search.needs import parse
 
 INDEX: Final = build(CONTENT)
-NAMES: Final = Names(INDEX.features.names, INDEX.concepts)
+NAMES: Final = Names(INDEX.features.names, INDEX.concepts, INDEX.text.names)
 CASES: Final = tomllib.loads((Path(__file__).parent / "cases" / "needs.toml").read_text("utf-8"))["case"]
 PIECES: Final = [
     "subscribes",
@@ -64,6 +64,8 @@ def test_what_is_told_beside_the_point_counts_less() -> None:
     """Words of a purpose, and of what is not wanted, weigh less than those of the node itself."""
     weights = {one.text: one.weight for one in parse("make a merged scan of lasers for navigation", NAMES).wordings}
     assert weights["navigation"] < weights["scan"] == 1
+    parts = {one.text: one.part for one in parse("remove points on a floor before mapping", NAMES).wordings}
+    assert parts == {"remove": "task", "points": "task", "floor": "context", "mapping": "purpose"}
     weights = {one.text: one.weight for one in parse("replace encoders by a camera", NAMES).wordings}
     assert weights["encoders"] < weights["camera"] == 1
 
@@ -74,14 +76,26 @@ def test_the_object_of_for_at_the_beginning_is_no_purpose() -> None:
 
 
 def test_synonyms_stand_beside_what_was_typed() -> None:
-    """A phrase brings the phrases of its group, which weigh less than itself."""
+    """A word brings the labels of the concept that it names, which weigh less than itself."""
+    (wording,) = parse("lidar", NAMES).wordings
+    assert ("laser", "scan") in {one.terms for one in wording.alternatives[1:]}
     (wording,) = parse("GPS", NAMES).wordings
-    first, *others = wording.alternatives
-    assert first.terms == ("gps",)
-    assert {one.terms for one in others} >= {("gnss",), ("nav", "sat")} or ("navig", "sat") in {
-        one.terms for one in others
-    }
-    assert all(one.weight < first.weight for one in others)
+    assert ("gnss",) in {one.terms for one in wording.alternatives[1:]}
+    assert all(one.weight < 1 for one in wording.alternatives[1:])
+
+
+def test_words_that_no_node_knows_are_named() -> None:
+    """They stand in the need as typed, with the spellings that are searched for instead, if any."""
+    need = parse("RPLIDAR driver for a camra", NAMES)
+    assert need.unknown == ("RPLIDAR", "camra")
+    assert {one.text: one.near for one in need.wordings}["camra"] == ("camera",)
+    assert {one.text: one.name for one in need.wordings} == {"RPLIDAR": True, "driver": False, "camra": False}
+
+
+def test_capitals_make_a_name_of_a_word_of_grammar() -> None:
+    """CAN is a bus, can a verb."""
+    assert "CAN" in parse("CAN frames to scans", NAMES).unknown
+    assert not parse("it can merge", NAMES).unknown
 
 
 @given(st.one_of(st.text(), st.lists(st.sampled_from(PIECES), max_size=12).map(" ".join)))

@@ -5,9 +5,11 @@ import pytest
 from search.store import CONTENT
 
 from kg.search.index import build
-from kg.search.marking import MARKED_DOWN
-from kg.search.ranking import prior
+from kg.search.lexicon import lexicon
+from kg.search.marking import MARKS
+from kg.search.ranking import covered, prior, scores
 from kg.search.reading import Content
+from kg.search.searching import Search
 from kg.search.words import stem
 
 PLAIN = next(node for node in CONTENT.nodes if node.texts and node.kind == "executable")
@@ -21,22 +23,60 @@ def worth(*asked: str, deprecated: bool = False, **changes: object) -> float:
     return float(prior(build(Content([package], [node])), frozenset(asked))[0])
 
 
+DOWN = lexicon().weights["down"]
+
+
 @pytest.mark.parametrize(
-    ("changes", "expected"),
+    ("changes", "cause"),
     [
-        ({}, 1.0),
-        ({"name": "test_merger"}, 0.7),
-        ({"path": "examples/merger.cpp"}, 0.8),
-        ({"path": "tests/tutorials/merger.cpp"}, 0.7 * 0.7),
-        ({"path": "src/test.cpp"}, 1.0),
-        ({"kind": "class"}, 0.8),
-        ({"texts": ()}, 0.9),
-        ({"deprecated": True}, 0.9),
+        ({"name": "test_merger"}, "mark"),
+        ({"path": "examples/merger.cpp"}, "mark"),
+        ({"path": "tests/tutorials/merger.cpp"}, "mark"),
+        ({"kind": "class"}, "library"),
+        ({"kind": "plugin"}, "library"),
+        ({"texts": ()}, "untold"),
+        ({"deprecated": True}, "deprecated"),
     ],
 )
-def test_what_is_rarely_meant_is_worth_less(changes: dict[str, object], expected: float) -> None:
+def test_what_is_rarely_meant_is_worth_less(changes: dict[str, object], cause: str) -> None:
     """Tests and examples by their names and folders, classes of libraries, what nobody describes or maintains."""
-    assert worth(**changes) == pytest.approx(expected)  # type: ignore[arg-type]  # one of them is a switch
+    assert worth() == worth(path="src/test.cpp") == 1.0
+    assert worth(**changes) == pytest.approx(1 - DOWN[cause])  # type: ignore[arg-type]  # one of them is a switch
+
+
+def test_what_launch_files_start_is_worth_more() -> None:
+    """The more starts, the more; variants of a node count together."""
+    assert worth(starts=100) > worth(starts=2) > worth(starts=0) == 1.0
+    nodes = [msgspec.structs.replace(one, starts=9 * (at == 0)) for at, one in enumerate(CONTENT.nodes)]
+    started = build(Content(CONTENT.packages, nodes, CONTENT.concepts)).started
+    assert started[1] == started[0] > started[2] == 0
+
+
+@pytest.mark.parametrize("text", ["merge the scans of two lasers", "zusammenlegen", "camera"])
+def test_what_a_node_covers_is_a_share(text: str) -> None:
+    """It is from 0 to 1, whatever the need."""
+    found = Search(build(CONTENT))
+    shares = covered(found.index, found.find(text).need)
+    assert ((shares >= 0) & (shares <= 1)).all()
+    assert scores(found.index, found.find(text).need).max() < 2
+
+
+@pytest.mark.parametrize(
+    ("text", "fits"),
+    [
+        ("merge the scans of two lasers into one", True),
+        ("RPLIDAR driver", False),
+        ("driver of Robotiq grippers", False),
+        ("camera driver", True),
+        ("camra driver", True),
+        ("subscribes LaserScan", True),
+    ],
+)
+def test_where_nothing_fits_hits_are_only_the_nearest(text: str, fits: bool) -> None:  # noqa: FBT001 - of a table
+    """A need whose name no node knows is met by none of them; a slip of the pen changes nothing."""
+    answer = Search(build(CONTENT)).find(text)
+    assert answer.fits is fits
+    assert all(hit.fits is fits for hit in answer.hits)
 
 
 @pytest.mark.parametrize(
@@ -44,12 +84,23 @@ def test_what_is_rarely_meant_is_worth_less(changes: dict[str, object], expected
 )
 def test_words_that_mark_down_are_compared_as_stems(word: str) -> None:
     """Whatever the form of the word in a name or a folder."""
-    assert stem(word) in MARKED_DOWN
-    assert all(stem(one) == one for one in MARKED_DOWN)
+    assert stem(word) in MARKS
+    assert all(stem(one) == one for one in MARKS)
 
 
 def test_what_was_asked_for_is_not_marked_down() -> None:
     """Who asks for a test means one; other marks stay."""
     assert worth("test", name="test_merger") == 1.0
-    assert worth("test", path="tests/tutorials/merger.cpp") == pytest.approx(0.7)
-    assert worth("merger", name="test_merger") == pytest.approx(0.7)
+    assert worth("test", path="tests/tutorials/merger.cpp") == pytest.approx(1 - DOWN["mark"])
+    assert worth("merger", name="test_merger") == pytest.approx(1 - DOWN["mark"])
+
+
+def test_a_name_written_as_one_word_has_the_words_of_its_package() -> None:
+    """`camerawatcher` of the package `camera_tools` watches cameras."""
+    package = msgspec.structs.replace(PACKAGE, name="camera_tools", description=None, texts=())
+    nodes = [
+        msgspec.structs.replace(PLAIN, name=name, executable=name, package=0) for name in ("camerawatcher", "lasers")
+    ]
+    hits = Search(build(Content([package], nodes))).find("watch a camera").hits
+    assert hits[0].name == "camerawatcher"
+    assert "watcher" in build(Content([package], nodes)).text.names

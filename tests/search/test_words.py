@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.search.words import name_terms, phrase, stem, terms, words
+from kg.search.words import joined, name_terms, phrase, stem, terms, words
 
 SPLIT = {
     "VoxelGrid": "voxel grid",
@@ -40,6 +40,16 @@ def test_what_a_name_is_without_is_no_term_of_it() -> None:
     """A name that says `NoKinect` is not found by kinect."""
     assert "kinect" not in name_terms("individualMarkersNoKinect")
     assert "kinect" in name_terms("individualMarkersKinect")
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("InfluxDB", ["influxdb"]), ("Wi-Fi signal", ["wifi"]), ("laser scan", []), ("voxel_grid", [])],
+)
+def test_names_of_several_words_are_one_word_too(name: str, expected: list[str]) -> None:
+    """What some write as one word is found by both."""
+    assert list(joined(name)) == expected
+    assert set(expected) <= set(terms(name))
 
 
 @given(st.text())

@@ -39,6 +39,15 @@ def test_what_words_were_taken_for(snapshot: EmbeddedSnapshot, settings: Setting
     assert any("LaserScan" in one for one in (*found["only"], *found["rather"]))
 
 
+def test_a_need_that_nothing_fits_is_told(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """The hits are the nearest only, and the word that no node knows is named."""
+    found = find(snapshot, settings, "RPLIDAR driver of a scanner")
+    assert found["hits"]
+    assert not found["fits"]
+    assert found["unknown"][0].startswith("no node knows `RPLIDAR`")
+    assert find(snapshot, settings, "remove far measurements from laser scans")["fits"]
+
+
 def test_a_misspelt_name_is_asked_about(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """Where nothing is found, the nearest name is suggested."""
     assert "scan_filter" in str(find(snapshot, settings, text="scn_fliter")["near"])

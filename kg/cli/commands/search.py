@@ -37,6 +37,7 @@ FILTER_OPTIONS: Final = {
     for one in FILTERS.values()
     if one.name != "package"  # an option that other commands have too
 }
+Interactive = Annotated[bool, typer.Option("--interactive", "-i", help="Narrow the hits by questions.")]
 Most = Annotated[str, typer.Option("--limit", "-n", metavar="N", help="Number of hits to show.")]
 
 
@@ -48,6 +49,7 @@ def search(  # noqa: PLR0913 - the options of a command
     package: PackageName = None,
     model: SearchModel = None,
     limit: Most = "10",
+    interactive: Interactive = False,
     json: Json = False,
     store: Store = None,
     **given: list[str] | None,
@@ -61,6 +63,7 @@ def search(  # noqa: PLR0913 - the options of a command
         kg search "merge the scans of two lasers into one"
         kg search --subscribes LaserScan --publishes Odometry
         kg search "follow a person" --hardware lidar --ros 1 --json
+        kg search "camera driver" -i
     """
     from kg.search.searching import hit_object  # noqa: PLC0415 - start-up time
     from kg.search.wording import near  # noqa: PLC0415 - start-up time
@@ -77,9 +80,13 @@ def search(  # noqa: PLR0913 - the options of a command
     with _opened(settings) as found:
         if words:
             _embedding(found)
+        if interactive:
+            from kg.cli.narrowing import narrow  # noqa: PLC0415 - start-up time
+
+            filters = narrow(found, words, filters)
         answer = found.find(words, filters, most)
     if words:
-        tell(answer.need)
+        tell(answer)
     if terminal() and not json:
         show_hits(answer.hits, _links(settings))
     else:

@@ -104,6 +104,9 @@ def _understood(found: dict[str, Any]) -> str:
         return f"Nothing was found. {found['near'] or 'Use other words.'}"
     shown = len(found["hits"])
     words = [f"{count(found['total'], 'node')}, {shown} shown" if found["total"] > shown else count(shown, "node")]
+    if not found["fits"]:
+        words.insert(0, "nothing here fits, nearest are below")
+    words += found["unknown"]
     for key, told in (("only", "only with"), ("rather", "rather with")):
         if found[key]:
             words.append(f"{told} {_joined(found[key])}")

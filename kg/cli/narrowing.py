@@ -1,0 +1,60 @@
+"""`kg search -i`: questions in the terminal, each answer a filter more."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import click
+
+from kg.render.text import count, printable
+from kg.search.narrowing import question
+
+if TYPE_CHECKING:
+    from kg.search.narrowing import Question
+    from kg.search.searching import Search
+
+__all__ = ["narrow"]
+
+_LOOKED_AT: Final = 30
+"""So many of the best hits are split by questions."""
+_ENOUGH: Final = 2
+"""With so few hits left no question is asked."""
+
+
+def narrow(found: Search, words: str, filters: dict[str, list[str]]) -> dict[str, list[str]]:
+    """Ask what splits the hits best until few are left, and return the filters with those that were answered.
+
+    An empty line skips a question; `q` and the end of the input end them all.
+    """
+    chosen, skipped = dict(filters), set[str]()
+    while True:
+        hits = found.find(words, chosen, _LOOKED_AT).hits
+        asked = question(hits, {**chosen, **dict.fromkeys(skipped)}) if len(hits) > _ENOUGH else None
+        if asked is None:
+            return chosen
+        answer = _answer(asked, len(hits))
+        if answer is None:
+            return chosen
+        if answer:
+            chosen[asked.kind] = [answer]
+        else:
+            skipped.add(asked.kind)
+
+
+def _answer(asked: Question, hits: int) -> str | None:
+    """Return the value that was chosen, an empty text for none of them, None to ask no more."""
+    click.echo(f"{asked.text} ({count(hits, 'hit')})", err=True)
+    for number, (value, left) in enumerate(asked.answers, 1):
+        click.echo(f"  {number}. {printable(value)} ({left})", err=True)
+    while True:
+        try:
+            typed = click.prompt("Number, Enter to skip, q to stop", default="", show_default=False, err=True).strip()
+        except click.Abort:
+            return None
+        if typed.lower() == "q":
+            return None
+        if not typed:
+            return ""
+        if typed.isdigit() and 0 < int(typed) <= len(asked.answers):
+            return asked.answers[int(typed) - 1][0]
+        click.echo(f"`{printable(typed)}` is not a number from 1 to {len(asked.answers)}", err=True)
