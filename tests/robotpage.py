@@ -45,7 +45,7 @@ async def opened(browser: Chromium, site: str, address: str = "/robot", **option
 async def log_in(page: Page, site: str) -> None:
     """Log in on the page that asks for the token; return when the server has answered."""
     await page.locator("input[name=token]").fill(TOKEN)
-    await page.locator("button").click()
+    await page.get_by_role("button", name="Log in").click()
     await page.wait_for_url(f"{site}/")
 
 

@@ -16,7 +16,7 @@ from kg.search.lexicon import lexicon
 from kg.search.searching import Hit, Search
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from kg.evaluate.judged_needs import Need
@@ -39,7 +39,7 @@ def judge(search: Search, files: Sequence[Path], *, fit: bool) -> None:
     """Print the scores of each file; needs without a right answer are scored apart."""
     sets = {file.stem: read_needs(file) for file in files}
     nothing = {need.id for needs in sets.values() for need in needs if not any(one.grade for one in need.relevant)}
-    answered = {name: [need for need in needs if need.id not in nothing] for name, needs in sets.items()}
+    answered = {name: tuple(need for need in needs if need.id not in nothing) for name, needs in sets.items()}
     plain = _Plain(search)
     for name, needs in answered.items():
         for label, found in (
@@ -93,7 +93,7 @@ class _Plain:
 
 
 def _cross_validated(
-    search: Search, sets: dict[str, list[Need]], all_needs: dict[str, Sequence[Need]], nothing: set[str]
+    search: Search, sets: Mapping[str, Sequence[Need]], all_needs: Mapping[str, Sequence[Need]], nothing: set[str]
 ) -> None:
     """Print the scores of held-out needs; a need is in one fold, whatever its wording."""
     choices = list(_choices())
@@ -139,7 +139,7 @@ def _fold(name: str) -> int:
     return int.from_bytes(hashlib.blake2b(name.encode(), digest_size=4).digest(), "big") % FOLDS
 
 
-def _thresholds(search: Search, sets: dict[str, Sequence[Need]], nothing: set[str]) -> None:
+def _thresholds(search: Search, sets: Mapping[str, Sequence[Need]], nothing: set[str]) -> None:
     """Print how often held-out needs are said to fit nothing, with the threshold chosen by the other needs."""
     weights: Any = lexicon().weights["rank"]
     before = weights["least"]

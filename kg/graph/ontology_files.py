@@ -37,7 +37,7 @@ SHAPES: Final = "shapes.ttl"
 
 _ENDINGS: Final = frozenset({".ttl", ".nt", ".rdf", ".owl", ".jsonld"})
 _TYPE: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type"
-_FUNCTIONAL: Final = "http://www.w3.org/2002/07/owl#FunctionalProperty"
+_SETTING: Final = "https://w3id.org/rnkg/ns#SettingProperty"
 
 
 def default_ontologies() -> tuple[Path, ...]:
@@ -69,22 +69,22 @@ def ontology_triples(paths: Iterable[Path] | None = None) -> bytes:
     """Return the N-Triples of the graph `ontology`, the same bytes for the same files.
 
     `paths` are files in a format that their ending names (.ttl, .nt, .rdf, .owl, .jsonld); without them it is what
-    `kg` brings along. A property that is an `owl:FunctionalProperty` has one value: that of the last file that gives
-    one, so that users can replace a weight or a threshold. Raise `GraphError` KG601 for a file that is not RDF.
+    `kg` brings along. A `rnkg:SettingProperty` has one value: that of the last file that gives one, so that users
+    can replace a weight or a threshold. Raise `GraphError` KG601 for a file that is not RDF.
     """
     listed = default_ontologies() if paths is None else tuple(paths)
     files = [list(_named(_parsed(path), f"f{number}b")) for number, path in enumerate(listed)]
-    functional = {
+    settings = {
         triple.subject
         for file in files
         for triple in file
-        if triple.predicate.value == _TYPE and getattr(triple.object, "value", "") == _FUNCTIONAL
+        if triple.predicate.value == _TYPE and getattr(triple.object, "value", "") == _SETTING
     }
     last = {
         (triple.subject, triple.predicate): number
         for number, file in enumerate(files)
         for triple in file
-        if triple.predicate in functional
+        if triple.predicate in settings
     }
     triples = [
         triple

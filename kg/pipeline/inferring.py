@@ -296,7 +296,8 @@ class Inference:
         """
         found = digest(self._settings, self._store.layout.cache)
         unreadable: list[KgError] = []
-        self.update_ontologies(transaction, unreadable)
+        if self.outdated():
+            self.update_ontologies(transaction, unreadable)
         problems: list[RuleError] = []
         self._last = LastRun("")
         inferred = self._attempt(transaction, problems, found, own=True)

@@ -60,7 +60,7 @@ def test_the_ontologies_are_there() -> None:
     assert [path.name for path in default_ontologies() if path.is_file()] == list(ONTOLOGIES)
 
 
-def test_the_last_file_replaces_the_value_of_a_functional_property(tmp_path: Path) -> None:
+def test_the_last_file_replaces_the_value_of_a_setting(tmp_path: Path) -> None:
     """A weight of a later file takes the place of the earlier one; other properties keep all their values."""
     prefix = "@prefix rnkg: <https://w3id.org/rnkg/ns#> ."
     (tmp_path / "mine.ttl").write_text(f'{prefix} <urn:sign> rnkg:weight 2 ; rnkg:recognizedByWord "laser" .')

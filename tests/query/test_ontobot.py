@@ -24,6 +24,7 @@ ROBOTS = {
     "rover_robot/launch/rover.launch": {"LookingAt"},
     "drone_control/launch/drone.launch.py": {"LookingAt"},
     "drone_mission/launch/mission.launch.xml": {"LookingAt", "Navigating"},
+    "eyes/launch/eyes.launch": {"LookingAt"},
 }
 
 
@@ -57,7 +58,7 @@ def test_which_robot_affords_what(examples: EmbeddedSnapshot, name: str) -> None
 
 
 def test_which_robot_can_do_an_activity(examples: EmbeddedSnapshot, activities: Store) -> None:
-    """CQ 4: all three can look, which is all that tidying up takes here."""
+    """CQ 4: all four can look, which is all that tidying up takes here."""
     required = {affordance for (affordance,) in asked(activities, "cq4-part1")}
     assert required == {"LookingAt"}
     assert {robot for robot, found in able(examples, "cq4-part2").items() if required <= found} == set(ROBOTS)
@@ -81,6 +82,7 @@ def test_what_robots_lack_for_which_step(examples: EmbeddedSnapshot, activities:
         "rover_robot/launch/rover.launch": ["Drive to the table", "Pour milk"],
         "drone_control/launch/drone.launch.py": ["Drive to the table", "Pour milk"],
         "drone_mission/launch/mission.launch.xml": ["Pour milk"],
+        "eyes/launch/eyes.launch": ["Drive to the table", "Pour milk"],
     }
 
 

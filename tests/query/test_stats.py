@@ -54,7 +54,7 @@ def test_statistics_of_the_examples(examples: EmbeddedSnapshot) -> None:
     """The figures agree with the queries they come from and with each other."""
     found = statistics(examples)
     entities = dict(found.entities)
-    assert entities["node"] == 18
+    assert entities["node"] == 19
     assert found.quads > sum(number for _, number in found.triples) > 0
     assert dict(found.per_node)["topics"] > 1
     assert found.connectivity.entities >= entities["node"] + entities["topic"]

@@ -195,7 +195,7 @@ async def test_search_and_rules_have_screens(store: Path, tmp_path: Path) -> Non
         await shown(app, pilot, RulesScreen, "communication")
         assert len(app.screen_stack) == 2
         tree = app.screen.query_one("#rule-tree", Tree)
-        await go_to(pilot, tree, "communication")
+        await go_to(pilot, tree, "copies")
         await pilot.press("space", "down")
         await until(pilot, lambda: "What it infers" in app.screen.query_one(Markdown).source)
         await pilot.press("escape")

@@ -89,7 +89,7 @@ def test_a_picture_can_be_used(browser: Chromium, site: str, tmp_path: Path) -> 
             return closed or "", await page.inner_text(".graph-words"), files
 
     closed, words, (drawn, painted, data) = browser.run(use())
-    assert closed.startswith("Picture of 8 things")
+    assert closed.startswith("Picture of 9 things")
     assert words.startswith("feeds rule, Nodes feed the subscribers of their topics")
     assert drawn.read_text("utf-8").startswith("<svg xmlns=")
     assert painted.read_bytes().startswith(b"\x89PNG")
