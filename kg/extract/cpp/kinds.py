@@ -88,6 +88,10 @@ class Kinds:
                 return bound.kind if isinstance(bound, TypeValue) else bound
             if isinstance(bound, TypeValue):
                 return self._nested(bound.kind, names[1:], arguments, depth)
+        if names[0] == "std" and len(arguments) > 1:
+            computed = self._computed(names, arguments)
+            if computed is not None:
+                return computed
         key = (names, arguments, frame.unit, frame.scope, depth)
         found = self._meanings.get(key)
         if found is None:
@@ -108,13 +112,24 @@ class Kinds:
             return None
         return Kind((POINTER,), (TypeValue(found),)) if kind.pointer else found
 
+    def _computed(self, names: tuple[str, ...], arguments: tuple[Value, ...]) -> Kind | Value | None:
+        """Return what a template of the standard library computes from types; None if it is not known."""
+        relation = names[1].removesuffix("_v")
+        if len(names) == len(("std", "is_same")) and relation in {"is_same", "is_base_of"}:
+            truth = self.related(arguments[0], arguments[1], same=relation == "is_same")
+            if not isinstance(truth, Truth):
+                return None
+            return truth if relation != names[1] else Kind(("std", "true_type" if truth.value else "false_type"))
+        if names == ("std", "conditional_t") and isinstance(arguments[0], Truth):
+            chosen = arguments[1 if arguments[0].value else -1]
+            return chosen.kind if isinstance(chosen, TypeValue) else chosen
+        return None
+
     def _named(
         self, names: tuple[str, ...], arguments: tuple[Value, ...], unit: Unit, scope: tuple[str, ...], depth: int
     ) -> Kind | Value:
         """Return the type that a name with template arguments means in a scope of a file."""
-        namespaces = cast("CppUnit", unit).namespaces
-        if names[0] in namespaces:
-            names = (*namespaces[names[0]], *names[1:])
+        names = self._linker.spelled(names, unit, scope)
         alias = self._linker.find_alias(names, unit, scope) if depth < _DEEPEST else None
         if alias is not None:
             at, kind, template, home = alias

@@ -168,18 +168,39 @@ class Linker:
         if names[:1] == ("",):
             scope = ()
         *outer, last = [name for name in names if name]
-        wanted = tuple(outer)
-        namespaces = cast("CppUnit", unit).namespaces
-        if wanted and wanted[0] in namespaces:
-            wanted = (*namespaces[wanted[0]], *wanted[1:])
-        for one in near:
-            for at, held in listed(one, last):
-                rank = _rank(at, wanted, scope, unit)
-                if rank is not None:
-                    ranked.append((rank, held))
+        for wanted in self._without_aliases(tuple(outer), unit, scope):
+            for one in near:
+                for at, held in listed(one, last):
+                    rank = _rank(at, wanted, scope, unit)
+                    if rank is not None:
+                        ranked.append((rank, held))
+            if ranked:
+                break
         best = max((rank for rank, _ in ranked), default=0.0)
         found = self._meanings[key] = [held for rank, held in ranked if rank == best]
         return found
+
+    def spelled(self, names: _Scope, unit: Unit, scope: _Scope) -> _Scope:
+        """Return a qualified name of a type without aliases of namespaces."""
+        if len(names) == 1:
+            return names
+        spellings = [(*outer, names[-1]) for outer in self._without_aliases(names[:-1], unit, scope)]
+        declared = (one for one in spellings if self.find_alias(one, unit, scope) or self.find_class(one, unit, scope))
+        return spellings[-1] if len(spellings) == 1 else next(declared, spellings[-1])
+
+    def _without_aliases(self, names: _Scope, unit: Unit, scope: _Scope) -> tuple[_Scope, ...]:
+        """Return what the qualifiers of a name can mean without aliases of namespaces, likeliest first.
+
+        An alias names a namespace from its own scope or from the global one.
+        """
+        for place, name in enumerate(names):
+            for one in self._holding(unit, "namespace", name):
+                for at, target in one.namespaces.get(name, ()):
+                    rank = _rank(at, names[:place], scope, unit)
+                    if rank is not None and (rank >= 1 or not at) and target != (name,):
+                        rest = names[place + 1 :]
+                        return tuple(dict.fromkeys(((*names[:place], *target, *rest), (*target, *rest))))
+        return (names,)
 
     # Members
 

@@ -64,6 +64,7 @@ _ASSIGNED: Final = re.compile(
     r"(?:\.|->)\s*(?:reset|swap|push_\w+|emplace\w*|insert\w*|pop_\w+|erase|clear|resize|assign|store|append)\b)"
     r"|(?:\+\+|--)\s*(?:\w+(?:\.|->))*([A-Za-z_]\w*)"
 )
+_NAMESPACE_ALIAS: Final = re.compile(rb"\bnamespace\s+(\w+)\s*=\s*([\w:\s]+?)\s*;")
 _DECLARED: Final = re.compile(rb"\b(?:class|struct)\s+(\w+)\s*;")
 
 
@@ -196,8 +197,8 @@ class CppUnit(Unit):
         self._lowered_aliases: dict[str, list[tuple[_Scope, Type, _Scope]]] = {}
         self._lowered_variables: dict[str, list[tuple[_Scope, Declare]]] = {}
         self.macros: dict[str, Macro] = {}
-        self.namespaces: dict[str, _Scope] = {}
-        """Other names for namespaces."""
+        self.namespaces: dict[str, list[tuple[_Scope, _Scope]]] = defaultdict(list)
+        """Other names of namespaces: the scope of each alias, and the namespace as written."""
         self.enumerators: set[str] = set()
         self._declared: frozenset[bytes] | None = None
         self.registrations: list[Node] = []
@@ -206,6 +207,7 @@ class CppUnit(Unit):
         self.expressions = Expressions(self)
         self._statements = Statements(self.expressions, self.source)
         self._read(syntax.parse(self.source).root_node, ())
+        self._add_local_namespaces()
         self.includes = included(self.source)
         """The paths that it includes, as written."""
         self.names: dict[str, Collection[str]] = {
@@ -215,6 +217,7 @@ class CppUnit(Unit):
             "prototype": self.prototypes,
             "alias": self._aliases,
             "adapted": self.adapted,
+            "namespace": self.namespaces,
             "variable": self._variables,
             "macro": self.macros,
             "enumerator": self.enumerators,
@@ -280,9 +283,8 @@ class CppUnit(Unit):
         elif kind == "using_declaration":
             self._using(node, scope)
         elif kind == "namespace_alias_definition":
-            parts = [c for c in node.named_children if c.type != "comment"]
-            if len(parts) > 1:
-                self.namespaces[syntax.text(parts[0])] = tuple(syntax.text(parts[1]).replace(" ", "").split("::"))
+            for name, target in _NAMESPACE_ALIAS.findall(node.text or b""):
+                self._add_namespace(name, target, scope)
         elif kind == "preproc_def":
             self._macro(node, None)
         elif kind == "preproc_function_def":
@@ -296,6 +298,17 @@ class CppUnit(Unit):
                 if child.type == "call_expression":
                     self.registrations.append(child)
                     self._adapter(child)
+
+    def _add_namespace(self, name: bytes, target: bytes, scope: _Scope) -> None:
+        meant = tuple(part for part in re.sub(r"\s", "", target.decode()).split("::") if part)
+        if (scope, meant) not in self.namespaces[name.decode()]:
+            self.namespaces[name.decode()].append((scope, meant))
+
+    def _add_local_namespaces(self) -> None:
+        """Add the aliases in bodies of functions, which are not read before they run."""
+        for name, target in _NAMESPACE_ALIAS.findall(self.source):
+            if name.decode() not in self.namespaces:
+                self._add_namespace(name, target, ())
 
     def _adapter(self, call: Node) -> None:
         """Read the macro that states which message a type stands for."""
