@@ -40,6 +40,15 @@ INSTALLED: Final = "installed"
 
 _MODULE_ROOTS: Final = ("", "src/", "scripts/", "nodes/", "python/", "script/")
 _INCLUDE_ROOTS: Final = ("include/", "src/", "")
+_STANDARD: Final = frozenset(
+    f"{name}.h"
+    for name in (
+        "assert", "complex", "ctype", "errno", "fenv", "float", "inttypes", "limits", "locale", "math", "pthread",
+        "setjmp", "signal", "stdarg", "stdbool", "stddef", "stdint", "stdio", "stdlib", "string", "time", "unistd",
+        "wchar",
+    )
+)  # fmt: skip
+"""Headers of C and POSIX; one of another package is not meant by such a name."""
 
 
 class Workspace:
@@ -222,19 +231,33 @@ class Workspace:
             inside = FilePath(near.repository, root + wanted)
             if inside in self._owners:
                 return inside
+        if wanted in _STANDARD:
+            return None
         fits = [
             file
             for file in self._headers.get(_tail(wanted), ())
-            if (file.path == wanted or file.path.endswith("/" + wanted)) and self._is_reachable(file, wanted, home)
+            if (file.path == wanted or file.path.endswith("/" + wanted))
+            and self._is_reachable(file, wanted, near, home)
         ]
         return min(fits, key=lambda file: self._distance(file, near, home, "include/" + wanted), default=None)
 
-    def _is_reachable(self, file: FilePath, wanted: str, home: Place | None) -> bool:
-        """Tell whether a header may be meant: a plain name means one of another package only in its public folder."""
-        if "/" in wanted or (home is not None and self._home(file) == home):
+    def _is_reachable(self, file: FilePath, wanted: str, near: FilePath, home: Place | None) -> bool:
+        """Return whether a package can see a header of another one.
+
+        A name without a folder is seen in a folder for public headers. A package of another source exports what its
+        include roots hold, and what is in folders of its own name: not the libraries that it copied.
+        """
+        owner = self._home(file)
+        if owner is None or owner == home:
             return True
         folder, parent = posixpath.dirname(file.path), posixpath.dirname(posixpath.dirname(file.path))
-        return "include" in (posixpath.basename(folder), posixpath.basename(parent))
+        if "/" not in wanted and "include" not in (posixpath.basename(folder), posixpath.basename(parent)):
+            return False
+        if file.repository == near.repository:
+            return True
+        if owner.name in (posixpath.basename(folder), wanted.partition("/")[0]):
+            return True
+        return any(file.path == self._folders[owner].join(root + wanted) for root in _INCLUDE_ROOTS)
 
     def _distance(self, file: FilePath, near: FilePath, home: Place | None, tail: str) -> tuple[object, ...]:
         """Order candidates: own package, own source, public headers, short paths, then by name."""

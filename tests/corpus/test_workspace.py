@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
 from extract.workspaces import manifest, written
 
 from kg.corpus.workspace import FilePath, Workspace, scan
@@ -115,3 +116,23 @@ def test_packages_and_owners(tmp_path: Path) -> None:
     assert entry.bytes == 0
     assert workspace.entry(FilePath("local/two", "a/none.cpp")) is None
     assert workspace.source("local/three") is None
+
+
+@pytest.mark.parametrize("path", ["ros/ros.h", "lib/parser.h", "assert.h"])
+def test_libraries_that_another_source_copied_are_not_meant(tmp_path: Path, path: str) -> None:
+    """A package of another source exports its include roots and folders of its name, not the libraries in it."""
+    (tmp_path / "one").mkdir()
+    (tmp_path / "two").mkdir()
+    one, _ = build(tmp_path / "one", "a/src/n.cpp")
+    two, _ = build(tmp_path / "two", f"b/wrap/include/{path}", "b/lib/include/ros/assert.h", "b/lib/b/base.hpp")
+    workspace = Workspace((*one.sources, *two.sources))
+    near = FilePath("local/one", "a/src/n.cpp")
+    assert workspace.include(path, near=near) is None
+    assert workspace.include("b/base.hpp", near=near) == ("local/two", "b/lib/b/base.hpp")
+
+
+def test_headers_of_the_language_are_not_those_of_other_packages(tmp_path: Path) -> None:
+    """`time.h` means a header of the same package, or that of C."""
+    workspace, name = build(tmp_path, "a/src/n.cpp", "b/include/time.h", "b/src/m.cpp")
+    assert workspace.include("time.h", near=FilePath(name, "a/src/n.cpp")) is None
+    assert workspace.include("time.h", near=FilePath(name, "b/src/m.cpp")) == (name, "b/include/time.h")

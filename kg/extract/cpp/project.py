@@ -45,6 +45,18 @@ FRAMEWORKS: Final = frozenset(
 )  # fmt: skip
 """Packages that the descriptions of calls cover; their headers are never read."""
 
+_OF_ROS: Final = frozenset(
+    {
+        *(
+            f"ros/{name}.h"
+            for name in ("ros", "node_handle", "publisher", "subscriber", "service_client", "service_server")
+        ),
+        "rclcpp/rclcpp.hpp",
+        "rclcpp/node.hpp",
+    }
+)
+"""Headers of the frameworks that projects copy, for builds without ROS; a copy is never read either."""
+
 _GENERATOR: Final = b"generate_parameter_library"
 _CACHE_BYTES: Final = 12 << 20
 _MOST_HEADERS: Final = 600
@@ -156,8 +168,10 @@ class Project:
         if found is None:
             return self._parameter_library(file, path)
         owner = self.reader.workspace.owner(found)
-        framework = owner is not None and owner != self._place and owner.name in FRAMEWORKS
-        return None if framework else found
+        of_framework = owner is not None and owner.name in FRAMEWORKS
+        if owner != self._place and (of_framework or path.partition("/")[0] in FRAMEWORKS):
+            return None
+        return None if path in _OF_ROS and not of_framework else found
 
     def _content(self, file: FilePath) -> bytes | None:
         return self._made[file] if file in self._made else self.reader.read(file)
