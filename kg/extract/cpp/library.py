@@ -100,6 +100,8 @@ _ADDERS: Final = frozenset(
         "try_emplace", "emplace_front",
     }
 )  # fmt: skip
+_HOLDERS: Final = frozenset({"optional", "variant", "any"})
+"""Templates whose objects hold one object, which `emplace` constructs."""
 _ENDS: Final = {"front": 0, "back": -1, "top": -1}
 _PAIR: Final = 2
 _RANGE: Final = 3
@@ -352,9 +354,14 @@ def _bind(arguments: list[Value]) -> Value:
 def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expression | None) -> Value | None:
     """Return the result of a method of a string, a container or a pointer; None for other methods."""
     frame, values = given.frame, given.values
+    if name == "emplace" and written is not None and frame is not None:
+        held = _held(language, given, written, frame)
+        if held is not None:
+            language.machine.assign(written, held, frame)
+            return held
     if isinstance(of, Object):
         return _of_object(language, of, name, given, written)
-    if name.startswith("emplace") and written is not None and frame is not None:
+    if "emplace" in name and written is not None and frame is not None:
         values = _emplaced(language, given, written, frame)
     if name in _ADDERS and frame is not None and len(given.written) == len(values):
         pairs = zip(values, given.written, strict=True)
@@ -407,6 +414,17 @@ def _of_object(language: Cpp, of: Object, name: str, given: Arguments, written: 
         language.machine.assign(written, given.values[0], given.frame)
         return given.values[0]
     return None
+
+
+def _held(language: Cpp, given: Arguments, written: Expression, frame: Frame) -> Value | None:
+    """Return the object that `emplace` constructs in an optional, a variant or an `any`; None for other types."""
+    declared = language.kinds.written_type(written, frame) if isinstance(written, form.Name | form.Member) else None
+    holder = language.kinds.held(*declared) if declared is not None else None
+    if holder is None or holder.name not in _HOLDERS:
+        return None
+    inner = next(iter(given.template or holder.arguments), None)
+    line = given.call.line if given.call is not None else 0
+    return language.construct(inner.kind, given.values, frame, line) if isinstance(inner, TypeValue) else None
 
 
 def _emplaced(language: Cpp, given: Arguments, written: Expression, frame: Frame) -> list[Value]:
