@@ -36,6 +36,8 @@ def bind(
         if parameter.variadic:
             frame.variables[parameter.name] = Pack(tuple(arguments[index:]))
             return
+        if not parameter.name:
+            continue
         kind = parameter.type
         if kind is not None:
             frame.declared[parameter.name] = kind
@@ -45,7 +47,7 @@ def bind(
             frame.variables[parameter.name] = machine.language.converted(arguments[index], kind, written, frame)
         elif parameter.default is not None:
             frame.variables[parameter.name] = machine.value(parameter.default, frame)
-        elif parameter.name:
+        else:
             frame.variables[parameter.name] = machine.language.unknown(kind, frame, parameter.name)
 
 
@@ -58,7 +60,7 @@ def hand_back(
     """
     for parameter, expression, before in rows:
         kind = parameter.type
-        if kind is None or not (kind.reference or kind.pointer) or kind.constant:
+        if not parameter.name or kind is None or not (kind.reference or kind.pointer) or kind.constant:
             continue
         value = frame.variables.get(parameter.name)
         unknown = isinstance(value, Unknown) and not kind.pointer and (isinstance(before, Text) or value.parameter)

@@ -26,12 +26,14 @@ from kg.symbolic.values import (
 if TYPE_CHECKING:
     from kg.symbolic.form import Expression
     from kg.symbolic.language import Language
+    from kg.symbolic.state import Written
 
 __all__ = [
     "COMMAND_LINE",
     "counted",
     "element",
     "elements",
+    "grown",
     "is_unknown_parameter",
     "is_unset",
     "key_of",
@@ -140,6 +142,8 @@ def with_element(of: Value, key: Value, value: Value) -> Value:
         items = list(of.items)
         items[int(key.value)] = value
         return replace(of, items=tuple(items))
+    if isinstance(of, Sequence) and of.repeated and not isinstance(key, Number):
+        return replace(of, items=(*of.items, value) if value not in of.items else of.items)
     if isinstance(of, Mapping):
         pairs = tuple((key, value) if own == key else (own, held) for own, held in of.items)
         added = () if any(own == key for own, _ in pairs) else ((key, value),)
@@ -147,6 +151,16 @@ def with_element(of: Value, key: Value, value: Value) -> Value:
     if isinstance(of, Sequence) and not of.items:
         return Mapping(((key, value),))
     return of
+
+
+def grown(written: Written) -> Written:
+    """Return what one turn of a loop wrote, where more turns can follow: lists that grew can grow further."""
+    found = dict(written)
+    for key, (holder, name, value) in written.items():
+        before = holder.get(name)
+        if isinstance(value, Sequence) and isinstance(before, Sequence) and len(value.items) > len(before.items):
+            found[key] = (holder, name, replace(value, repeated=True))
+    return found
 
 
 def part_at(language: Language, index: Number, count: int | None, of: Value) -> Value:

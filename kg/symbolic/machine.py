@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.symbolic import form
 from kg.symbolic.binding import bind, hand_back, unpack, write_back
-from kg.symbolic.containers import is_unset
+from kg.symbolic.containers import grown, is_unset
 from kg.symbolic.operators import (
     NULL,
     chosen,
@@ -407,7 +407,7 @@ class Machine:
             return ended if ended in ("return", "raise") else None
         with self._under(terms):
             written, _ = self._journal.attempt(once)
-        self.merge([written, {}], [terms, ()])
+        self.merge([grown(written), {}], [terms, ()])
         return None
 
     def _forget_counters(self, loop: form.Loop, frame: Frame) -> None:
@@ -440,7 +440,7 @@ class Machine:
             else:
                 self._forget_counters(loop, frame)
                 written, _ = self._journal.attempt(partial(self._turn, loop, frame))
-                self.merge([written, {}], [(), ()])
+                self.merge([grown(written), {}], [(), ()])
         return None
 
     def _target(self, loop: form.Loop, item: Value, frame: Frame) -> None:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ABSENT",
+    "LENGTH",
     "PLACEHOLDER",
     "Bound",
     "Closure",
@@ -145,11 +146,12 @@ class Guard:
 
 @dataclass(unsafe_hash=True, slots=True)
 class Sequence:
-    """A list of known values; `open` where there may be more."""
+    """A list of known values; `open` where there may be more, `repeated` where each may be in it more than once."""
 
     items: tuple[Value, ...]
     open: bool = False
     parameter: str | None = None
+    repeated: bool = False
 
 
 @dataclass(unsafe_hash=True, slots=True)
@@ -244,6 +246,10 @@ class Unknown:
     reason: str
     parameter: str | None = None
     label: str | None = field(default=None, compare=False)
+
+
+LENGTH: Final = Unknown("a loop fills the list")
+"""The length of a list that a loop fills as often as is not known; it can be any number."""
 
 
 @dataclass(unsafe_hash=True, slots=True)
@@ -374,7 +380,7 @@ def read_back(value: Value, name: str = "") -> Value:
     elif type(value) is Either:
         return Either(tuple([read_back(item, name) for item in value.items]), value.ways)
     elif type(value) is Sequence and value.items:
-        return Sequence(tuple([read_back(item) for item in value.items]), value.open, value.parameter)
+        return Sequence(tuple([read_back(item) for item in value.items]), value.open, value.parameter, value.repeated)
     return value
 
 
@@ -419,6 +425,8 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
     known = _with_defaults(found) if len(found) > 1 else found
     if known is not found:
         pairs, found = [], known
+    if LENGTH in found:
+        return LENGTH
     if {type(item) for item in found} == {Truth, Unknown}:
         return next(item for item in found if isinstance(item, Unknown))
     if len(found) > 1 and any(not isinstance(item, Unknown) for item in found):

@@ -133,11 +133,14 @@ class Callbacks:
             return
         bound_values = {index: value for index, value in enumerate(called.given) if value != PLACEHOLDER}
         if isinstance(called.of, Object):
-            for function, bound in self._language.methods(called.of.kind, called.name)[:1]:
+            overloads = self._language.methods(called.of.kind, called.name)
+            handed = [self._handed(called.of, one) for one, _ in overloads]
+            chosen = next((place for place, handles in enumerate(handed) if handles), 0)
+            for function, bound in overloads[chosen : chosen + 1]:
                 if not always and self._is_idle(function, called.of):
                     continue
                 frame = frame_of(function, bound, called.of)
-                given = machine.framework.handed(called.of, called.name, len(function.parameters)) | bound_values
+                given = handed[chosen] | bound_values
                 machine.invoke(function, frame, self._unknown(function.parameters, frame, given))
         else:
             for function in called.functions[:1]:
@@ -145,6 +148,14 @@ class Callbacks:
                     continue
                 frame = frame_of(function)
                 machine.invoke(function, frame, self._unknown(function.parameters, frame, bound_values))
+
+    def _handed(self, of: Object, function: Function) -> dict[int, Value]:
+        """Return the node handles that a framework passes to a method, by the index of the parameter."""
+        handles = self._language.machine.framework.handed(of, function.name, len(function.parameters))
+        frame = Frame(function.unit, function.scope)
+        types = [function.parameters[index].type for index in handles]
+        kinds = [self._language.kind_of(one, frame) if one is not None else None for one in types]
+        return handles if all(kind is not None and kind.name == "NodeHandle" for kind in kinds) else {}
 
     def _unknown(
         self, parameters: Iterable[Parameter], frame: Frame, given: dict[int, Value] | None = None

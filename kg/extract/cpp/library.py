@@ -16,6 +16,7 @@ from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, wi
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
+    LENGTH,
     Bound,
     Closure,
     Either,
@@ -377,6 +378,8 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
     if name in ("at", "operator[]") and values:
         return element(of, values[0])
     if name in ("size", "length") and isinstance(of, Sequence | Mapping) and not of.open:
+        if isinstance(of, Sequence) and of.repeated:
+            return LENGTH
         if is_unset(of):
             return Unknown("it depends on a parameter", of.parameter)
         return number(float(len(of.items)), None if language.machine.counting else of.parameter)
@@ -458,9 +461,22 @@ def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
         return values[0]
     if name == "pop_back" and isinstance(of, Sequence) and not of.open:
         return replace(of, items=of.items[:-1])
+    if name == "resize" and isinstance(of, Sequence):
+        return _resized(of, values)
+    if name == "erase" and isinstance(of, Sequence | Mapping):
+        return replace(of, open=True)
     if name in ("erase", "pop_back", "replace", "resize") and isinstance(of, Text):
         return of if name == "erase" and _of_node(of) else Text.hole(_CUT, parameter=of.parameter)
     return None
+
+
+def _resized(of: Sequence, values: list[Value]) -> Sequence:
+    """Return a list with as many elements as `resize` says: those that are new have the value given, if any."""
+    count = int(values[0].value) if values and isinstance(values[0], Number) else None
+    if count is None or not 0 <= count <= _MOST_ITEMS:
+        return replace(of, repeated=True)
+    new = values[1] if len(values) > 1 else Unknown("it is given no value in the code that was run")
+    return replace(of, items=(*of.items[:count], *(new for _ in range(count - len(of.items)))))
 
 
 def _added(of: Value, name: str, values: list[Value]) -> Value | None:
@@ -487,6 +503,8 @@ def _empty(of: Value) -> Value:
     if isinstance(of, Sequence | Mapping):
         if of.parameter is not None or of.open:
             return Unknown("it depends on a parameter", of.parameter)
+        if isinstance(of, Sequence) and of.repeated and not of.items:
+            return LENGTH
         return Truth(not of.items)
     if isinstance(of, Text):
         if of.parameter is not None:

@@ -22,6 +22,8 @@ Variable: TypeAlias = "tuple[Declare, CppUnit, _Scope]"
 """The declaration of a variable, with its file and scope."""
 _Alias: TypeAlias = "tuple[_Scope, Type, _Scope, CppUnit]"
 """Another name of a type: its scope, the type, the template parameters, and the file."""
+_IMPLEMENTATION: Final = re.compile(r"(?:^|[/_-])(?:impl|inl|implementation)[/_.-]|\.(?:tpp|ipp|txx|inl|hxx)$")
+"""The paths of files with the bodies of templates."""
 _SNAKE: Final = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
 
@@ -141,8 +143,9 @@ class Linker:
             near += [one for one in self.project.find(unit.key, kind, name) if one is not own]
             # A name that a header only declares is defined in another file of the program.
             found = near + [one for one in self._bodies.get((kind, name), ()) if one not in near]
-            if not found and kind == "class" and own.declares(name):
-                # The whole class is in a header that other files of the program include.
+            if not found and ((kind == "class" and own.declares(name)) or _IMPLEMENTATION.search(own.path)):
+                # The whole class is in a header that other files of the program include; so are the names that the
+                # bodies of templates use, in a file that their header includes at its end.
                 files = [one.key for one in self.units.values()]
                 found = list(dict.fromkeys(one for file in files for one in self.project.find(file, kind, name)))
             self._held[kind, name, unit] = found

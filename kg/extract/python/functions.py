@@ -12,6 +12,7 @@ from kg.symbolic import containers
 from kg.symbolic.containers import COMMAND_LINE, is_unknown_parameter, key_of
 from kg.symbolic.operators import compute, plain, truth
 from kg.symbolic.values import (
+    LENGTH,
     Kind,
     Mapping,
     Number,
@@ -98,6 +99,8 @@ def _length(values: list[Value]) -> Value:
     of = values[0] if values else _COMPUTED
     if isinstance(of, Sequence) and of.parameter == "argv":
         return Unknown("it is the number of arguments", "argc")
+    if isinstance(of, Sequence) and of.repeated:
+        return LENGTH
     if isinstance(of, Sequence | Mapping) and not of.open and (of.items or of.parameter is None):
         return number(len(of.items), of.parameter)
     return number(len(of.known), of.parameter) if isinstance(of, Text) and of.known is not None else _COMPUTED
