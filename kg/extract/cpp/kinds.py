@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.cpp import library
@@ -21,6 +22,8 @@ __all__ = ["Kinds", "frame_of", "inside", "this_of"]
 
 _DEEPEST: Final = 12
 _PLAIN: Final = library.NUMBERS | library.TEXTS | {"bool"}
+_POINTER_NAME: Final = re.compile(r"(?:Const)?(?:Shared|Unique|Weak)?Ptr$")
+"""The end of names that macros, such as `MOVEIT_CLASS_FORWARD`, give to pointers to a class."""
 _MOST_BASES: Final = 40
 _WEIGHT: Final = 6
 """How much of the depth the search in the outer type of a name takes."""
@@ -139,6 +142,10 @@ class Kinds:
         cls = self._linker.find_class(names, unit, scope)
         if cls is not None:
             return Kind((*cls.scope, cls.name), arguments, cls)
+        stem = _POINTER_NAME.sub("", names[-1])
+        pointed = self._linker.find_class((*names[:-1], stem), unit, scope) if stem and stem != names[-1] else None
+        if pointed is not None:
+            return _pointer(Kind((*pointed.scope, pointed.name), (), pointed))
         if len(names) == 1:
             generated = self._linker.generated(names[0], unit)
             return Kind(generated or names, arguments)

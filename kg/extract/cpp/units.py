@@ -65,7 +65,8 @@ _ASSIGNED: Final = re.compile(
     r"|(?:\+\+|--)\s*(?:\w+(?:\.|->))*([A-Za-z_]\w*)"
 )
 _NAMESPACE_ALIAS: Final = re.compile(rb"\bnamespace\s+(\w+)\s*=\s*([\w:\s]+?)\s*;")
-_DECLARED: Final = re.compile(rb"\b(?:class|struct)\s+(\w+)\s*;")
+_DECLARED: Final = re.compile(rb"\b(?:(?:class|struct)\s+|[A-Z_]+_FORWARD\s*\(\s*)(\w+)\s*[;)]")
+"""Declarations of classes without their bodies, also by macros such as `MOVEIT_CLASS_FORWARD`."""
 
 
 @dataclass(slots=True, eq=False)
