@@ -194,14 +194,18 @@ class Descriptions:
     def effects(self) -> dict[str, list[tuple[tuple[frozenset[str], ...], frozenset[str]]]]:
         """The names of calls and classes with effects, with the words that each description needs.
 
-        The code has all words of a scope in front of the name; the program has the name of one of the classes.
+        The code has all words of a scope in front of the name; the program has the name of one of the classes, or of
+        one that has a node of its own.
         """
+        classes_of_hosts = (one for classes in self.classes.values() for one in classes if one.node == "host")
+        hosts = frozenset(one.name.rpartition("::")[2] for one in classes_of_hosts)
         found: dict[str, list[tuple[tuple[frozenset[str], ...], frozenset[str]]]] = defaultdict(list)
         for name, calls in self.calls.items():
             for call in calls:
                 if call.has_effect:
                     scopes = tuple(frozenset(scope.split("::")) for scope in call.scopes)
-                    found[name].append((scopes, frozenset(one.rpartition("::")[2] for one in call.on)))
+                    on = frozenset(one.rpartition("::")[2] for one in call.on)
+                    found[name].append((scopes, on | hosts if on else on))
         for name, classes in self.classes.items():
             for one in classes:
                 if one.has_effect:

@@ -221,7 +221,8 @@ class Linker:
         defining = dict.fromkeys((own, *self._defining.get(cls.name, ()), *self.project.defining(own.key, cls.name)))
         for other in defining:
             for function in other.methods.get(cls.name, ()):
-                if function.owner is None and _same(function, inside, other):
+                # Asked in any case, so that the record of look-ups does not depend on what other packages found.
+                if _same(function, inside, other) and self._sees(other, own) and function.owner is None:
                     function.owner = cls
                 if function.owner is cls:
                     found.setdefault(function.name, []).append(function)
@@ -229,6 +230,10 @@ class Linker:
             _declare(function, cls)
         self.project.add_methods(found)
         return found
+
+    def _sees(self, one: CppUnit, other: CppUnit) -> bool:
+        """Return whether one of two files includes the other, directly or not, or both are the same."""
+        return one is other or other.key in self.project.headers(one.key) or one.key in self.project.headers(other.key)
 
 
 def _declare(function: Function, cls: Class) -> None:

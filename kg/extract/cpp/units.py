@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
 
 from kg.extract.cpp import syntax
 from kg.extract.cpp.expressions import PREPROCESSED, Expressions, line_of
+from kg.extract.cpp.preparing import prepared
 from kg.extract.cpp.statements import Statements
 from kg.symbolic.form import Block, Class, Field, Function, Initialiser, Parameter, Type, Unit
 
@@ -53,9 +54,6 @@ _Scope: TypeAlias = tuple[str, ...]
 _CONTAINERS: Final = PREPROCESSED | {"translation_unit", "linkage_specification", "declaration_list"}
 _CLASSES: Final = frozenset({"class_specifier", "struct_specifier", "union_specifier", "enum_specifier"})
 _ADAPTER: Final = "RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE"
-_CLASS_HEAD: Final = re.compile(rb"\b(class|struct)(\s+)([A-Z][A-Z0-9_]{3,})(\s+)(?=[A-Za-z_]\w*\s*(?:final\s*)?[:{])")
-_EXPORTED: Final = (re.compile(rb"class\s+[A-Z][A-Z0-9_]{3,}\s"), re.compile(rb"struct\s+[A-Z][A-Z0-9_]{3,}\s"))
-"""What every match of `_CLASS_HEAD` contains; a literal in front is found much faster."""
 _POINTERS: Final = frozenset({"SharedPtr", "UniquePtr", "WeakPtr", "ConstSharedPtr", "Ptr", "ConstPtr"})
 """Names of aliases in a class for pointers to it."""
 _WORD: Final = re.compile(r"[A-Za-z_]\w*")
@@ -181,10 +179,7 @@ class CppUnit(Unit):
 
     def __init__(self, key: FilePath, source: bytes) -> None:
         self.key = key
-        # An export macro between `class` and the name hides the class from the grammar.
-        if any(one.search(source) for one in _EXPORTED):
-            source = _CLASS_HEAD.sub(lambda m: m[1] + m[2] + b" " * len(m[3]) + m[4], source)
-        self.source = source
+        self.source = prepared(source)
         self.classes: dict[str, list[Class]] = defaultdict(list)
         self.functions: dict[str, list[Function]] = defaultdict(list)
         """Functions with bodies at namespace scope, also methods, by their last name."""

@@ -1,0 +1,97 @@
+"""Sources of C++ as the grammar can read them: what only a preprocessor understands becomes spaces.
+
+Each byte stays at its place, so that lines and columns are those of the file.
+"""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["prepared"]
+
+_CLASS_HEAD: Final = re.compile(rb"\b(class|struct)(\s+)([A-Z][A-Z0-9_]{3,})(\s+)(?=[A-Za-z_]\w*\s*(?:final\s*)?[:{])")
+_EXPORTED: Final = (re.compile(rb"class\s+[A-Z][A-Z0-9_]{3,}\s"), re.compile(rb"struct\s+[A-Z][A-Z0-9_]{3,}\s"))
+"""What every match of `_CLASS_HEAD` contains; a literal in front is found much faster."""
+_VISIBILITY: Final = re.compile(rb"\b[A-Z][A-Z0-9_]*_(?:PUBLIC|LOCAL|EXPORT|API|VISIBILITY)(?=\s+[A-Za-z_~])")
+"""Macros in front of a declaration that say whether a library exports it."""
+_QT: Final = re.compile(
+    rb"\bQ_(?:OBJECT|GADGET|SLOTS)\b|\bQ_SIGNALS\s*:|\b(?:public|protected|private)\s+slots(?=\s*:)"
+)
+_DIRECTIVE: Final = re.compile(
+    rb"^[ \t]*#[ \t]*(if|ifdef|ifndef|elif|else|endif)\b(?:[^\n\\]|\\\r?\n|\\.)*", re.MULTILINE
+)
+_NEVER: Final = re.compile(rb"#[ \t]*(?:el)?if[ \t]+(?:0|false)\s*(?:/[/*].*)?$")
+_HAS_INCLUDE: Final = b"__has_include"
+_VISIBLE: Final = re.compile(rb"[^\r\n]")
+
+
+def prepared(source: bytes) -> bytes:
+    """Return a source of the same length without macros that hide declarations, and without split blocks."""
+    if any(one.search(source) for one in _EXPORTED):
+        source = _CLASS_HEAD.sub(lambda m: m[1] + m[2] + b" " * len(m[3]) + m[4], source)
+    source = _VISIBILITY.sub(_unless_directive(_spaces), source)
+    if b"Q_" in source or b" slots" in source:
+        source = _QT.sub(_unless_directive(_of_qt), source)
+    return _without_split_blocks(source) if b"#if" in source or b"# if" in source else source
+
+
+def _spaces(match: re.Match[bytes]) -> bytes:
+    return b" " * len(match[0])
+
+
+def _of_qt(match: re.Match[bytes]) -> bytes:
+    """Return what a word of Qt means for declarations: signals begin a part of a class."""
+    if match[0].startswith(b"Q_SIGNALS"):
+        return b"public".ljust(len(match[0]) - 1) + b":"
+    return match[0].replace(b"slots", b"     ") if match[0].endswith(b"slots") else _spaces(match)
+
+
+def _unless_directive(change: Callable[[re.Match[bytes]], bytes]) -> Callable[[re.Match[bytes]], bytes]:
+    """Return a change of matches that leaves those in lines of the preprocessor alone."""
+
+    def changed(match: re.Match[bytes]) -> bytes:
+        start = match.string.rfind(b"\n", 0, match.start()) + 1
+        in_directive = match.string[start : match.start()].lstrip().startswith(b"#")
+        return match[0] if in_directive else change(match)
+
+    return changed
+
+
+def _without_split_blocks(source: bytes) -> bytes:
+    """Return a source in which each `#if` that splits a block of code has one side left: the first that is not `#if 0`.
+
+    A side splits a block if it opens other braces than it closes. Of a test with `__has_include`, which the grammar
+    does not know, all sides are left.
+    """
+    found = bytearray(source)
+    groups: list[list[re.Match[bytes]]] = []
+    for directive in _DIRECTIVE.finditer(source):
+        if directive[1].startswith(b"if"):
+            groups.append([directive])
+        elif groups:
+            groups[-1].append(directive)
+            if directive[1] == b"endif":
+                _keep_one_side(found, groups.pop())
+    return bytes(found)
+
+
+def _keep_one_side(source: bytearray, marks: list[re.Match[bytes]]) -> None:
+    sides = [(one.end(), other.start()) for one, other in pairwise(marks)]
+    splits = any(source.count(b"{", *side) != source.count(b"}", *side) for side in sides)
+    if not splits and not any(_HAS_INCLUDE in mark[0] for mark in marks):
+        return
+    kept = next((place for place, mark in enumerate(marks[:-1]) if not _NEVER.search(mark[0])), None)
+    for mark in marks:
+        _blank(source, mark.start(), mark.end())
+    for place, (start, end) in enumerate(sides):
+        if splits and place != kept:
+            _blank(source, start, end)
+
+
+def _blank(source: bytearray, start: int, end: int) -> None:
+    source[start:end] = _VISIBLE.sub(b" ", bytes(source[start:end]))

@@ -1,0 +1,7 @@
+#include "case/talker.hpp"
+
+int main(int argc, char** argv)
+{
+  rclcpp::init(argc, argv);
+  rclcpp::spin(std::make_shared<Talker>(rclcpp::NodeOptions()));
+}
