@@ -312,9 +312,10 @@ def test_files_are_merged_after_large_loads_only(tmp_path: Path, monkeypatch: py
     lines = b"".join(b'<https://example.org/s%d> <https://example.org/p> "%d" .\n' % (n, n) for n in range(20_000))
     with store.write("fill") as transaction:
         transaction.load(graph, [lines])
-        assert not transaction.merging
+        small = transaction.merging
         monkeypatch.setattr("kg.store.transaction._MERGED_BYTES", 1 << 20)
-        assert transaction.merging
+        large = transaction.merging
+    assert (small, large) == (False, True)
     with store.write("add") as transaction:
         transaction.load(graph, [b"<https://example.org/s> <https://example.org/p> <https://example.org/o> .\n"])
         assert not transaction.merging
