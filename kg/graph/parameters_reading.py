@@ -47,11 +47,11 @@ SELECT DISTINCT ?node ?name WHERE {
 }"""
 _SET: Final = """
 SELECT DISTINCT ?setting ?owner ?name WHERE {
-  { ?owner rnkg:startedWith/rnkg:hasSetting ?setting }
-  UNION { ?owner a rnkg:LaunchConfiguration ; rnkg:hasSetting ?setting }
-  ?setting rnkg:name ?name .
-  %s
+  { SELECT ?setting ?name { ?setting rnkg:name ?name . %s } }
+  { SELECT ?setting ?of { ?of rnkg:hasSetting ?setting } }
+  { SELECT ?of ?owner { { ?owner rnkg:startedWith ?of } UNION { ?of a rnkg:LaunchConfiguration BIND(?of AS ?owner) } } }
 }"""
+"""Nested SELECTs are joined by hashing: looked up one by one, the settings of 77 repositories took minutes."""
 _PROPERTIES: Final = """
 SELECT ?subject ?predicate ?object WHERE {
   VALUES ?subject { %s }

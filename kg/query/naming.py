@@ -27,8 +27,15 @@ _TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
 _CALLED: Final = "SELECT DISTINCT ?t WHERE { VALUES ?name { %s } ?t rdfs:label|rnkg:name ?name } ORDER BY ?t"
 """What has a name, exactly, or with the leading slash of ROS names."""
 _ENDING: Final = """SELECT DISTINCT ?t WHERE {
-  ?t rdfs:label ?label FILTER(ISIRI(?t) && (STRENDS(STR(?t), %s) || STRENDS(STR(?t), %s)))
+  %s ?t rdfs:label ?label
+  FILTER(STRENDS(STR(?t), %s) && ISIRI(?t) && (STRENDS(STR(?t), %s) || STRENDS(STR(?t), %s)))
 } ORDER BY ?t"""
+"""What has an IRI that ends in a name. The first test fails for nearly all, and each test reads the IRI again."""
+_PLACES: Final = (
+    ("?t {0} ?any", "?other {0} ?any . ?other a ?kind . ?t a ?kind"),
+    ("?any {0} ?t", "?any {0} ?other . ?other a ?kind . ?t a ?kind"),
+)
+"""For the subject and the object of a property: what is used there, and what is of a kind that is."""
 _NAMES: Final = "SELECT DISTINCT ?name WHERE { ?t rdfs:label ?name }"
 _PROPERTIES: Final = "SELECT DISTINCT ?name WHERE { ?s ?name ?o }"
 _ALL_PROPERTIES: Final = "`kg query 'SELECT DISTINCT ?p { ?s ?p ?o }'` lists the properties that the store has."
@@ -58,10 +65,13 @@ def facts(
         UsageError: KG003 when the store holds no such fact and the words name several things.
     """
     predicates = terms(snapshot, predicate, property_=True, prefixes=prefixes)
-    # What has the names is found at once; to find what only ends in them, all that is named has to be read.
-    for having in (True, False):
-        subjects = terms(snapshot, subject, exact=having, prefixes=prefixes)
-        values = terms(snapshot, value, exact=having, prefixes=prefixes)
+    words = (subject, value)
+    used = [" UNION ".join(f"{{ {use.format(one)} }}" for one in predicates) for use, _ in _PLACES]
+    # What has the names is found at once. Of what only ends in them, the property tells what can be meant.
+    for among in ([None, None], used):
+        subjects, values = (
+            terms(snapshot, word, among=use, prefixes=prefixes) for word, use in zip(words, among, strict=True)
+        )
         every = _triples(subjects, predicates, values)
         held = [fact for fact in every if snapshot.query(f"ASK {{ {fact.subject} {fact.predicate} {fact.object} }}")]
         if held:
@@ -70,10 +80,14 @@ def facts(
         exact = {*_named(snapshot, subject), *_named(snapshot, value)} if len(held) > 1 else set()
         ranks = [(fact.subject not in exact) + (fact.object not in exact) for fact in held]
         return [fact for fact, rank in zip(held, ranks, strict=True) if rank == min(ranks)], True
+    subjects, values = (
+        _meant(snapshot, word, found, [test.format(predicates[0]) for test in tests], prefixes)
+        if len(predicates) == 1
+        else terms(snapshot, word, prefixes=prefixes)
+        for word, found, tests in zip(words, (subjects, values), _PLACES, strict=True)
+    )
     if len(predicates) == 1 and max(len(subjects), len(values)) > 1:
         _check_used(snapshot, predicates[0], prefixes)
-        subjects = _fitting(snapshot, subjects, f"{{}} {predicates[0]} ?y", f"?x {predicates[0]} ?y", "?x")
-        values = _fitting(snapshot, values, f"?x {predicates[0]} {{}}", f"?x {predicates[0]} ?y", "?y")
     subjects, values = _exactly(snapshot, subject, subjects), _exactly(snapshot, value, values)
     for word, found in ((subject, subjects), (predicate, predicates), (value, values)):
         if len(found) > 1:
@@ -105,13 +119,25 @@ def _triples(subjects: list[_Term], predicates: list[_Term], values: list[_Term]
     ]
 
 
-def _fitting(snapshot: Askable, found: list[_Term], used: str, pattern: str, place: str) -> list[_Term]:
-    """Return those of several things that stand in this place of the property, or else are of a kind that does."""
-    for test in (f"{used}", f"{pattern} . {place} a ?kind . {{}} a ?kind"):
-        fitting = [term for term in found if snapshot.query(f"ASK {{ {test.format(term)} }}")]
-        if len(found) > 1 and fitting:
-            return fitting
-    return found
+def _meant(
+    snapshot: Askable, word: str, found: list[_Term], tests: list[str], prefixes: Mapping[str, str]
+) -> list[_Term]:
+    """Return the things called `word` that pass the first test of a property that any passes, or all.
+
+    `found` are those that have the name, and those whose IRI ends in it and that pass the first test. Where what has
+    exactly the name passes the second, nothing else is meant, and not all that is named has to be read.
+    """
+    for test, ones in ((tests[0], found), (tests[1], [one for one in found if one in _named(snapshot, word)])):
+        if passed := _passing(snapshot, ones, test):
+            return passed
+    every = terms(snapshot, word, prefixes=prefixes)
+    return _passing(snapshot, every, tests[1]) or every
+
+
+def _passing(snapshot: Askable, found: list[_Term], test: str) -> list[_Term]:
+    """Return those IRIs of which the store has a match of a pattern of `?t`."""
+    iris = [one for one in found if isinstance(one, NamedNode)]
+    return [one for one in iris if snapshot.query(f"ASK {{ {test.replace('?t', str(one))} }}")]
 
 
 def terms(
@@ -119,12 +145,13 @@ def terms(
     word: str,
     *,
     property_: bool = False,
-    exact: bool = False,
+    among: str | None = "",
     prefixes: Mapping[str, str] = PREFIXES,
 ) -> list[_Term]:
     """Return the terms that a word may mean: `<iri>`, `ros:Node`, `"text"`, `5`, `a`, or a name in the store.
 
-    With `exact` a name means what has it, which may be nothing, and not what only ends in it.
+    A name means what has it, and what has an IRI that ends in it, of all that matches the pattern `among` (of `?t`).
+    With a pattern, or with None for nothing that only ends in it, it may mean nothing.
 
     Raises:
         UnknownNameError: KG001 with suggestions when it means nothing.
@@ -145,7 +172,7 @@ def terms(
         return [_literal(word)]
     if property_:
         return list(_property(snapshot, word))
-    return list(_having(snapshot, word) if exact else _called(snapshot, word))
+    return _called(snapshot, word, among)
 
 
 def _literal(word: str) -> Literal:
@@ -185,13 +212,15 @@ def _having(snapshot: Askable, word: str) -> list[NamedNode]:
     return [row[0] for row in rows if isinstance(row[0], NamedNode)]
 
 
-def _called(snapshot: Askable, word: str) -> list[NamedNode]:
-    """Return what is called `word`, or whose IRI ends in it."""
+def _called(snapshot: Askable, word: str, among: str | None) -> list[_Term]:
+    """Return what is called `word`, or whose IRI ends in it; see `terms`."""
     found = _having(snapshot, word)
-    ended: Any = snapshot.query(_ENDING % (Literal("#" + word), Literal("/" + word)), prefixes=PREFIXES)
-    found += [row[0] for row in ended if row[0] not in found]
-    if not found:
+    if among is not None:
+        ends = (Literal(word), Literal("#" + word), Literal("/" + word))
+        ended: Any = snapshot.query(_ENDING % (among, *ends), prefixes=PREFIXES)
+        found += [row[0] for row in ended if row[0] not in found]
+    if not found and among == "":
         known: Any = snapshot.query(_NAMES, prefixes=PREFIXES)
         hint = did_you_mean(word, [row[0].value for row in known])
         raise UnknownNameError("KG001", f"nothing in the store is called `{word}`", hint=hint)
-    return found
+    return list(found)

@@ -6,25 +6,23 @@ neighbours. Path lengths are shortest paths in numbers of relations, between all
 
 from __future__ import annotations
 
-import random
 from collections import Counter
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
+
+from pyoxigraph import NamedNode
 
 from kg.query import stored
 from kg.query.core import run
 from kg.query.result import Solutions
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from kg.store.interface import Snapshot
     from kg.store.terms import Term
 
-__all__ = ["Connectivity", "Statistics", "connectivity", "statistics"]
-
-_SAMPLE: Final = 400
-"""From how many entities paths are followed in a graph with more: the error of the mean stays below a few percent."""
+__all__ = ["Connectivity", "Statistics", "statistics"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,19 +62,16 @@ class Statistics:
 
 def statistics(snapshot: Snapshot) -> Statistics:
     """Return the figures of a store."""
+    from kg.query.connectivity import Neighbours, connectivity  # noqa: PLC0415 - numbers are loaded here
+
     entities = _pairs(snapshot, "completeness/entities-by-kind")
     triples = _pairs(snapshot, "completeness/relations-by-kind")
     kinds = {_text(row[0]): _text(row[1]) for row in _rows(snapshot, stored.internal("entities"))}
     numbers = {iri: number for number, iri in enumerate(sorted(kinds))}
-    neighbours: list[set[int]] = [set() for _ in numbers]
-    for row in _rows(snapshot, stored.internal("relations")):
-        one, other = numbers.get(_text(row[0])), numbers.get(_text(row[1]))
-        if one is not None and other is not None and one != other:
-            neighbours[one].add(other)
-            neighbours[other].add(one)
+    neighbours = Neighbours.of(len(numbers), list(_edges(snapshot, numbers)))
     totals: Counter[str] = Counter()
-    for iri, number in numbers.items():
-        totals[kinds[iri]] += len(neighbours[number])
+    for iri, degree in zip(numbers, neighbours.degrees.tolist(), strict=True):
+        totals[kinds[iri]] += degree
     sizes = Counter(kinds.values())
     degrees = sorted(
         ((kind, totals[kind] / size) for kind, size in sizes.items()), key=lambda pair: (-pair[1], pair[0])
@@ -86,95 +81,28 @@ def statistics(snapshot: Snapshot) -> Statistics:
         entities=entities,
         triples=triples,
         per_node=_per_node(snapshot),
-        connectivity=connectivity([sorted(ones) for ones in neighbours]),
+        connectivity=connectivity(neighbours),
         degree_by_kind=tuple(degrees),
     )
 
 
-def connectivity(neighbours: Sequence[Sequence[int]]) -> Connectivity:
-    """Return how a graph hangs together that is given as the neighbours of each vertex."""
-    count = len(neighbours)
-    degrees = [len(ones) for ones in neighbours]
-    parts = _parts(neighbours)
-    exact = count <= _SAMPLE
-    sources = range(count) if exact else random.Random(0).sample(range(count), _SAMPLE)  # noqa: S311 - no secret
-    lengths: Counter[int] = Counter()
-    for source in sources:
-        lengths.update(_lengths(neighbours, source))
-    pairs = lengths.total()
-    return Connectivity(
-        entities=count,
-        relations=sum(degrees) // 2,
-        degree=sum(degrees) / count if count else 0.0,
-        highest=max(degrees, default=0),
-        isolated=degrees.count(0),
-        parts=len(parts),
-        largest=max(parts, default=0),
-        path=sum(length * number for length, number in lengths.items()) / pairs if pairs else 0.0,
-        path_median=_median(lengths),
-        longest=max(lengths, default=0),
-        sources=len(sources),
-        exact=exact,
-    )
-
-
-def _median(lengths: Counter[int]) -> float:
-    """Return the median of lengths that are given with their numbers; 0 without any."""
-    pairs = lengths.total()
-    reached, middle = 0, []
-    for length in sorted(lengths):
-        reached += lengths[length]
-        middle += [length for at in ((pairs - 1) // 2, pairs // 2) if reached - lengths[length] <= at < reached]
-    return sum(middle) / 2
-
-
-def _lengths(neighbours: Sequence[Sequence[int]], source: int) -> Counter[int]:
-    """Return how many vertices are how far from `source`, by breadth-first search."""
-    seen = bytearray(len(neighbours))
-    seen[source] = 1
-    found: Counter[int] = Counter()
-    ring, distance = [source], 0
-    while ring:
-        distance += 1
-        reached = []
-        for vertex in ring:
-            for other in neighbours[vertex]:
-                if not seen[other]:
-                    seen[other] = 1
-                    reached.append(other)
-        if reached:
-            found[distance] = len(reached)
-        ring = reached
-    return found
-
-
-def _parts(neighbours: Sequence[Sequence[int]]) -> list[int]:
-    """Return the sizes of the connected parts of a graph."""
-    seen = bytearray(len(neighbours))
-    sizes = []
-    for start in range(len(neighbours)):
-        if seen[start]:
-            continue
-        seen[start] = 1
-        pending, size = [start], 0
-        while pending:
-            size += 1
-            for other in neighbours[pending.pop()]:
-                if not seen[other]:
-                    seen[other] = 1
-                    pending.append(other)
-        sizes.append(size)
-    return sizes
+def _edges(snapshot: Snapshot, numbers: Mapping[str, int]) -> Iterator[tuple[int, int]]:
+    """Yield the pairs of entities that a property relates, by their numbers."""
+    for row in _rows(snapshot, stored.internal("relations")):
+        one, other = numbers.get(_text(row[0])), numbers.get(_text(row[1]))
+        # What a launch file has for itself is named below its configuration.
+        of_sources = isinstance(row[1], NamedNode) and "/configuration/" not in _text(row[0])
+        if of_sources and one is not None and other is not None:
+            yield one, other
 
 
 def _per_node(snapshot: Snapshot) -> tuple[tuple[str, float], ...]:
     """Return how many entities of each kind a node is related to, on average."""
-    result = run(snapshot, stored.find("completeness/entities-per-node").text)
+    result = run(snapshot, stored.internal("entities-per-node"))
     if not isinstance(result, Solutions) or not result.rows:
         return ()
-    columns = list(enumerate(result.variables))[2:]
-    numbers = [(name, [int(_text(row[index])) for row in result.rows]) for index, name in columns]
-    return tuple((name, sum(values) / len(values)) for name, values in numbers)
+    columns = zip(result.variables, zip(*result.rows, strict=True), strict=True)
+    return tuple((name, sum(int(_text(term)) for term in column) / len(result.rows)) for name, column in columns)
 
 
 def _pairs(snapshot: Snapshot, name: str) -> tuple[tuple[str, int], ...]:

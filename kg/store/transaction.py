@@ -32,6 +32,8 @@ __all__ = ["EmbeddedTransaction"]
 
 _MERGED_SHARE = 0.25
 """A load of more than this share of a generation's bytes has its files merged."""
+_MERGED_BYTES = 32 << 20
+"""A smaller load has not: of 100,000 quads merging costs 0.2 to 0.4 s, and saves a command 0.03 s."""
 
 _DELETE_COST = 23
 _COPY_COST = 17
@@ -74,6 +76,8 @@ class EmbeddedTransaction:
         Batches leave files in which every term has to be looked for; merged, reading is four times faster. Merging
         costs as much as the whole generation is large, so a small load does without.
         """
+        if self._loaded < _MERGED_BYTES:
+            return False
         return self._loaded > folder_bytes(self._layout.generation(self._number)) * _MERGED_SHARE
 
     def start_from(self, snapshot: EmbeddedSnapshot | None) -> None:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from pytest import approx  # noqa: PT013 - the only name used
 
+from kg.query.connectivity import Neighbours, connectivity
 from kg.query.counting import _path, counted
-from kg.query.stats import connectivity, statistics
+from kg.query.stats import statistics
 
 if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
@@ -39,6 +40,6 @@ def test_paths_lead_to_the_nearest_entity_of_a_kind() -> None:
 
 def test_median_of_paths() -> None:
     """The median of an even number of lengths lies between the two in the middle; without paths it is 0."""
-    assert connectivity([[1], [0, 2], [1, 3], [2]]).path_median == approx(1.5)
-    assert connectivity([[1], [0, 2], [1]]).path_median == 1
-    assert connectivity([[]]).path_median == 0
+    assert connectivity(Neighbours.of(4, [(0, 1), (1, 2), (2, 3)])).path_median == approx(1.5)
+    assert connectivity(Neighbours.of(3, [(0, 1), (1, 2)])).path_median == 1
+    assert connectivity(Neighbours.of(1, [])).path_median == 0

@@ -125,9 +125,9 @@ def test_a_property_that_nothing_has_is_named_before_things_are_asked_about() ->
 
 def test_exact_names_leave_out_what_only_ends_in_them() -> None:
     """A word means what has it as a name; what only ends in it is found too unless the name has to be exact."""
-    assert terms(STORE, "exe", exact=True) == []
+    assert terms(STORE, "exe", among=None) == []
     assert terms(STORE, "exe") == [NamedNode(BASE + "exe")]
-    assert terms(STORE, "chatter", exact=True) == terms(STORE, "chatter")
+    assert terms(STORE, "chatter", among=None) == terms(STORE, "chatter")
 
 
 def test_held_facts_need_no_names_that_only_end_in_words() -> None:

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import itertools
+import random
+from collections import Counter
+from statistics import fmean, median
 from typing import TYPE_CHECKING
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytest import approx  # noqa: PT013 - the only name used
 
-from kg.query.stats import connectivity, statistics
+from kg.query import stored
+from kg.query.connectivity import Neighbours, connectivity
+from kg.query.core import run
+from kg.query.result import Solutions
+from kg.query.stats import statistics
 
 if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
@@ -27,7 +34,7 @@ def test_connectivity_is_that_of_all_pairs(edges: set[tuple[int, int]]) -> None:
             far_apart[one, other] = min(far_apart[one, other], far_apart[one, via] + far_apart[via, other])
     lengths = [length for length in far_apart.values() if 0 < length < far]
     parts = {frozenset(other for other in range(size) if far_apart[one, other] < far) for one in range(size)}
-    found = connectivity([sorted(other for one, other in both if one == vertex) for vertex in range(size)])
+    found = connectivity(Neighbours.of(size, [*edges, *edges]))
     assert found.relations == len(edges)
     assert found.parts == len(parts)
     assert found.largest == max(map(len, parts))
@@ -43,11 +50,55 @@ def _pairs(size: int) -> list[tuple[int, int]]:
 def test_a_large_graph_is_sampled() -> None:
     """Paths of a large graph are followed from a sample, and the figures say so; the mean of a ring is known."""
     size = 2001
-    ring = [[(vertex - 1) % size, (vertex + 1) % size] for vertex in range(size)]
-    found = connectivity(ring)
+    found = connectivity(Neighbours.of(size, [(vertex, (vertex + 1) % size) for vertex in range(size)]))
     assert not found.exact
     assert found.sources < size
     assert found.path == approx((size + 1) / 4)
+
+
+@given(
+    st.integers(401, 600).flatmap(
+        lambda size: st.lists(st.tuples(st.integers(0, size - 1), st.integers(0, size - 1)), max_size=900)
+    )
+)
+@settings(deadline=None, max_examples=20)
+def test_paths_from_a_sample_are_those_of_a_search_from_each(edges: list[tuple[int, int]]) -> None:
+    """Following all sources at once finds the lengths that following one after the other finds; loops are no paths."""
+    size = 600
+    around: dict[int, set[int]] = {vertex: set() for vertex in range(size)}
+    for one, other in edges:
+        around[one].add(other)
+        around[other].add(one)
+    lengths: Counter[int] = Counter()
+    for source in random.Random(0).sample(range(size), 400):  # noqa: S311 - the same sample, no secret
+        seen, ring, distance = {source}, {source}, 0
+        while ring := set().union(*(around[one] for one in ring)) - seen:
+            seen |= ring
+            distance += 1
+            lengths[distance] += len(ring)
+    found = connectivity(Neighbours.of(size, edges))
+    every = sorted(lengths.elements())
+    assert found.longest == max(every, default=0)
+    assert found.path == approx(fmean(every) if every else 0.0)
+    assert found.path_median == (median(every) if every else 0.0)
+    assert found.highest == max(len(others - {one}) for one, others in around.items())
+
+
+def test_a_long_chain_is_followed_to_its_end() -> None:
+    """The cost of a step is that of the vertices that it reaches, so a chain costs no more than other graphs."""
+    size = 5_000
+    found = connectivity(Neighbours.of(size, [(vertex, vertex + 1) for vertex in range(size - 1)]))
+    assert (found.parts, found.largest) == (1, size)
+    assert size // 2 < found.longest < size
+
+
+def test_entities_per_node_are_the_means_of_the_stored_query(examples: EmbeddedSnapshot) -> None:
+    """The figures for all nodes at once are the means of what the query for one node counts."""
+    result = run(examples, stored.find("completeness/entities-per-node").text)
+    assert isinstance(result, Solutions)
+    columns = zip(result.variables[2:], list(zip(*result.rows, strict=True))[2:], strict=True)
+    expected = {name: fmean(int(str(getattr(term, "value", ""))) for term in column) for name, column in columns}
+    assert dict(statistics(examples).per_node) == approx(expected)
 
 
 def test_statistics_of_the_examples(examples: EmbeddedSnapshot) -> None:

@@ -305,14 +305,17 @@ def test_load_file_that_is_not_there(store: EmbeddedStore, tmp_path: Path) -> No
         transaction.load_file(tmp_path / "none.ttl")
 
 
-def test_files_are_merged_after_large_loads_only(tmp_path: Path) -> None:
-    """What fills a store is merged before it comes into force; a small load does not pay for the whole."""
+def test_files_are_merged_after_large_loads_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What fills a store is merged before it comes into force, unless it is small; no small load pays for the whole."""
     store = EmbeddedStore.create(tmp_path / ".kg")
     graph = NamedNode("https://example.org/graph")
     lines = b"".join(b'<https://example.org/s%d> <https://example.org/p> "%d" .\n' % (n, n) for n in range(20_000))
     with store.write("fill") as transaction:
         transaction.load(graph, [lines])
-        assert transaction.merging
+        small = transaction.merging
+        monkeypatch.setattr("kg.store.transaction._MERGED_BYTES", 1 << 20)
+        large = transaction.merging
+    assert (small, large) == (False, True)
     with store.write("add") as transaction:
         transaction.load(graph, [b"<https://example.org/s> <https://example.org/p> <https://example.org/o> .\n"])
         assert not transaction.merging
