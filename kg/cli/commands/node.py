@@ -39,6 +39,7 @@ All = Annotated[bool, typer.Option("--all", "-a", help="Include what frameworks 
 Via = Annotated[
     bool, typer.Option("--via", help="Show the calls in wrappers and base classes, from the line to the framework.")
 ]
+Code = Annotated[bool, typer.Option("--code", help="Show the lines of code, from the store where files are not here.")]
 Picture = Annotated[
     str | None,
     typer.Option(
@@ -69,6 +70,7 @@ def node(  # noqa: PLR0913 - the options of a command
     launch: Launch = None,
     every: All = False,
     via: Via = False,
+    code: Code = False,
     picture: Picture = None,
     json: Json = False,
     store: Store = None,
@@ -81,13 +83,15 @@ def node(  # noqa: PLR0913 - the options of a command
 
         kg node move_base
         kg node move_base/move_base --all --via
+        kg node amcl --code
         kg node move_base --picture move_base.svg
         kg node /rover1/patrol --launch rover.launch
     """
     from kg.cli.links import Links  # noqa: PLC0415 - start-up time
+    from kg.cli.node_view import node_lines  # noqa: PLC0415 - start-up time
     from kg.graph.classes_reading import classes  # noqa: PLC0415 - start-up time
     from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
-    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
+    from kg.views.evidence import places  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store)
     if name.startswith("/"):
@@ -98,17 +102,20 @@ def node(  # noqa: PLR0913 - the options of a command
         raise UsageError("KG003", "--launch chooses among instances", hint=hint)
     with reading(settings) as snapshot:
         records = one_node(snapshot, name)
-        links = Links.of(sources(snapshot))
+        where = places(snapshot)
+        lines = [node_lines(record, where, every=every) if code else () for record in records]
         inferred = [classes(snapshot, record.iri) for record in records]
     if json:
         json_lines(map(node_object, records))
     elif picture is not None:
         _draw(records[0], picture, every=every)
     else:
-        for number, (record, found) in enumerate(zip(records, inferred, strict=True)):
+        for number, (record, found, quoted) in enumerate(zip(records, inferred, lines, strict=True)):
             if number:
                 write()
-            _show(record, found, links, every=every, via=via)
+            _show(record, found, Links(where), every=every, via=via)
+            if quoted:
+                show(*quoted)
 
 
 def _instance(  # noqa: PLR0913 - the options of the command
