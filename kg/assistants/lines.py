@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.views.wording import quoted
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -91,6 +93,7 @@ def node(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
             one["quality"],
             one["how"],
             where(one["evidence"]),
+            _code(one, detail=detail),
         )
     if left_out:
         yield f"and {left_out} interfaces that frameworks create"
@@ -98,7 +101,8 @@ def node(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
         yield _line("plugin", one.get("name") or one.get("base_class") or "", where(one["evidence"]))
     for one in found["parameters"]:
         default = f"= {one['default']}" if one.get("default") is not None else ""
-        yield _line("parameter", one["name"] or "a name not known", one["type"] or "", default, where(one["evidence"]))
+        yield _line("parameter", one["name"] or "a name not known", one["type"] or "", default, where(one["evidence"]),
+                    _code(one, detail=detail))  # fmt: skip
     for one in found["neighbours"] if detail else ():
         names = ", ".join(f"{other['package']}/{other['name']}" for other in one["nodes"])
         yield f"{one['kind']} {one['channel']} {'to' if one['outward'] else 'from'} {one['count']}: {names}"
@@ -232,7 +236,8 @@ def proofs(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str
 def _proof(fact: dict[str, Any], where: Where, depth: int, *, detail: bool) -> Iterator[str]:
     rule = fact.get("rule")
     by = f"by rule {rule['name']} {where(rule['evidence'])}" if rule else where(fact.get("evidence"))
-    yield _line(f"{'  ' * depth}{fact['text']}", by, "(as above)" if fact.get("again") else "")
+    code = "" if rule else _code(fact, detail=detail)
+    yield _line(f"{'  ' * depth}{fact['text']}", by, "(as above)" if fact.get("again") else "", code)
     if rule and detail:
         bound = ", ".join(f"?{one['name']} = {one['label']}" for one in fact["bindings"])
         yield f"{'  ' * depth}  with {bound}"
@@ -255,6 +260,12 @@ def lacking(found: dict[str, Any], where: Where, *, detail: bool, depth: int = 0
             yield f"{indent}  nearest: {near}"
         if one.get("deeper") and (detail or not depth):
             yield from lacking(one["deeper"], where, detail=detail, depth=depth + 1)
+
+
+def _code(one: dict[str, Any], *, detail: bool) -> str:
+    """Return the line of code; without `detail` only where it is from the store, as its file cannot be opened."""
+    code = quoted(one) if detail or one.get("line_stored") else ""
+    return f"`{code}`" if code else ""
 
 
 def _graded(one: dict[str, Any]) -> str:

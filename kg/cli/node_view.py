@@ -9,7 +9,7 @@ from kg.facts import NodeKind
 from kg.graph.classes_reading import Classes
 from kg.graph.records import how_to_start
 from kg.render.text import printable
-from kg.views.wording import LANGUAGES, TITLES, accesses, how, how_loaded, parameter_groups
+from kg.views.wording import LANGUAGES, TITLES, accesses, how, how_loaded, parameter_groups, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from kg.cli.links import Links
     from kg.facts import Description, Interface, NodeType, Parameter, PluginSlot
     from kg.graph.reading import NodeRecord
+    from kg.views.evidence import Places
 
-__all__ = ["left_out", "node_view"]
+__all__ = ["left_out", "node_lines", "node_view"]
 
 _MOST_DESCRIPTIONS: Final = 2
 """Texts that are shown unless all are asked for: the best say what a node is for."""
@@ -64,6 +65,21 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
     if len(shown) < len(parameters):
         parts.append(Text(f"  and {len(parameters) - len(shown):,} more; --all shows them", style="dim"))
     return tuple(parts)
+
+
+def node_lines(record: NodeRecord, where: Places, *, every: bool) -> tuple[Text, ...]:
+    """Return the statements behind a node, its interfaces and parameters, by place, each below its place."""
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    node = record.node
+    locations = {node.location, *(one.location for one in node.slots)}
+    locations.update(one.location for one in node.interfaces if every or not one.implicit)
+    locations.update(one.location for one in node.parameters if every or not one.implicit)
+    found = []
+    for place in sorted(locations, key=lambda one: (one.repository or "", one.path, one.line)):
+        if code := quoted(where.code(record.repository, place, whole=True)):
+            found += [Text(str(place), style="dim"), Text(f"  {printable(code)}")]
+    return (Text(), Text("lines of code", style="bold cyan"), *found) if found else ()
 
 
 def left_out(node: NodeType) -> int:

@@ -78,10 +78,12 @@ def show_proofs(subject: Subject, name: str, *, json: bool) -> None:
         json_lines(proof_object(proof, subject.view) for proof in proofs)
         return
     from kg.cli.trees import print_tree  # noqa: PLC0415 - start-up time
+    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
     from kg.rules.explain.text import proof_lines  # noqa: PLC0415 - start-up time
+    from kg.views.evidence import Places  # noqa: PLC0415 - start-up time
 
     for proof in proofs:
-        print_tree(proof_lines(proof, subject.view), subject.graph)
+        print_tree(proof_lines(proof, subject.view), Places.of(sources(subject.graph)))
 
 
 def capability_object(one: Capability) -> dict[str, Any]:

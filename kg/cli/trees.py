@@ -11,13 +11,16 @@ from rich.text import Text
 
 from kg.cli.links import Links
 from kg.cli.output import console, line_width, show
-from kg.graph.source_states import sources
+from kg.facts import Location
+from kg.render.text import printable
+from kg.views.wording import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.graph.reading import Queryable
+    from kg.graph.iris import Iris
     from kg.rules.explain.text import Line
+    from kg.views.evidence import Places
 
 __all__ = ["print_tree"]
 
@@ -33,11 +36,31 @@ _BRANCHES: Final = {"├─ ": "│  ", "└─ ": "   "}
 _NARROWEST: Final = 24
 
 
-def print_tree(lines: Iterable[Line], graph: Queryable) -> None:
-    """Write the lines of an explanation; `graph` knows where the sources stand."""
-    links = Links.of(sources(graph))
+def print_tree(lines: Iterable[Line], where: Places, iris: Iris | None = None) -> None:
+    """Write the lines of an explanation; `where` knows where the sources stand, and what stands in their lines.
+
+    With `iris`, those of the store, the line of code is below each fact that was read from one.
+    """
+    links = Links(where)
     for line in lines:
         show(*_folded(line, links))
+        if iris is not None and (code := _code(line, where, iris)):
+            show(code)
+
+
+def _code(line: Line, where: Places, iris: Iris) -> Text | None:
+    """Return the line of code that a fact was read from."""
+    thing = iris.parse((line.evidence.thing or "").partition("#")[0]) if line.evidence else None
+    if line.evidence is None or line.evidence.line is None or thing is None:
+        return None
+    place = Location(line.evidence.path, line.evidence.line, line.evidence.repository)
+    code = quoted(where.code(thing.parts[0], place))
+    if not code:
+        return None
+    below = line.branches[:-3] + _BRANCHES.get(line.branches[-3:], line.branches[-3:])
+    text = Text(f"{below}  {printable(code)}", style="dim")
+    text.no_wrap, text.overflow = True, "ellipsis"
+    return text
 
 
 def _folded(line: Line, links: Links) -> list[Text]:

@@ -125,6 +125,10 @@ class Reader:
             self._texts[key] = self._normalise(key, loaded) if isinstance(loaded, bytes) else None
         return self._texts[key]
 
+    def known(self, file: FilePath) -> bytes | None:
+        """Return the text of a file that `read` has read; None for others, which are not read for it."""
+        return self._texts.get(file)
+
     def problem(self, code: str, message: str, path: str, line: int | None = None) -> None:
         """Note that something in the file at `path` could not be read as it should; `code` is in the catalogue."""
         if code not in CATALOGUE:

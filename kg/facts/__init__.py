@@ -62,7 +62,7 @@ from kg.facts.systems import (
     Sighting,
     System,
 )
-from kg.facts.texts import Description, DescriptionKind, Phrase
+from kg.facts.texts import Description, DescriptionKind, Phrase, Snippet
 
 __all__ = [
     "TREE_NODE",
@@ -110,6 +110,7 @@ __all__ = [
     "Resolution",
     "Role",
     "Sighting",
+    "Snippet",
     "SourceFile",
     "StartKind",
     "StartedNode",

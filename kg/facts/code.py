@@ -9,7 +9,7 @@ from typing import Final
 # Imported when the module is, for the caches and property tests make facts from their annotations.
 from kg.facts.launch import LaunchConfiguration  # noqa: TC001 - see above
 from kg.facts.places import Location  # noqa: TC001 - see above
-from kg.facts.texts import Description  # noqa: TC001 - see above
+from kg.facts.texts import Description, Snippet  # noqa: TC001 - see above
 
 __all__ = [
     "TREE_NODE",
@@ -404,3 +404,5 @@ class PackageFacts:
     """What `rosrun` or `ros2 run` can start of the package, in which a node was found or not."""
     descriptions: tuple[Description, ...] = ()
     """What people wrote about the package and its nodes, in the order of their places."""
+    snippets: tuple[Snippet, ...] = ()
+    """The lines of code that the facts rest on, by file."""

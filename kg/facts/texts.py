@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Final
 
 # Imported when the module is, for property tests make facts from their annotations.
 from kg.facts.places import Location  # noqa: TC001 - see above
 
-__all__ = ["Description", "DescriptionKind", "Phrase"]
+__all__ = ["Description", "DescriptionKind", "Phrase", "Snippet"]
+
+_LONGEST: Final = 200
+"""Characters of a line of a snippet."""
 
 
 class DescriptionKind(StrEnum):
@@ -58,3 +62,22 @@ class Description:
     heading: str | None = None
     words: tuple[str, ...] = ()
     phrases: tuple[Phrase, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Snippet:
+    """The lines of a file that facts of a package rest on, with a few around them, as `shortened` gives them.
+
+    `lines` are pairs of a number, counted from one, and the text, by number. `repository` is None for the source of the
+    package, else the name of the other source that the file stands in.
+    """
+
+    path: str
+    lines: tuple[tuple[int, str], ...]
+    repository: str | None = None
+
+    @staticmethod
+    def shortened(line: str) -> str:
+        """Return a line of a file as snippets have it: without blanks at its end, and cut where it is long."""
+        text = line.rstrip()
+        return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"

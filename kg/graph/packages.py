@@ -10,6 +10,7 @@ from kg.graph.licenses import spdx
 from kg.graph.nodes import Stated, node
 from kg.graph.ntriples import integer, literal
 from kg.graph.scope import Scope
+from kg.graph.snippets import snippets
 from kg.graph.texts import descriptions
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def package_parts(facts: PackageFacts, iris: Iris) -> tuple[bytes, tuple[Stated,
         scope.writer.text(subject, v.INSTALLS, program)
     stated = tuple(node(scope, subject, each_node) for each_node in facts.nodes)
     descriptions(scope, iri, facts.descriptions)
+    snippets(scope, iri, facts.snippets)
     for each_problem in facts.problems:
         problem(scope, iri, each_problem)
     return scope.writer.encoded(), stated

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
 from kg.extract.package import extract_package, guard
+from kg.extract.snippets import read_snippets
 from kg.facts import DataFile, FileKind, Known, Problem, Resolution
 from kg.graph.builds import count
 from kg.graph.iris import Iris
@@ -112,13 +113,13 @@ def read_package(
     """
     reader = Reader(workspace, source, package, max_file_bytes)
     facts = extract_package(reader, calls)
-    if not any(entry.kind is FileKind.LAUNCH for entry in package.files):
-        return facts
-    from kg.launch.files import reading  # noqa: PLC0415 - a quarter of all modules, and few packages need it
+    if any(entry.kind is FileKind.LAUNCH for entry in package.files):
+        from kg.launch.files import reading  # noqa: PLC0415 - a quarter of all modules, and few packages need it
 
-    nothing: tuple[LaunchConfiguration, ...] = ()
-    launches = guard(reader, reading.read_launches, nothing, reader, package, facts.package.ros)
-    return replace(facts, launches=launches, problems=reader.sorted_problems(), inputs=reader.inputs)
+        nothing: tuple[LaunchConfiguration, ...] = ()
+        launches = guard(reader, reading.read_launches, nothing, reader, package, facts.package.ros)
+        facts = replace(facts, launches=launches, problems=reader.sorted_problems(), inputs=reader.inputs)
+    return replace(facts, snippets=read_snippets(reader, facts))
 
 
 def failed(source: str, name: str, path: str, message: str) -> Outcome:

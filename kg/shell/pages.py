@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from kg.render.text import count
+from kg.views.wording import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -215,8 +216,7 @@ def lines_of_row(found: Mapping[str, Any]) -> tuple[Line, ...]:
 def _proof(one: Mapping[str, Any]) -> Line:
     fact = (one["subject"]["term"], one["predicate"]["term"], one["object"]["term"])
     if not one["inferred"]:
-        code = str(one["line_text"]).strip() if one["line_text"] else ""
-        return Line(one["text"], place=one["evidence"], fact=fact, note=code)
+        return Line(one["text"], place=one["evidence"], fact=fact, note=quoted(one))
     rule = one["rule"]
     note = "proven above" if one["again"] else ""
     because = Line(f"by rule {rule['name']}: {rule['title']}", place=rule["evidence"])

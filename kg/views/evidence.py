@@ -1,14 +1,20 @@
-"""Where facts stand in the sources, as faces can open it: the file, an editor at the line, the page of the commit."""
+"""Where facts stand in the sources, as faces can open it: the file, an editor at the line, the page of the commit.
+
+The lines themselves come from the file where it stands on this machine and the line is as it was read, else from the
+snippets of the store.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 from urllib.parse import quote
+from weakref import ref
 
 from kg.facts import Location
+from kg.graph.snippets import quoted_lines
 from kg.graph.source_states import sources
 from kg.lint.finding import Evidence
 from kg.lint.lines import Lines
@@ -16,12 +22,14 @@ from kg.resources import folder
 from kg.views.remembered import once
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from kg.graph.source_states import SourceState
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["Places", "places"]
+
+Quoted: TypeAlias = "Callable[[str, str], Mapping[int, str]]"
 
 _FORGES: Final = {
     "github.com": "https://{name}/blob/{commit}/{path}#L{line}",
@@ -38,12 +46,13 @@ class Places:
 
     sources: Mapping[str, SourceState]
     _lines: Lines = field(repr=False, compare=False)
+    _quoted: Quoted = field(repr=False, compare=False)
 
     @classmethod
-    def of(cls, states: Iterable[SourceState]) -> Places:
-        """Return the places of some sources."""
+    def of(cls, states: Iterable[SourceState], quoted: Quoted | None = None) -> Places:
+        """Return the places of some sources; `quoted` gives the stored lines of a file of a source, by number."""
         known = {one.name: one for one in states}
-        return cls(known, Lines({name: one.root for name, one in known.items() if one.root}))
+        return cls(known, Lines({name: one.root for name, one in known.items() if one.root}), quoted or _nothing)
 
     def evidence(self, repository: str, location: Location) -> dict[str, Any]:
         """Return a place for faces; `location` may name another repository than the one that it is told of.
@@ -90,23 +99,35 @@ class Places:
         found = [name for name in self.sources if self.file(name, Location(path, 0))]
         return found[0] if len(found) == 1 else None
 
-    def text(self, repository: str, location: Location) -> str | None:
-        """Return the line of the file as it stands there now; None when it is not to be had."""
-        place = Evidence(location.path, location.line, location.repository or repository)
-        return self._lines.at(place, location.line or None)
+    def code(self, repository: str, location: Location, *, whole: bool = False) -> dict[str, Any]:
+        """Return the line of a place: `line_text`, None when it is not to be had, and `line_stored`.
 
-    def statement(self, repository: str, location: Location) -> str | None:
-        """Return the line of `text` with those after it on which its parentheses end, joined by spaces: few at most."""
+        `line_stored` tells that the line is from the store, because its file is not here or has another line there now.
+        `whole` adds the lines after it on which its parentheses end, joined by spaces: few at most.
+        """
         found: list[str] = []
-        for line in range(location.line, location.line + _STATEMENT):
-            text = self.text(repository, replace(location, line=line))
-            if text is None:
+        stored = False
+        for number in range(location.line, location.line + (_STATEMENT if whole else 1)):
+            text, from_store = self._line(repository, replace(location, line=number))
+            if text is None or (found and from_store is not stored):
                 break
-            found.append(text.strip())
-            whole = "".join(found)
-            if whole.count("(") <= whole.count(")"):
+            stored = from_store
+            found.append(text.strip() if whole else text)
+            joined = "".join(found)
+            if joined.count("(") <= joined.count(")"):
                 break
-        return " ".join(found) or None
+        return {"line_text": " ".join(found) or None, "line_stored": stored}
+
+    def _line(self, repository: str, location: Location) -> tuple[str | None, bool]:
+        """Return a line, and whether it is from the store."""
+        name, number = location.repository or repository, location.line or None
+        now = self._lines.at(Evidence(location.path, location.line, name), number)
+        if number is None:
+            return None, False
+        read = self._quoted(name, location.path).get(number)
+        if read is None or (now is not None and _is_same(now, read)):
+            return now, False
+        return read, True
 
     @staticmethod
     def own(path: Path | str, line: int | None) -> dict[str, Any]:
@@ -130,7 +151,24 @@ class Places:
 @once
 def places(snapshot: EmbeddedSnapshot) -> Places:
     """Return the places of the sources of a snapshot."""
-    return Places.of(sources(snapshot))
+    held = ref(snapshot)  # what is remembered for a snapshot must not keep it
+
+    @lru_cache(maxsize=256)
+    def quoted(repository: str, path: str) -> Mapping[int, str]:
+        graph = held()
+        return quoted_lines(graph, repository, path) if graph is not None else {}
+
+    return Places.of(sources(snapshot), quoted)
+
+
+def _nothing(_repository: str, _path: str) -> Mapping[int, str]:
+    return {}
+
+
+def _is_same(now: str, read: str) -> bool:
+    """Tell whether a line of a file is what a snippet has of it; parts of the snippet may be left out."""
+    start, cut, end = read.partition("…")
+    return now.startswith(start) and now.rstrip().endswith(end) if cut else now.rstrip() == read
 
 
 def _editor(file: Path, line: int | None) -> str:

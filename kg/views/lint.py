@@ -49,8 +49,8 @@ def lint(  # noqa: PLR0913 - what is looked at
     `level` is the least severity: error, warning or note. The answer is `{"findings", "allowed", "systems"}`: what is
     reported, how many findings kg.toml and comments allow, how many configurations were looked at. A finding has the
     keys of `kg lint --json` (docs/formats.md), and `iri`, `place` (where to mend it, as
-    `kg.views.evidence.Places.evidence`, with `words`, `chain` and `line_text`), `evidence` (a list of the same),
-    `way_out` (what to do about findings of its code) and `fact`, which the view `why` proves.
+    `kg.views.evidence.Places.evidence`, with `words`, `chain`, `line_text` and `line_stored`), `evidence` (a list
+    of the same), `way_out` (what to do about findings of its code) and `fact`, which the view `why` proves.
 
     Raises:
         UnknownNameError: KG422 and KG001 for a system and a package that are not there.
@@ -108,5 +108,5 @@ def _place(place: Evidence, where: Places) -> dict[str, Any]:
         **where.evidence(place.repository, location),
         "words": place.words or None,
         "chain": place.chain or None,
-        "line_text": where.text(place.repository, location),
+        **where.code(place.repository, location),
     }

@@ -45,9 +45,9 @@ def interface_rows(
 
     `inferred` has what rules derived of the node: objects by property. The keys are those of an interface in
     `kg nodes --json` (docs/formats.md), and `role`, `title`, `kind` (topic, service, action), `outward`, `iri`,
-    `type_iri`, `channel_iri`, `quality` and `how` (words), `switches`, `evidence`, `line_text` (the statement as
-    the file has it now, None where it is not to be had), `calls` (evidence of the calls in wrappers and base classes,
-    from the line to the framework), and `fact` where rules infer the direct relation.
+    `type_iri`, `channel_iri`, `quality` and `how` (words), `switches`, `evidence`, `line_text` and
+    `line_stored` (the statement: `kg.views.evidence.Places.code`), `calls` (evidence of the calls in wrappers and base
+    classes, from the line to the framework), and `fact` where rules infer the direct relation.
     """
     chosen = sorted(record.node.interfaces, key=lambda one: (list(Role).index(one.role), one.implicit))
     return [_interface(one, record, where, iris, inferred) for one in chosen]
@@ -72,7 +72,7 @@ def _interface(
         "how": how(one),
         "switches": list(one.switches),
         "evidence": where.evidence(record.repository, one.location),
-        "line_text": where.statement(record.repository, one.location),
+        **where.code(record.repository, one.location, whole=True),
         "calls": [where.evidence(record.repository, call) for call in one.via],
         "fact": fact(record.iri, predicate, channel) if channel and channel in inferred.get(predicate, ()) else None,
     }
@@ -82,8 +82,8 @@ def parameter_rows(record: NodeRecord, where: Places) -> list[dict[str, Any]]:
     """Return the parameters of a node, each once.
 
     The keys are those of a parameter in `kg nodes --json` of the line that declares it, `default`, `type` and
-    `description` where any line has them, and `iri`, `does` (words), `evidence`, `line_text`, `calls` as for an
-    interface, and `places` (of each line its evidence and `access`).
+    `description` where any line has them, and `iri`, `does` (words), `evidence`, `line_text`, `line_stored`, `calls`
+    as for an interface, and `places` (of each line its evidence and `access`).
     """
     return [_parameter(group, record, where) for group in parameter_groups(record.node.parameters)]
 
@@ -121,7 +121,7 @@ def _parameter(group: Sequence[Parameter], record: NodeRecord, where: Places) ->
         "iri": record.settable.get(first),
         "does": accesses(group),
         "evidence": places[0],
-        "line_text": where.statement(record.repository, first.location),
+        **where.code(record.repository, first.location, whole=True),
         "calls": [where.evidence(record.repository, call) for call in first.via],
         "places": [{**place, "access": str(one.access)} for one, place in zip(group, places, strict=True)],
     }

@@ -48,11 +48,11 @@ def why(  # noqa: PLR0913 - a fact, and how much is told of it
     ways in which it comes about; `ways`, how many there are of the first fact, at most 25, then `more_ways` is true.
 
     A proof is a tree. Each fact has `subject`, `predicate`, `object` (each `{"term", "label"}`, the term as SPARQL
-    writes it), `text`, `inferred`, and when it is asserted `graphs`, `evidence` and `line_text` (the line of code), or
-    else `rule` (`name`, `title`, `documentation`: a list of heading and text, `evidence`: its file and line),
-    `bindings` (`name`, `label`, `term`), `premises` (facts), and `conditions` (`text`, and `count` and `facts` of what
-    was counted, each with `inferred` and `evidence`). A fact that is proven above has `again`, one below the deepest
-    level that is told `cut`, and neither has premises.
+    writes it), `text`, `inferred`, and when it is asserted `graphs`, `evidence`, `line_text` and `line_stored` (the
+    line of code: `kg.views.evidence.Places.code`), or else `rule` (`name`, `title`, `documentation`: a list of heading
+    and text, `evidence`: its file and line), `bindings` (`name`, `label`, `term`), `premises` (facts), and `conditions`
+    (`text`, and `count` and `facts` of what was counted, each with `inferred` and `evidence`). A fact that is proven
+    above has `again`, one below the deepest level that is told `cut`, and neither has premises.
 
     Raises:
         UnknownNameError: KG001 for a word that names nothing.

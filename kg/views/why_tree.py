@@ -106,13 +106,12 @@ class Telling:
     def _evidence(self, evidence: Evidence | None) -> dict[str, Any]:
         """Return where a fact was read: in a source, or in a file of `kg` itself."""
         if evidence is None:
-            return {"evidence": None, "line_text": None}
+            return {"evidence": None, "line_text": None, "line_stored": False}
         thing = self._iris.parse((evidence.thing or "").partition("#")[0])
         if thing is None:
-            return {"evidence": Places.own(evidence.path, evidence.line), "line_text": None}
+            return {"evidence": Places.own(evidence.path, evidence.line), "line_text": None, "line_stored": False}
         place = Location(evidence.path, evidence.line or 0, evidence.repository)
-        text = self._where.text(thing.parts[0], place)
-        return {"evidence": self._where.evidence(thing.parts[0], place), "line_text": text}
+        return {"evidence": self._where.evidence(thing.parts[0], place), **self._where.code(thing.parts[0], place)}
 
     def _rule(self, rule: Rule) -> dict[str, Any]:
         file = self._files.get(rule.name)

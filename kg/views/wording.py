@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.facts import Access, Resolution, Role
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from kg.facts import Interface, Parameter, PluginSlot, Qos
 
-__all__ = ["LANGUAGES", "TITLES", "accesses", "how", "how_loaded", "parameter_groups", "quality"]
+__all__ = ["LANGUAGES", "TITLES", "accesses", "how", "how_loaded", "parameter_groups", "quality", "quoted"]
 
 TITLES: Final = {
     Role.PUBLISHES: "publishes",
@@ -84,3 +84,9 @@ def accesses(facts: Sequence[Parameter]) -> str:
         return ""
     done = ", ".join(dict.fromkeys(_DONE[fact.access] for fact in facts))
     return f"{done} ({len(facts)} places)" if len(facts) > 1 else done
+
+
+def quoted(code: Mapping[str, Any]) -> str:
+    """Return a line of code, as `kg.views.evidence.Places.code` gives it, and whether it is from the store."""
+    text = (code["line_text"] or "").strip()
+    return f"{text}  (stored)" if text and code["line_stored"] else text

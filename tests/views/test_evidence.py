@@ -37,7 +37,7 @@ def test_a_place_in_a_file_that_is_here(tmp_path: Path) -> None:
         "vscode": f"vscode://file{tmp_path}/a%20b.cpp:2",
         "web": "https://github.com/acme/rover/blob/0123abc/a%20b.cpp#L2",
     }
-    assert places.text("github.com/acme/rover", Location("a b.cpp", 2)) == "two"
+    assert places.code("github.com/acme/rover", Location("a b.cpp", 2)) == {"line_text": "two", "line_stored": False}
 
 
 def test_a_whole_file_has_no_line() -> None:
@@ -59,7 +59,34 @@ def test_lines_outside_of_a_source_are_not_read(tmp_path: Path) -> None:
     (tmp_path / "secret").write_text("word\n")
     (tmp_path / "source").mkdir()
     places = Places.of([source("local/source", str(tmp_path / "source"), None)])
-    assert places.text("local/source", Location("../secret", 1)) is None
+    assert places.code("local/source", Location("../secret", 1))["line_text"] is None
+
+
+def stored(_repository: str, path: str) -> dict[int, str]:
+    """Return the lines that the store has of a file."""
+    return {2: "advertise(", 3: '  "odom");', 5: "login(password…"} if path == "a.cpp" else {}
+
+
+def test_a_line_of_a_file_that_is_gone_is_from_the_store() -> None:
+    """The statement and its end are shown, and that they are stored."""
+    places = Places.of([source("local/a", "/nowhere", None)], stored)
+    found = places.code("local/a", Location("a.cpp", 2), whole=True)
+    assert found == {"line_text": 'advertise( "odom");', "line_stored": True}
+
+
+def test_a_line_that_changed_is_shown_as_it_was_read(tmp_path: Path) -> None:
+    """What stands in the file now is not what the fact rests on."""
+    (tmp_path / "a.cpp").write_text("// new\nsubscribe(\n")
+    places = Places.of([source("local/a", str(tmp_path), None)], stored)
+    assert places.code("local/a", Location("a.cpp", 2)) == {"line_text": "advertise(", "line_stored": True}
+
+
+def test_a_line_that_is_as_it_was_is_from_its_file(tmp_path: Path) -> None:
+    """So it is whole where the snippet leaves something out."""
+    (tmp_path / "a.cpp").write_text('\n\n\n\nlogin(password, "x");\n')
+    places = Places.of([source("local/a", str(tmp_path), None)], stored)
+    found = places.code("local/a", Location("a.cpp", 5))
+    assert found == {"line_text": 'login(password, "x");', "line_stored": False}
 
 
 def test_rules_and_ontologies_are_named_from_where_they_stand() -> None:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from kg.graph.classes_reading import Classes
     from kg.graph.reading import NodeRecord
     from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["NodeCommand", "node"]
 
@@ -39,6 +40,7 @@ All = Annotated[bool, typer.Option("--all", "-a", help="Include what frameworks 
 Via = Annotated[
     bool, typer.Option("--via", help="Show the calls in wrappers and base classes, from the line to the framework.")
 ]
+Code = Annotated[bool, typer.Option("--code", help="Show the lines of code, from the store where files are not here.")]
 Picture = Annotated[
     str | None,
     typer.Option(
@@ -47,17 +49,24 @@ Picture = Annotated[
         help="Draw the node as SVG to this file; by default to standard output, or on a terminal to NODE.svg.",
     ),
 ]
+Graph = Annotated[
+    bool,
+    typer.Option(
+        "--graph",
+        help="Show the node with its entities and named relations; with --picture as SVG, or to FILE.dot for Graphviz.",
+    ),
+]
 
 
 class NodeCommand(KgCommand):
     """A command whose option `--picture` may come without its file."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse, with an empty file behind `--picture` where what follows is no SVG file."""
+        """Parse, with an empty file behind `--picture` where what follows is no file of a picture."""
         spread: list[str] = []
         for argument, following in pairwise([*args, ""]):
             spread.append(argument)
-            if argument == "--picture" and not (following.endswith(".svg") or following == "-"):
+            if argument == "--picture" and not (following.endswith((".svg", ".dot")) or following == "-"):
                 spread.append("")
         return super().parse_args(ctx, spread)
 
@@ -69,7 +78,9 @@ def node(  # noqa: PLR0913 - the options of a command
     launch: Launch = None,
     every: All = False,
     via: Via = False,
+    code: Code = False,
     picture: Picture = None,
+    graph: Graph = False,
     json: Json = False,
     store: Store = None,
 ) -> None:
@@ -81,13 +92,17 @@ def node(  # noqa: PLR0913 - the options of a command
 
         kg node move_base
         kg node move_base/move_base --all --via
+        kg node amcl --code
         kg node move_base --picture move_base.svg
+        kg node amcl --picture amcl.svg --graph
         kg node /rover1/patrol --launch rover.launch
     """
     from kg.cli.links import Links  # noqa: PLC0415 - start-up time
+    from kg.cli.node_view import node_lines  # noqa: PLC0415 - start-up time
     from kg.graph.classes_reading import classes  # noqa: PLC0415 - start-up time
+    from kg.graph.pictures import node_picture  # noqa: PLC0415 - start-up time
     from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
-    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
+    from kg.views.evidence import places  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store)
     if name.startswith("/"):
@@ -98,17 +113,23 @@ def node(  # noqa: PLR0913 - the options of a command
         raise UsageError("KG003", "--launch chooses among instances", hint=hint)
     with reading(settings) as snapshot:
         records = one_node(snapshot, name)
-        links = Links.of(sources(snapshot))
+        where = places(snapshot)
+        lines = [node_lines(record, where, every=every) if code else () for record in records]
         inferred = [classes(snapshot, record.iri) for record in records]
+        drawn = _related(snapshot, settings, records[0], picture, every=every) if graph and not json else ""
     if json:
         json_lines(map(node_object, records))
+    elif graph and picture is None:
+        write_bytes(drawn.encode())
     elif picture is not None:
-        _draw(records[0], picture, every=every)
+        _draw(records[0], drawn or node_picture(records[0], implicit=every), picture)
     else:
-        for number, (record, found) in enumerate(zip(records, inferred, strict=True)):
+        for number, (record, found, quoted) in enumerate(zip(records, inferred, lines, strict=True)):
             if number:
                 write()
-            _show(record, found, links, every=every, via=via)
+            _show(record, found, Links(where), every=every, via=via)
+            if quoted:
+                show(*quoted)
 
 
 def _instance(  # noqa: PLR0913 - the options of the command
@@ -149,16 +170,31 @@ def _show(record: "NodeRecord", found: "Classes", links: "Links", *, every: bool
         note(f"{count(hidden, 'implicit entry', 'implicit entries')} created by frameworks hidden; --all shows them")
 
 
-def _draw(record: "NodeRecord", file: str, *, every: bool) -> None:
-    from kg.graph.pictures import node_picture  # noqa: PLC0415 - start-up time
+def _related(
+    snapshot: "EmbeddedSnapshot", settings: "Settings", record: "NodeRecord", picture: str | None, *, every: bool
+) -> str:
+    """Return the entities and relations of a node, in the form that is asked for."""
+    from kg.render import node_graph  # noqa: PLC0415 - start-up time
+    from kg.views.node import node as node_view  # noqa: PLC0415 - start-up time
+    from kg.views.node_graph import node_relations  # noqa: PLC0415 - start-up time
 
-    drawn = node_picture(record, implicit=every).encode()
+    relations = node_relations(node_view(snapshot, settings, iri=record.iri), every=every)
+    name = record.node.name
+    if picture is None:
+        return "".join(f"{line}\n" for line in node_graph.node_graph_lines(name, relations))
+    if picture.endswith(".dot"):
+        return node_graph.node_graph_dot(name, relations)
+    return node_graph.node_graph_svg(name, relations)
+
+
+def _draw(record: "NodeRecord", drawn: str, file: str) -> None:
+    """Write a picture to a file, or where it goes without one."""
     if file == "-" or not (file or terminal()):
-        write_bytes(drawn)
+        write_bytes(drawn.encode())
         return
     path = Path(file or f"{record.node.name.replace('/', '_')}.svg")
     try:
-        path.write_bytes(drawn)
+        path.write_bytes(drawn.encode())
     except OSError as error:
         raise UsageError("KG003", f"cannot write the picture: {error.strerror}", place=Place(str(path))) from error
     say(f"wrote {path}")

@@ -92,7 +92,7 @@ def why(  # noqa: PLR0913 - the options of a command
             proofs: Iterable[Proof] = _matched(text, found, number, view, known)
         else:
             proofs = _proofs(_three(words), snapshot, view, known, every=every, shortest=shortest)
-        _show(list(proofs), view, form, snapshot)
+        _show(list(proofs), view, form, snapshot, settings.base)
 
 
 def _three(words: list[str] | None) -> tuple[str, str, str]:
@@ -177,8 +177,10 @@ def why_not(  # noqa: PLR0913 - the options of a command
             json_lines([why_not_object(answer, view)])
         else:
             from kg.cli.trees import print_tree  # noqa: PLC0415 - start-up time
+            from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
+            from kg.views.evidence import places  # noqa: PLC0415 - start-up time
 
-            print_tree(why_not_lines(answer, view), snapshot)
+            print_tree(why_not_lines(answer, view), places(snapshot), Iris(settings.base))
 
 
 def _form(name: str) -> str:
@@ -198,7 +200,7 @@ def _known(snapshot: "EmbeddedSnapshot", settings: "Settings", cache: "Path") ->
     return rules.rules, view
 
 
-def _show(proofs: "list[Proof]", view: "View", form: str, snapshot: "EmbeddedSnapshot") -> None:
+def _show(proofs: "list[Proof]", view: "View", form: str, snapshot: "EmbeddedSnapshot", base: str) -> None:
     from kg.rules.explain.export import mermaid, proof_object  # noqa: PLC0415 - start-up time
     from kg.rules.explain.text import proof_lines  # noqa: PLC0415 - start-up time
 
@@ -212,6 +214,8 @@ def _show(proofs: "list[Proof]", view: "View", form: str, snapshot: "EmbeddedSna
         write(picture(proofs, view).rstrip())
     else:
         from kg.cli.trees import print_tree  # noqa: PLC0415 - start-up time
+        from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
+        from kg.views.evidence import places  # noqa: PLC0415 - start-up time
 
         for proof in proofs:
-            print_tree(proof_lines(proof, view), snapshot)
+            print_tree(proof_lines(proof, view), places(snapshot), Iris(base))

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from starlette.responses import RedirectResponse
+from starlette.responses import RedirectResponse, Response
 from starlette.routing import Route
 
 from kg.errors import KgError
+from kg.render.node_graph import node_graph_svg
 from kg.server.pages.missing import ABSENT, SEVERAL, missing
 from kg.server.rendering import page, url, view
+from kg.views.node_graph import node_relations
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from starlette.requests import Request
-    from starlette.responses import Response
 
 __all__ = ["ROUTES", "TAGS"]
 
@@ -108,4 +109,10 @@ def _near(near: Mapping[str, Any], most: int) -> Iterator[tuple[dict[str, Any], 
         yield one, {"source": source, "target": target, "kind": near["kind"]}
 
 
-ROUTES = [Route("/node", _node)]
+async def _graph(request: Request) -> Response:
+    """Answer with the entities and relations of a node as a picture."""
+    found = await view(request, "node", iri=request.query_params.get("iri", ""))
+    return Response(node_graph_svg(found["name"], node_relations(found)), media_type="image/svg+xml")
+
+
+ROUTES = [Route("/node", _node), Route("/node/graph.svg", _graph)]

@@ -1,0 +1,60 @@
+"""The entities that a node is related to, and the names of the relations, as RNKG has them (its figures 5 and 6)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.facts import Role
+from kg.render.node_graph import Relation
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+__all__ = ["node_relations"]
+
+_CLASSES: Final = {
+    "functions": "has function",
+    "hardware": "uses hardware",
+    "devices": "uses device",
+    "capabilities": "has capability",
+}
+_KINDS: Final = {"functions": "function", "hardware": "hardware", "devices": "device", "capabilities": "capability"}
+_ROLES: Final = {
+    Role.SUBSCRIBES: "subscribes",
+    Role.PUBLISHES: "publishes",
+    Role.SERVICES: "provides",
+    Role.CLIENTS: "calls",
+    Role.ACTION_SERVERS: "serves action",
+    Role.ACTION_CLIENTS: "calls action",
+}
+_TYPES: Final = {"topic": "has message", "service": "has service type", "action": "has action type"}
+
+
+def node_relations(found: Mapping[str, Any], *, every: bool = False) -> tuple[Relation, ...]:
+    """Return the relations of a node, from the view `node`; those of one name follow each other.
+
+    An interface that the code declares is read, not inferred; functions, hardware and capabilities are what rules say.
+    `every` adds what frameworks create, and capabilities that follow from others.
+    """
+    return tuple(dict.fromkeys(_relations(found, every=every)))
+
+
+def _relations(found: Mapping[str, Any], *, every: bool) -> Iterator[Relation]:
+    node = found["name"]
+    package, repository = f"package {found['package']['name']}", f"repository {found['repository']['name']}"
+    yield Relation(node, "in package", package)
+    yield Relation(package, "in repository", repository)
+    if found["executable"]:
+        yield Relation(node, "has executable", f"executable {found['executable']}")
+    for kind, name in _CLASSES.items():
+        for one in found[kind]:
+            if every or not one.get("general"):
+                yield Relation(node, name, f"{_KINDS[kind]} {one['label']}", one["inferred"])
+    for role, name in _ROLES.items():
+        for one in found["interfaces"]:
+            if one["role"] != role or (one["implicit"] and not every):
+                continue
+            channel = f"{one['kind']} {one['resolved'] or one['written'] or 'of unknown name'}"
+            yield Relation(node, name, channel)
+            if one["type"]:
+                yield Relation(channel, _TYPES[one["kind"]], one["type"])
