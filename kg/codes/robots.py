@@ -1,4 +1,4 @@
-"""The codes of robots: KG801 to KG851."""
+"""The codes of robots: KG801 to KG852."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ CODES: Final = {
     "KG801": CodeEntry(
         "invalid robot address",
         "The format of the robot's address is unknown, or its middleware is not installed.",
-        "Write ros1://HOST:PORT, dds://DOMAIN, zenoh://HOST:PORT or bag://FILE. Install the package that the message "
-        "names.",
+        "Write ros1://HOST:PORT, dds://DOMAIN, zenoh://HOST:PORT, ws://HOST:PORT or bag://FILE. Install the package "
+        "that the message names.",
     ),
     "KG802": CodeEntry(
         "robot does not answer",
@@ -99,6 +99,12 @@ CODES: Final = {
         "recording cannot be commanded",
         "A recording contains what a robot published. It has no topics, services or actions to send commands to.",
         "Use `kg robot read`, or name a running robot with --robot.",
+    ),
+    "KG852": CodeEntry(
+        "not possible over a bridge",
+        "A bridge to WebSockets carries topics and services, some only from the robot. kg gives no goals over it and "
+        "serves nothing.",
+        "Connect by ros1://, dds:// or zenoh://, or use a topic or service (`--way`).",
     ),
     "KG811": CodeEntry(
         "dead node",

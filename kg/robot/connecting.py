@@ -21,6 +21,8 @@ SCHEMES: Final = {
     "dds": "kg.robot.dds",
     "zenoh": "kg.robot.zenoh",
     "bag": "kg.robot.bag",
+    "ws": "kg.robot.ws",
+    "wss": "kg.robot.ws",
     "memory": "kg.robot.memory",
 }
 """The module of each scheme; it has `async connect(address, name, types) -> Connection`."""
@@ -56,7 +58,7 @@ def scheme_of(address: str) -> str:
     """Return the scheme of an address; RobotError KG801 for one of another form."""
     scheme = address.partition(":")[0]
     if scheme not in SCHEMES:
-        known = ", ".join(f"{one}://" for one in SCHEMES if one != "memory")
+        known = ", ".join(f"{one}://" for one in SCHEMES if one not in {"memory", "wss"})
         raise RobotError("KG801", f"`{address}` is not an address of a robot", hint=_meant(address, known))
     return scheme
 

@@ -6,7 +6,6 @@ of nodes it tells only what they say themselves in the topics `/parameter_events
 
 from __future__ import annotations
 
-import re
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from itertools import islice
@@ -15,12 +14,12 @@ from typing import TYPE_CHECKING, Any, Final
 from rosbags.interfaces import MessageDefinitionFormat, QosTime
 from rosbags.rosbag1 import Reader as Reader1
 from rosbags.rosbag2 import Reader as Reader2
-from rosbags.typesys import Stores, get_types_from_idl, get_typestore
 
 from kg.errors import RobotError
 from kg.facts import Qos
 from kg.robot.connection import GraphProblem
 from kg.robot.messages import Types
+from kg.robot.messages.foreign import learn, short
 from kg.robot.ros2.names import is_name
 
 if TYPE_CHECKING:
@@ -38,8 +37,6 @@ _TELLING: Final = {
 """Topics of ROS 2 whose messages name the node that sent them, with their types and fields."""
 _ENOUGH: Final = 1000
 """So many messages of such a topic are read: nodes tell of themselves when they start."""
-_MESSAGE: Final = re.compile(r"^(MSG: \w+)/msg/", re.MULTILINE)
-_IDL: Final = "=" * 80 + "\n"
 _LATCHED: Final = "transient_local"
 _FOREVER: Final = 2**31 - 1
 """Seconds that stand for no limit, at least (`RMW_DURATION_INFINITE`, and what 32 bits hold)."""
@@ -117,7 +114,7 @@ class Bag:
 
     def _key(self, channel: Channel) -> tuple[str, str, str | None]:
         node = getattr(channel.ext, "callerid", None) or None
-        return channel.topic, channel.msgtype.replace("/msg/", "/"), node
+        return channel.topic, short(channel.msgtype), node
 
     def _source(self, channel: Channel) -> Source:
         topic, kind, node = self._key(channel)
@@ -132,10 +129,8 @@ class Bag:
         """Learn the type of a topic as the recording has it; what cannot be is the error of the topic."""
         text = source.channel.msgdef
         try:
-            if text.format is MessageDefinitionFormat.MSG:
-                self.types.define(source.type, _MESSAGE.sub(r"\1/", text.data))
-            elif text.format is MessageDefinitionFormat.IDL:
-                self.types.define(source.type, _of_idl(source.type, text.data))
+            if text.format is not MessageDefinitionFormat.NONE:
+                learn(self.types, source.type, text.data, idl=text.format is MessageDefinitionFormat.IDL)
             self.types.fields(source.type)
         except RobotError as error:
             self.unreadable[source.topic] = error
@@ -160,18 +155,6 @@ class Bag:
     def problems(self) -> tuple[GraphProblem, ...]:
         """What cannot be understood, by topic."""
         return tuple(GraphProblem(one.code, topic, one.message) for topic, one in sorted(self.unreadable.items()))
-
-
-def _of_idl(kind: str, text: str) -> str:
-    """Return the definition of a type in `.msg` form; RobotError KG810 for IDL that cannot be read."""
-    store = get_typestore(Stores.EMPTY)
-    try:
-        parts = [one.partition("\n")[2] for one in text.split(_IDL)[1:]] if text.startswith(_IDL) else [text]
-        for part in parts:
-            store.register(get_types_from_idl(part))
-        return store.generate_msgdef(kind.replace("/", "/msg/"), ros_version=2)[0]
-    except Exception as error:  # noqa: BLE001 - the grammar raises errors of several kinds
-        raise RobotError("KG810", f"the definition of `{kind[:80]}` cannot be read: {error}") from None
 
 
 def _qos(told: Any) -> Qos:
