@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["connect"]
 
+_HINT = "foxglove_bridge and rosbridge_server are bridges; the latter needs `rosapi` beside it."
 _OPENING = 5.0
 """Seconds that a server may take to answer."""
 _PING = 3.0
@@ -43,6 +44,7 @@ async def connect(address: str, name: str, types: Types | None = None) -> Bridge
 
         from kg.robot.ws.connection import BridgeConnection  # noqa: PLC0415 - the same
         from kg.robot.ws.foxglove import SUBPROTOCOLS, Foxglove  # noqa: PLC0415 - the same
+        from kg.robot.ws.rosbridge import Rosbridge  # noqa: PLC0415 - the same
     except ImportError as error:
         hint = 'Install it with `pip install "kg-ros[ws]"`.'
         raise RobotError("KG801", f"the library for WebSockets is not installed: {error}", hint=hint) from None
@@ -60,17 +62,14 @@ async def connect(address: str, name: str, types: Types | None = None) -> Bridge
     except (InvalidURI, ValueError) as error:
         raise RobotError("KG801", f"`{address}` is not an address: {error}", hint="Write ws://HOST:PORT.") from None
     except (OSError, TimeoutError, WebSocketException) as error:
-        hint = "`ros2 launch foxglove_bridge foxglove_bridge_launch.xml` starts a bridge."
-        raise RobotError("KG802", f"no bridge answers at {address}: {error}", hint=hint) from None
-    if socket.subprotocol is None:
-        await socket.close()
-        raise RobotError("KG802", f"no bridge of Foxglove answers at {address}")
-    connection = BridgeConnection(socket, Foxglove(socket.send, types), address, own)
+        raise RobotError("KG802", f"no bridge answers at {address}: {error}", hint=_HINT) from None
+    bridge = (Rosbridge if socket.subprotocol is None else Foxglove)(socket.send, types)
+    connection = BridgeConnection(socket, bridge, address, own)
     try:
         await asyncio.wait_for(connection.begin(), _OPENING)
     except TimeoutError:
         await connection.aclose()
-        raise RobotError("KG802", f"{address} answers, but does not say what it bridges") from None
+        raise RobotError("KG802", f"{address} answers, but does not say what it bridges", hint=_HINT) from None
     except BaseException:
         await connection.aclose()
         raise

@@ -7,8 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from patience import patient
@@ -16,57 +15,14 @@ from patience import patient
 pytest.importorskip("foxglove", reason="foxglove-sdk is not installed")
 pytest.importorskip("websockets", reason="the extra `ws` is not installed")
 
+from robot.ws.client import first, joined, seen, until
 from robot.ws.foxglove_peer import peer
 
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connecting import connect
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
-
-    from robot.ws.foxglove_peer import Peer
-
-    from kg.robot.connection import ComputationGraph, Connection, Received, Subscription
-
 both = pytest.mark.parametrize("ros", [1, 2])
-
-
-@asynccontextmanager
-async def joined(robot: Peer) -> AsyncIterator[Connection]:
-    """Be a client of the bridge."""
-    connection = await connect(robot.address, name="/kg")
-    try:
-        yield connection
-    finally:
-        await connection.aclose()
-
-
-async def until(true: Callable[[], bool]) -> None:
-    """Return when a condition holds."""
-    async with asyncio.timeout(patient(5)):
-        while not true():  # noqa: ASYNC110 - the server runs in other threads
-            await asyncio.sleep(0.005)
-
-
-async def first(subscription: Subscription, number: int) -> list[Received]:
-    """Return so many messages."""
-    found = []
-    async with asyncio.timeout(patient(5)):
-        async for one in subscription:
-            found.append(one)
-            if len(found) == number:
-                break
-    return found
-
-
-async def seen(connection: Connection, true: Callable[[ComputationGraph], bool]) -> ComputationGraph:
-    """Return the first graph that a condition holds of."""
-    async with asyncio.timeout(patient(5)):
-        async for graph in connection.changes():
-            if true(graph):
-                return graph
-    raise AssertionError
 
 
 @both
@@ -75,7 +31,7 @@ def test_it_says_who_and_where_it_is(ros: int) -> None:
 
     async def scene() -> None:
         with peer(ros) as robot:
-            async with joined(robot) as one:
+            async with joined(robot.address) as one:
                 assert (one.name, one.address, one.ros, one.types.ros) == ("/kg", robot.address, ros, ros)
 
     asyncio.run(scene())
@@ -89,7 +45,7 @@ def test_messages_arrive_in_order(ros: int) -> None:
         with peer(ros) as robot:
             robot.types.define("kg_test/Odd", "float32 oddity\nuint8[] bytes")
             robot.channel("/odd", "kg_test/Odd")
-            async with joined(robot) as one:
+            async with joined(robot.address) as one:
                 subscription = await one.subscribe("/odd")
                 await until(lambda: robot.listening == ["/odd"])
                 for number in range(5):
@@ -109,7 +65,7 @@ def test_two_subscriptions_of_one_topic_both_get_it() -> None:
     async def scene() -> None:
         with peer() as robot:
             robot.channel("/text", "std_msgs/String")
-            async with joined(robot) as one:
+            async with joined(robot.address) as one:
                 two, three = await one.subscribe("/text"), await one.subscribe("/text")
                 await until(lambda: robot.listening == ["/text"])
                 robot.publish("/text", {"data": "a"})
@@ -127,7 +83,7 @@ def test_a_publisher_that_comes_again_is_heard_again() -> None:
     async def scene() -> None:
         with peer() as robot:
             robot.channel("/text", "std_msgs/String")
-            async with joined(robot) as one:
+            async with joined(robot.address) as one:
                 subscription = await one.subscribe("/text")
                 await until(lambda: robot.listening == ["/text"])
                 robot.close_channel("/text")
@@ -148,7 +104,7 @@ def test_messages_are_sent(ros: int) -> None:
         with peer(ros) as robot:
             robot.channel("/cmd_vel", "geometry_msgs/Twist")
             robot.graph({}, {"/cmd_vel": ["/base", "/mux"]})
-            async with joined(robot) as one:
+            async with joined(robot.address) as one:
                 publication = await one.advertise("/cmd_vel", "geometry_msgs/Twist", latch=True)
                 await until(lambda: bool(robot.offered))
                 assert publication.peers == 2
@@ -174,7 +130,7 @@ def test_the_graph_is_that_of_the_bridge(ros: int) -> None:
             robot.channel("/odom", "nav_msgs/Odometry")
             robot.channel("/cmd_vel", "geometry_msgs/Twist")
             robot.graph({"/odom": ["/base"]}, {"/cmd_vel": ["/base"], "/odom": ["/foxglove_bridge"]})
-            async with joined(robot) as one:
+            async with joined(robot.address) as one:
                 graph = await one.graph()
                 assert [each.name for each in graph.nodes] == ["/base"]
                 assert {(each.node, each.role, each.name, each.type) for each in graph.ends} == {
@@ -193,7 +149,7 @@ def test_a_bridge_that_tells_no_graph_has_one_node() -> None:
     async def scene() -> None:
         with peer(tells=False) as robot:
             robot.channel("/odom", "nav_msgs/Odometry")
-            async with joined(robot) as one:
+            async with joined(robot.address) as one:
                 (node,) = (await one.graph()).nodes
                 assert node.name == "/_bridged"
                 assert node.problem
@@ -210,7 +166,7 @@ def test_a_service_is_called(ros: int) -> None:
             robot.types.define("kg_test/Double_Request", "float64 value")
             robot.types.define("kg_test/Double_Response", "float64 value")
             robot.serve("/double", "kg_test/Double", _double)
-            async with joined(robot) as one:
+            async with joined(robot.address) as one:
                 seconds = patient(2)
                 assert await one.call("/double", "kg_test/Double", {"value": 2.0}, seconds=seconds) == {"value": 4.0}
                 with pytest.raises(RobotError) as failed:
@@ -237,7 +193,7 @@ def test_what_differs_is_refused() -> None:
     async def scene() -> None:
         with peer() as robot:
             robot.channel("/text", "std_msgs/String")
-            async with joined(robot) as one:
+            async with joined(robot.address) as one:
                 for topic, kind, code in (("/text", "std_msgs/Int8", "KG806"), ("/nobody", None, "KG804")):
                     with pytest.raises(RobotError) as refused:
                         await one.subscribe(topic, kind)
@@ -251,7 +207,7 @@ def test_what_a_bridge_cannot_do_is_refused() -> None:
 
     async def scene() -> None:
         with peer(takes=False) as robot:
-            async with joined(robot) as one:
+            async with joined(robot.address) as one:
                 asked: list[Any] = [
                     one.advertise("/cmd_vel", "geometry_msgs/Twist"),
                     one.send_goal("/go", "nav2_msgs/NavigateToPose", {}, seconds=1),
@@ -271,7 +227,7 @@ def test_a_bridge_that_ends_is_lost() -> None:
     async def scene() -> None:
         with peer() as robot:
             robot.channel("/text", "std_msgs/String")
-            async with joined(robot) as one:
+            async with joined(robot.address) as one:
                 subscription = await one.subscribe("/text")
                 publication = await one.advertise("/cmd_vel", "geometry_msgs/Twist")
                 await asyncio.to_thread(robot.server.stop)
