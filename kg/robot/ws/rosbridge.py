@@ -53,6 +53,7 @@ class Rosbridge:
         self._services: dict[str, str] = {}
         self._nodes: dict[str, dict[str, list[str]]] = {}
         self._listening: dict[str, str] = {}
+        self._latched: dict[str, bool] = {}
         self._texts: dict[str, str] = {}
         self._calls: dict[str, asyncio.Future[Any]] = {}
         self._problems: dict[GraphProblem, None] = {}
@@ -218,11 +219,13 @@ class Rosbridge:
 
     async def offer(self, topic: str, kind: str, *, latch: bool) -> None:
         """Advertise a topic."""
+        self._latched[topic] = latch
         await self._tell("advertise", id=f"advertise:{topic}", topic=topic, type=self._full(kind), latch=latch)
 
     async def send(self, topic: str, kind: str, value: Value) -> None:
         """Send a message."""
-        await self._tell("publish", topic=topic, msg=to_json(self.types, kind, value))
+        # Servers take a message that does not say so for another, unlatched publisher of the topic, and warn.
+        await self._tell("publish", topic=topic, msg=to_json(self.types, kind, value), latch=self._latched[topic])
 
     async def withdraw(self, topic: str) -> None:
         """Offer a topic no more."""
