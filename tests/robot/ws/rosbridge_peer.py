@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from threading import Condition, Event, Thread
 from typing import TYPE_CHECKING, Any
 
@@ -141,9 +141,10 @@ class Peer:
         raise KeyError(service)
 
     def stop(self) -> None:
-        """End the server, and with it all connections."""
+        """End the server, and with it all connections; ending again is nothing."""
         if self._loop is not None and self._end is not None:
-            self._loop.call_soon_threadsafe(self._end.set)
+            with suppress(RuntimeError):  # the loop is closed
+                self._loop.call_soon_threadsafe(self._end.set)
 
     async def run(self, ready: Event) -> None:
         """Serve until `stop`."""
