@@ -170,7 +170,8 @@ def iri(value: object, _base: Path) -> str:
 
 def address(value: object, _base: Path) -> str:
     """Read the address of a robot."""
-    if not isinstance(value, str) or any(sign.isspace() for sign in value.strip()):
+    spaced = isinstance(value, str) and not value.startswith("bag:") and any(sign.isspace() for sign in value.strip())
+    if not isinstance(value, str) or spaced:
         raise FormError("the address of a robot")
     return value.strip()
 

@@ -190,10 +190,17 @@ ROBOT_COMMANDS: Final = (
     ),
     Later(
         "Look",
+        "topics",
+        "robot_topics:topics",
+        "List a robot's topics with types, publishers and subscribers.",
+    ),
+    Later(
+        "Look",
         "watch",
         "robot:watch",
         "Mirror a running robot in the store, and report what changes.",
     ),
+    Later("Look", "record", "robot_topics:record", "Record topics of a robot to a file, until Ctrl-C."),
     Later(
         "Drive",
         "read",
@@ -306,8 +313,8 @@ by default rules/ next to kg.toml or in the working folder. A new rule in five s
 """
 ROBOT: Final = """List, use and program the capabilities of a robot.
 
-A robot is a running ROS system. Its master, domain or router is given by --robot, the setting `robot`, or
-ROS_MASTER_URI or ROS_DOMAIN_ID, in this order. `kg robot simulate office` starts a simulated one.
+A robot is a running ROS system, or a recording of one. Its master, domain, router or file is given by --robot, the
+setting `robot`, or ROS_MASTER_URI or ROS_DOMAIN_ID, in this order. `kg robot simulate office` starts a simulated one.
 """
 
 

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.cli.driving_view import show_outcome, show_plan, tell, tell_feedback, warn
+from kg.cli.driving_view import show_outcome, show_plan, tell, tell_feedback, tell_message, warn
 from kg.cli.interruptible import interruptible
 from kg.cli.numbers import frequency, whole
 from kg.cli.numbers import seconds as seconds_of
 from kg.errors import RobotError, UsageError
 from kg.robot.clock import within
+from kg.robot.connecting import is_recording, not_commanded
 from kg.robot.driving import Driver, Watchdog, find
 from kg.robot.driving.newest import Throttle
 from kg.robot.live import address_of, connected, infer, inhabited
@@ -22,16 +23,17 @@ from kg.robot.programs.places import at_place, offered, read_places
 from kg.robot.tasks import ended, spawn
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Mapping, Sequence
+    from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping, Sequence
 
-    from kg.robot.capability import Capability
-    from kg.robot.connection import ComputationGraph
+    from kg.robot.connection import ComputationGraph, Connection
     from kg.settings import Settings
 
 __all__ = ["Doing", "Reading", "do_capability", "read_capability"]
 
 _FIRST: Final = 5.0
 """Seconds of the wall that the first value may take where reading is to end."""
+_QUEUE: Final = 100
+"""Messages of a topic that may wait to be written."""
 _FEEDBACK: Final = 1.0
 """How often a second of the wall a person is told how far a goal is."""
 
@@ -127,34 +129,67 @@ def read_capability(settings: Settings, name: str, asked: Reading) -> None:
 
 
 async def _read(settings: Settings, name: str, asked: Reading) -> None:
+    if name.startswith("/"):
+        await _read_topic(settings, name, asked)
+        return
     async with _driver(settings) as (driver, _):
         capability = find(driver.capabilities, name, "read")
         for doubt in await driver.doubts(name, "read", way=asked.way):
             warn(doubt, json=asked.json)
         values = driver.read(name, way=asked.way, rate=asked.rate)
+        await _tell_in_time(
+            values, capability.name, asked, driver.connection, lambda one: tell(one, capability, json=asked.json)
+        )
+
+
+async def _read_topic(settings: Settings, topic: str, asked: Reading) -> None:
+    """Write the messages of a topic as JSON."""
+    if asked.way is not None:
+        raise UsageError("KG003", f"`{topic}` is a topic, so that --way says nothing", hint="Leave out --way.")
+    async with connected(address_of(settings)) as connection:
+        subscription = await connection.subscribe(topic, queue=_QUEUE)
+        throttle = Throttle(asked.rate)
+        values = (one.value async for one in subscription if throttle.takes(one.at))
         try:
-            # Until the first value seconds are of the wall: connecting takes as long however fast a simulation runs.
-            first = await asyncio.wait_for(anext(values), None if asked.seconds is None else max(asked.seconds, _FIRST))
-        except TimeoutError:
-            raise RobotError("KG825", f"nothing was read of `{capability.name}`") from None
-        tell(first, capability, json=asked.json)
-        rest = _tell_all(values, capability, None if asked.count is None else asked.count - 1, json=asked.json)
-        if asked.seconds is None:
-            await rest
-        else:
-            with suppress(TimeoutError):
-                await within(driver.connection.clock, asked.seconds, rest)
+            await _tell_in_time(values, topic, asked, connection, tell_message)
+            if asked.count is None and asked.seconds is None and not is_recording(connection.address):
+                raise RobotError("KG803", f"`{topic}` has ended")
+        finally:
+            await subscription.aclose()
+
+
+async def _tell_in_time(
+    values: AsyncGenerator[dict[str, Any], None],
+    name: str,
+    asked: Reading,
+    connection: Connection,
+    show: Callable[[dict[str, Any]], None],
+) -> None:
+    """Write values until as many were told, or as much time is over, as was asked; KG825 when there was none."""
+    try:
+        # Until the first value seconds are of the wall: connecting takes as long however fast a simulation runs.
+        seconds = None if asked.seconds is None else max(asked.seconds, _FIRST)
+        first = await asyncio.wait_for(anext(values), seconds)
+    except (TimeoutError, StopAsyncIteration):
+        raise RobotError("KG825", f"nothing was read of `{name}`") from None
+    show(first)
+    rest = _tell_all(values, None if asked.count is None else asked.count - 1, show)
+    if asked.seconds is None:
+        await rest
+    else:
+        with suppress(TimeoutError):
+            await within(connection.clock, asked.seconds, rest)
 
 
 async def _tell_all(
-    values: AsyncIterator[dict[str, Any]], capability: Capability, most: int | None, *, json: bool
+    values: AsyncGenerator[dict[str, Any], None], most: int | None, show: Callable[[dict[str, Any]], None]
 ) -> None:
     told = 0
     while most is None or told < most:
         value = await anext(values, None)
         if value is None:
             return
-        tell(value, capability, json=json)
+        show(value)
         told += 1
 
 
@@ -166,6 +201,8 @@ def do_capability(settings: Settings, name: str, asked: Doing) -> None:
 async def _do(settings: Settings, name: str, asked: Doing) -> None:
     own = read_places(settings.places) if AT in asked.arguments else {}  # landing must not fail for want of a file
     options = {"exclusive": asked.exclusive, "on_problem": lambda one: warn(one, json=asked.json)}
+    if is_recording(address_of(settings)):
+        raise not_commanded(address_of(settings))
     async with _driver(settings, **options) as (driver, graph):
         capability = find(driver.capabilities, name, "write")
         arguments = asked.arguments

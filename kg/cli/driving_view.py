@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kg.robot.connection import GraphProblem
     from kg.robot.driving import Outcome, Plan
 
-__all__ = ["show_outcome", "show_plan", "tell", "tell_feedback", "warn"]
+__all__ = ["show_outcome", "show_plan", "tell", "tell_feedback", "tell_message", "warn"]
 
 _LONGEST: Final = 60
 _WIDEST: Final = 100
@@ -35,6 +35,12 @@ def tell(value: Mapping[str, Any], capability: Capability, *, json: bool) -> Non
         sys.stdout.write(json_line(_plain(value)))
     else:
         write(_words(value, capability))
+    sys.stdout.flush()
+
+
+def tell_message(value: Mapping[str, Any]) -> None:
+    """Write a message as a line of JSON."""
+    sys.stdout.write(json_line(_plain(value)))
     sys.stdout.flush()
 
 

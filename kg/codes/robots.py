@@ -1,4 +1,4 @@
-"""The codes of robots: KG801 to KG849."""
+"""The codes of robots: KG801 to KG852."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ CODES: Final = {
     "KG801": CodeEntry(
         "invalid robot address",
         "The format of the robot's address is unknown, or its middleware is not installed.",
-        "Write ros1://HOST:PORT, dds://DOMAIN or zenoh://HOST:PORT. Install the package that the message names.",
+        "Write ros1://HOST:PORT, dds://DOMAIN, zenoh://HOST:PORT, ws://HOST:PORT or bag://FILE. Install the package "
+        "that the message names.",
     ),
     "KG802": CodeEntry(
         "robot does not answer",
@@ -88,6 +89,22 @@ CODES: Final = {
         "page not connected",
         "Manual control and live updates need an open page, and this page is not connected any more.",
         "Reload the page.",
+    ),
+    "KG850": CodeEntry(
+        "unreadable recording",
+        "The file is missing, broken, unfinished, or not a recording (.bag, .mcap, .db3 or the folder of a bag).",
+        "Check the path. `rosbag reindex` or `ros2 bag reindex` repairs recordings that were not finished.",
+    ),
+    "KG851": CodeEntry(
+        "recording cannot be commanded",
+        "A recording contains what a robot published. It has no topics, services or actions to send commands to.",
+        "Use `kg robot read`, or name a running robot with --robot.",
+    ),
+    "KG852": CodeEntry(
+        "not possible over a bridge",
+        "A bridge to WebSockets carries topics and services, some only from the robot. kg gives no goals over it and "
+        "serves nothing.",
+        "Connect by ros1://, dds:// or zenoh://, or use a topic or service (`--way`).",
     ),
     "KG811": CodeEntry(
         "dead node",

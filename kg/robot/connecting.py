@@ -14,12 +14,15 @@ if TYPE_CHECKING:
     from kg.robot.connection import Connection
     from kg.robot.messages import Types
 
-__all__ = ["SCHEMES", "connect", "default_address", "scheme_of"]
+__all__ = ["SCHEMES", "connect", "default_address", "is_recording", "not_commanded", "scheme_of"]
 
 SCHEMES: Final = {
     "ros1": "kg.robot.ros1",
     "dds": "kg.robot.dds",
     "zenoh": "kg.robot.zenoh",
+    "bag": "kg.robot.bag",
+    "ws": "kg.robot.ws",
+    "wss": "kg.robot.ws",
     "memory": "kg.robot.memory",
 }
 """The module of each scheme; it has `async connect(address, name, types) -> Connection`."""
@@ -55,13 +58,25 @@ def scheme_of(address: str) -> str:
     """Return the scheme of an address; RobotError KG801 for one of another form."""
     scheme = address.partition(":")[0]
     if scheme not in SCHEMES:
-        known = ", ".join(f"{one}://" for one in SCHEMES if one != "memory")
+        known = ", ".join(f"{one}://" for one in SCHEMES if one not in {"memory", "wss"})
         raise RobotError("KG801", f"`{address}` is not an address of a robot", hint=_meant(address, known))
     return scheme
 
 
+def is_recording(address: str) -> bool:
+    """Tell whether an address is that of a recording, which cannot be commanded."""
+    return address.startswith("bag:")
+
+
+def not_commanded(address: str) -> RobotError:
+    """Return the error of who commands a recording (KG851)."""
+    return RobotError("KG851", f"{address} is a recording: it can be read, not commanded")
+
+
 def _meant(address: str, known: str) -> str:
     """Return what to write in place of an address: the master's, where it is given as $ROS_MASTER_URI has it."""
+    if address.endswith((".bag", ".mcap", ".db3")):
+        return f"A recording is written bag://{address}."
     host = address.removeprefix("http://").rstrip("/")
     if host != address.rstrip("/") or re.fullmatch(r"[\w.-]+:\d+", host):
         return f"A master of ROS 1 is written ros1://{host}."

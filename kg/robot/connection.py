@@ -30,6 +30,7 @@ __all__ = [
     "LiveNode",
     "Publication",
     "Received",
+    "RecordedTopic",
     "Serving",
     "Subscription",
     "Value",
@@ -72,10 +73,20 @@ class GraphProblem:
 
 
 @dataclass(frozen=True, slots=True)
+class RecordedTopic:
+    """How many messages of a topic a recording has, and how many seconds the recording lasts."""
+
+    name: str
+    count: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
 class ComputationGraph:
     """What runs and how it communicates, sorted; actions are folded: their hidden topics and services are left out.
 
-    `complete` tells whether the graph was watched long enough to be called the whole one.
+    `complete` tells whether the graph was watched long enough to be called the whole one; `recorded` is what only a
+    recording tells.
     """
 
     ros: int
@@ -83,6 +94,7 @@ class ComputationGraph:
     ends: tuple[LiveEnd, ...] = ()
     problems: tuple[GraphProblem, ...] = ()
     complete: bool = True
+    recorded: tuple[RecordedTopic, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +168,7 @@ class Connection(Protocol):
 
     @property
     def address(self) -> str:
-        """Where it is connected to: `ros1://host:port`, `dds://DOMAIN`, `zenoh://host:port`, `memory://NAME`."""
+        """Where it is connected to: `ros1://host:port`, `dds://DOMAIN`, `zenoh://host:port`, `bag://FILE`, `memory://NAME`."""
 
     @property
     def name(self) -> str:

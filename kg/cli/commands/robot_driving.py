@@ -16,6 +16,13 @@ CapabilityName = Annotated[
         help="Name of a capability (see `kg robot capabilities`), its label or a synonym.",
     ),
 ]
+Readable = Annotated[
+    str,
+    typer.Argument(
+        metavar="CAPABILITY",
+        help="Name, label or synonym of a capability (see `kg robot capabilities`), or a topic such as /scan.",
+    ),
+]
 Values = Annotated[
     list[str] | None,
     typer.Argument(metavar="NAME=VALUE", help="Parameters, with or without units: forward=20cm/s, or at=PLACE."),
@@ -47,7 +54,7 @@ DryRun = Annotated[bool, typer.Option("--dry-run", help="Print what would be sen
 
 def read(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
-    capability: CapabilityName,
+    capability: Readable,
     *,
     once: Once = False,
     count: Count = None,
@@ -60,10 +67,11 @@ def read(  # noqa: PLR0913 - the options of a command
     """Print values sensed or stored by a robot, one per line, until Ctrl-C.
 
     Values have the names and units of the capability's parameters. In JSON, null represents no reading or an infinite
-    one. For example:
+    one. Messages of a topic are printed as JSON. For example:
 
         kg robot read sensingPose
         kg robot read laserScanning --rate 2
+        kg robot read /odom --robot bag://drive.mcap
         kg robot read sensingBattery --once --json
     """
     from kg.cli.driving import Reading, read_capability  # noqa: PLC0415 - start-up time

@@ -14,6 +14,7 @@ from cyclonedds.core import DDSException
 from cyclonedds.domain import Domain, DomainParticipant
 
 from kg.robot.dds.bell import delete
+from kg.robot.dds.surroundings import discovery_settings
 
 if TYPE_CHECKING:
     from cyclonedds.core import Qos
@@ -29,9 +30,13 @@ _DOMAINS: Final[dict[int, Domain]] = {}
 
 
 def join(number: int, qos: Qos, *, by_name: bool) -> DomainParticipant:
-    """Become a participant of a domain; its settings are those of the first participant of this process."""
-    if by_name and number not in _DOMAINS:
-        settings = ",".join(one for one in (os.environ.get("CYCLONEDDS_URI"), _BY_NAME) if one)
+    """Become a participant of a domain; its settings are those of the first participant of this process.
+
+    What $CYCLONEDDS_URI says counts more than the variables of ROS. RobotError KG817 for a variable that says nothing.
+    """
+    reach = discovery_settings(os.environ)
+    if (by_name or reach) and number not in _DOMAINS:
+        settings = ",".join(one for one in (reach, os.environ.get("CYCLONEDDS_URI"), _BY_NAME * by_name) if one)
         try:
             _DOMAINS[number] = Domain(number, settings)
         except DDSException as error:

@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final, Literal, Self, TypeAlias
 
 from kg.errors import RobotError
+from kg.robot.connecting import is_recording, not_commanded
 from kg.robot.driving.arguments import given
 from kg.robot.driving.channels import Command
 from kg.robot.driving.doing import Doing
@@ -150,7 +151,8 @@ class Driver:
     ) -> AsyncGenerator[dict[str, Any], None]:
         """Yield the values of a capability by parameter: of each message, at most `rate` a second.
 
-        A service is called once; where `rate` is given, so often a second. None stands for what a message does not say
+        It ends with the recording where one is played. A service is called once; where `rate` is given, so often a
+        second. None stands for what a message does not say
         (NaN, the first of an empty list); a reading of a scan that is free is infinite.
 
         Raises:
@@ -176,7 +178,7 @@ class Driver:
         finally:
             del self._readings[subscription]
             await subscription.aclose()
-        if not self._closed:
+        if not self._closed and not is_recording(self.connection.address):
             raise await self._ended(found)
 
     async def latest(self, capability: str, *, seconds: float = 5.0, way: str | None = None) -> dict[str, Any]:
@@ -391,6 +393,8 @@ class Driver:
     async def _route(
         self, name: str, modality: Literal["read", "write"], way: str | None, arguments: Collection[str] = ()
     ) -> Route:
+        if modality == "write" and is_recording(self.connection.address):
+            raise not_commanded(self.connection.address)
         known = None
         while known is not self.capabilities:  # others may be taken while the graph is asked
             known = self.capabilities

@@ -5,11 +5,12 @@ What is known of the code behind a node is found elsewhere (`kg.robot.live.recog
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Final, TypeAlias
-from urllib.parse import urlsplit
+from urllib.parse import unquote, urlsplit
 
 from kg.extract.implicit import load_table
 from kg.facts import (
@@ -74,9 +75,11 @@ class Seen:
 
 
 def name_of(address: str) -> str:
-    """Return what a running system is called by its address: `localhost:11311`, `dds/0`, `memory/office`."""
+    """Return what a running system is called by its address: `localhost:11311`, `dds/0`, `bag/drive.mcap`."""
     parts = urlsplit(address)
     place = (parts.netloc + parts.path).strip("/")
+    if parts.scheme == "bag":
+        place = re.sub(r"[^\w.-]+", "_", unquote(place).rpartition("/")[2])
     return place if parts.scheme == "ros1" else f"{parts.scheme}/{place}".rstrip("/")
 
 

@@ -1,0 +1,60 @@
+"""`kg robot topics` and `kg robot record`: what goes over the wires of a robot."""
+
+from typing import Annotated
+
+import typer
+
+from kg.cli.options import Json, Robot
+from kg.cli.session import session
+
+__all__ = ["record", "topics"]
+
+File = Annotated[
+    str,
+    typer.Argument(metavar="FILE", help="New file: .bag for ROS 1, .mcap for ROS 2.", show_default=False),
+]
+Topics = Annotated[
+    list[str] | None, typer.Argument(metavar="TOPIC", help="Topics to record, such as /scan; by default all.")
+]
+For = Annotated[
+    str | None, typer.Option("--for", metavar="S", help="Record for this many seconds of the robot's time.")
+]
+
+
+def topics(context: typer.Context, *, robot: Robot = None, json: Json = False) -> None:
+    """List a robot's topics with types, publishers and subscribers.
+
+    For a recording, messages and the rate (messages per second of the recording) are listed, too. For example:
+
+        kg robot topics
+        kg robot topics --robot bag://drive.mcap
+    """
+    from kg.cli.recording import list_topics  # noqa: PLC0415 - start-up time
+
+    list_topics(session(context).settings(robot=robot), json=json)
+
+
+def record(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    file: File,
+    names: Topics = None,
+    *,
+    keep: For = None,
+    robot: Robot = None,
+    json: Json = False,
+) -> None:
+    """Record topics of a robot to a file, until Ctrl-C.
+
+    Topics that appear later are recorded, too. The file is complete after Ctrl-C, SIGTERM, --for, or the loss of the
+    robot. Read it with --robot bag://FILE, `rosbag` or `ros2 bag`. For example:
+
+        kg robot record drive.bag
+        kg robot record drive.mcap /scan /odom --for 60
+    """
+    from pathlib import Path  # noqa: PLC0415 - start-up time
+
+    from kg.cli.numbers import seconds  # noqa: PLC0415 - start-up time
+    from kg.cli.recording import record_topics  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(robot=robot)
+    record_topics(settings, Path(file), names or (), keep=None if keep is None else seconds(keep, "--for"), json=json)

@@ -1,0 +1,112 @@
+"""What `kg robot topics` and `kg robot record` do, and how they show it."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.cli.diagnostics import note
+from kg.cli.driving_view import warn
+from kg.cli.interruptible import interruptible
+from kg.cli.output import Column, listing
+from kg.cli.robot_view import tell_problems
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.render.text import count
+from kg.robot.bag.recording import Recorder
+from kg.robot.clock import within
+from kg.robot.live import address_of, connected, inhabited, look
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from kg.robot.connection import ComputationGraph
+    from kg.settings import Settings
+
+__all__ = ["list_topics", "record_topics"]
+
+_TOPICS: Final = (
+    Column("topic", "name"),
+    Column("type"),
+    Column("publishers", spare=2),
+    Column("subscribers", spare=1),
+    Column("messages", "number"),
+    Column("rate", "number"),
+)
+_RECORDED: Final = (
+    Column("topic", "name"),
+    Column("type"),
+    Column("messages", "number"),
+    Column("dropped", "number", spare=1),
+)
+
+
+def list_topics(settings: Settings, *, json: bool) -> None:
+    """Write the topics of a robot, with the numbers of messages where it is a recording."""
+    graph = asyncio.run(look(address_of(settings)))
+    tell_problems(graph)
+    found = _topics(graph)
+    listing(_TOPICS, map(_row, found), objects=found if json else None)
+
+
+def _topics(graph: ComputationGraph) -> list[dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    recorded = {one.name: one for one in graph.recorded}
+    for end in graph.ends:
+        if end.role not in {Role.PUBLISHES, Role.SUBSCRIBES}:
+            continue
+        empty: dict[str, Any] = {"name": end.name, "type": None, "publishers": [], "subscribers": []}
+        one = found.setdefault(end.name, {**empty, "messages": None, "rate": None})
+        one["type"] = one["type"] or end.type
+        nodes = one["publishers" if end.role is Role.PUBLISHES else "subscribers"]
+        if end.node not in nodes:
+            nodes.append(end.node)
+        if (told := recorded.get(end.name)) is not None:
+            one["messages"] = told.count
+            one["rate"] = round(told.count / told.seconds, 3) if told.seconds else None
+    return [found[name] for name in sorted(found)]
+
+
+def _row(one: dict[str, Any]) -> tuple[object, ...]:
+    rate = None if one["rate"] is None else f"{one['rate']:.1f}"
+    return one["name"], one["type"], ", ".join(one["publishers"]), ", ".join(one["subscribers"]), one["messages"], rate
+
+
+def record_topics(settings: Settings, path: Path, topics: Sequence[str], *, keep: float | None, json: bool) -> None:
+    """Record topics until Ctrl-C, SIGTERM, the end of `keep` seconds or of the robot; then write what is in the file.
+
+    Raises as `Recorder`; RobotError KG803 when the robot is lost, KG825 when no message came in `keep` seconds.
+    """
+    interruptible(_record(settings, path, topics, keep=keep, json=json))
+
+
+async def _record(settings: Settings, path: Path, topics: Sequence[str], *, keep: float | None, json: bool) -> None:
+    address = address_of(settings)
+    async with connected(address) as connection:
+        await inhabited(connection)
+        recorder = Recorder(
+            connection,
+            path,
+            topics=frozenset(topics) or None,
+            tell=lambda topic, kind: note(f"recording {topic} ({kind})"),
+            on_problem=lambda one: warn(one, json=False),
+        )
+        try:
+            work = recorder.run()
+            await (work if keep is None else within(connection.clock, keep, work))
+        except TimeoutError:
+            pass
+        finally:
+            done = recorder.close()
+            listing(
+                _RECORDED,
+                [(one.topic, one.type, one.messages, one.dropped) for one in done],
+                objects=map(asdict, done) if json else None,
+            )
+            number = sum(one.messages for one in done)
+            if number:
+                note(f"{count(number, 'message')} in {recorder.last - recorder.first:.1f} s: {path}")
+        if not number:
+            raise RobotError("KG825", "no message came, so that no file was written")

@@ -1,0 +1,181 @@
+"""A recording that is played: a `Connection` whose topics can be read, and nothing commanded."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any, Final, NoReturn
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.bag.clock import BagClock
+from kg.robot.connecting import not_commanded
+from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode, Received, RecordedTopic
+from kg.robot.inbox import Inbox
+from kg.robot.ros1.folding import fold
+from kg.robot.ros2.graph import computation_graph
+from kg.robot.ros2.middleware import Neighbourhood
+from kg.robot.tasks import Tasks
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from kg.robot.bag.address import BagAddress
+    from kg.robot.bag.files import Bag, Source
+    from kg.robot.clock import Clock
+    from kg.robot.messages import Types
+
+__all__ = ["UNKNOWN", "BagConnection"]
+
+UNKNOWN: Final = "/_recorded"
+"""The node that stands for the publishers that a recording does not name."""
+_UNNAMED: Final = "the recording does not tell which nodes published this"
+_PARTLY: Final = "a recording tells only what was published"
+_OVER: Final = "the recording has ended"
+
+
+class BagConnection:
+    """A recording; `connect` makes it."""
+
+    def __init__(self, bag: Bag, address: BagAddress, name: str) -> None:
+        self.ros = bag.ros
+        self.address = address.text
+        self.name = name if name.startswith("/") else f"/{name}"
+        self.types: Types = bag.types
+        self._bag = bag
+        self._clock = BagClock(bag.start + address.start, address.speed)
+        self._began = self._clock.now()
+        self._playing: dict[Inbox[Received], asyncio.Task[None]] = {}
+        self._tasks = Tasks()
+        self._problems: dict[GraphProblem, None] = dict.fromkeys(bag.problems)
+        self._news = asyncio.Event()
+        self._lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+        self._closed = False
+
+    @property
+    def clock(self) -> Clock:
+        """The time of the recording; it goes on from the first subscription."""
+        return self._clock
+
+    async def graph(self) -> ComputationGraph:
+        """Return what was published by whom; RobotError KG802 when the recording was closed."""
+        if self._closed:
+            raise RobotError("KG802", f"the recording {self.address} is closed")
+        return self._graph()
+
+    def _graph(self) -> ComputationGraph:
+        sources = self._bag.sources
+        names = {one.node or UNKNOWN for one in sources} | self._bag.nodes
+        nodes = tuple(LiveNode(one, None, _UNNAMED if one == UNKNOWN else _PARTLY) for one in sorted(names))
+        ends = {
+            LiveEnd(one.node or UNKNOWN, Role.PUBLISHES, one.topic, one.type, qos)
+            for one in sources
+            for qos in one.qos or (None,)
+        }
+        recorded = tuple(self._topic(topic) for topic in sorted({one.topic for one in sources}))
+        problems = tuple(sorted(self._problems))
+        if self.ros == 1:
+            ordered = sorted(fold(ends), key=lambda one: (one.name, one.role, one.node, one.type or ""))
+            return ComputationGraph(1, nodes, tuple(ordered), problems, recorded=recorded)
+        seen = computation_graph(Neighbourhood(nodes, tuple(ends), problems), complete=True)
+        return ComputationGraph(2, seen.nodes, seen.ends, seen.problems, recorded=recorded)
+
+    def _topic(self, topic: str) -> RecordedTopic:
+        count = sum(one.count for one in self._bag.sources if one.topic == topic)
+        return RecordedTopic(topic, count, self._bag.end - self._bag.start)
+
+    async def changes(self) -> AsyncIterator[ComputationGraph]:
+        """Yield the graph, and again when a message could not be understood."""
+        last: ComputationGraph | None = None
+        while not self._closed:
+            self._news.clear()
+            if (now := self._graph()) != last:
+                yield now
+                last = now
+            await self._news.wait()
+
+    async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Inbox[Received]:
+        """Receive the messages of a topic in their time, from now on; the first subscription begins the recording.
+
+        Raises:
+            RobotError: KG804 for a topic that was not recorded or whose type cannot be understood, KG806 when it has
+                another type than `kind`, KG803 when the recording was closed or has ended.
+        """
+        if self._closed or self._lost.done():
+            raise RobotError("KG803", f"{self.address}: {_OVER if self._lost.done() else 'the recording is closed'}")
+        sources = [one for one in self._bag.sources if one.topic == topic]
+        if not sources and kind is None:
+            hint = f"List what was with `kg robot topics --robot {self.address}`."
+            raise RobotError("KG804", f"`{topic}` was not recorded", hint=hint)
+        if topic in self._bag.unreadable:
+            raise self._bag.unreadable[topic]
+        if kind is not None and (other := {one.type for one in sources} - {kind}):
+            raise RobotError("KG806", f"`{topic}` is of the type {min(other)}, not {kind}")
+        inbox: Inbox[Received] = Inbox(queue, lambda: self._leave(inbox))
+        since = self._clock.now()
+        if not self._clock.begun:
+            self._tasks.spawn(self._end(), "playing a recording")
+        self._clock.begin()
+        self._playing[inbox] = self._tasks.spawn(self._play(inbox, sources, since), f"playing `{topic}`")
+        return inbox
+
+    async def _play(self, inbox: Inbox[Received], sources: list[Source], since: float) -> None:
+        try:
+            self._put_latched(inbox, [one for one in sources if one.latched], since)
+            for source, at, content in self._bag.messages(sources, since):
+                await self._clock.until(at)
+                self._put(inbox, source, at, content)
+            await self._clock.until(self._bag.end)
+        except RobotError as error:
+            self._report(GraphProblem(error.code, sources[0].topic, error.message))
+        finally:
+            inbox.end()
+
+    def _put_latched(self, inbox: Inbox[Received], sources: list[Source], since: float) -> None:
+        """Deliver the last message that each publisher had latched before a moment."""
+        last: dict[str | None, tuple[Source, float, bytes]] = {}
+        for message in self._bag.messages(sources, stop=since) if sources and since > self._bag.start else ():
+            last[message[0].node] = message
+        for source, at, content in last.values():
+            self._put(inbox, source, at, content)
+
+    def _put(self, inbox: Inbox[Received], source: Source, at: float, content: bytes) -> None:
+        try:
+            value = self.types.decode(source.type, content)
+        except RobotError as error:
+            self._report(GraphProblem(error.code, source.topic, error.message))
+            return
+        inbox.put(Received(value, at, source.node))
+
+    def _report(self, problem: GraphProblem) -> None:
+        self._problems[problem] = None
+        self._news.set()
+
+    async def _end(self) -> None:
+        """Be lost when all has been played."""
+        await self._clock.until(self._bag.end)
+        await asyncio.gather(*self._playing.values(), return_exceptions=True)
+        self._lost.set_result(_OVER)
+
+    def _leave(self, inbox: Inbox[Received]) -> None:
+        task = self._playing.pop(inbox, None)
+        if task is not None:
+            task.cancel()
+
+    async def _refused(self, *_given: Any, **_options: Any) -> NoReturn:
+        """Raise RobotError KG851: a recording is not commanded."""
+        raise not_commanded(self.address)
+
+    advertise = call = send_goal = canceller = serve = serve_action = _refused
+
+    async def wait_lost(self) -> str:
+        """Return, when all has been played, that the recording has ended; never before."""
+        return await asyncio.shield(self._lost)
+
+    async def aclose(self) -> None:
+        """Stop playing; what is subscribed ends."""
+        self._closed = True
+        self._news.set()
+        for inbox in list(self._playing):
+            inbox.end()
+        self._tasks.cancel()
+        await self._tasks.done()

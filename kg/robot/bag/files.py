@@ -1,0 +1,179 @@
+"""What is in a recording: its topics, their types, and who published them where the file tells; by `rosbags`.
+
+A bag of ROS 1 names the publisher of each message (wiki.ros.org/Bags/Format/2.0, `callerid`). A bag of ROS 2 does not;
+of nodes it tells only what they say themselves in the topics `/parameter_events` and `/rosout`.
+"""
+
+from __future__ import annotations
+
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Final
+
+from rosbags.interfaces import MessageDefinitionFormat, QosTime
+from rosbags.rosbag1 import Reader as Reader1
+from rosbags.rosbag2 import Reader as Reader2
+
+from kg.errors import RobotError
+from kg.facts import Qos
+from kg.robot.connection import GraphProblem
+from kg.robot.messages import Types
+from kg.robot.messages.foreign import learn, short
+from kg.robot.ros2.names import is_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from rosbags.interfaces import Connection as Channel
+
+__all__ = ["Bag", "Source"]
+
+_TELLING: Final = {
+    "/parameter_events": ("rcl_interfaces/ParameterEvent", "node"),
+    "/rosout": ("rcl_interfaces/Log", "name"),
+}
+"""Topics of ROS 2 whose messages name the node that sent them, with their types and fields."""
+_ENOUGH: Final = 1000
+"""So many messages of such a topic are read: nodes tell of themselves when they start."""
+_LATCHED: Final = "transient_local"
+_FOREVER: Final = 2**31 - 1
+"""Seconds that stand for no limit, at least (`RMW_DURATION_INFINITE`, and what 32 bits hold)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """One publisher of a topic, or all of it where the file does not tell them apart."""
+
+    topic: str
+    type: str
+    node: str | None
+    count: int
+    qos: tuple[Qos, ...]
+    latched: bool
+    channel: Channel
+
+
+class Bag:
+    """A file, opened: `sources`, `start` and `end` (seconds since 1970), `ros` (1 or 2).
+
+    `unreadable` has the error of each topic whose messages cannot be understood. The definitions of the file go into
+    `types`.
+
+    Raises:
+        RobotError: KG850 when it is missing, broken, or no recording.
+    """
+
+    def __init__(self, path: Path, types: Types | None = None) -> None:
+        self.path = path
+        self.ros = 1 if path.suffix == ".bag" else 2
+        self.types = types or Types(self.ros)
+        self.unreadable: dict[str, RobotError] = {}
+        with self._opened() as reader:
+            self.count: int = reader.message_count
+            self.start = reader.start_time / 1e9 if self.count else 0.0
+            self.end = max(reader.end_time - 1, reader.start_time) / 1e9 if self.count else 0.0
+            self.sources = tuple(self._source(one) for one in reader.connections)
+            for one in self.sources:
+                self._define(one)
+            self.nodes = self._nodes(reader) if self.ros == 2 else frozenset()  # noqa: PLR2004 - the version
+
+    @contextmanager
+    def _opened(self) -> Iterator[Any]:
+        """Give a reader; whatever broken bytes lead it to is KG850."""
+        try:
+            with Reader1(self.path) if self.ros == 1 else Reader2(self.path) as reader:
+                yield reader
+        except FileNotFoundError as error:
+            told = f"`{self.path}` cannot be read: {error}" if self.path.exists() else f"`{self.path}` does not exist"
+            raise RobotError("KG850", told) from None
+        except RobotError:
+            raise
+        except Exception as error:  # noqa: BLE001 - the readers raise whatever broken bytes lead them to
+            hint = None
+            if "index" in str(error).lower():
+                hint = "The recording was not finished. `rosbag reindex` or `ros2 bag reindex` may repair it."
+            told = f"{error}" or type(error).__name__
+            raise RobotError("KG850", f"`{self.path}` cannot be read: {told}", hint=hint) from None
+
+    def messages(
+        self, sources: Sequence[Source], start: float | None = None, stop: float | None = None
+    ) -> Iterator[tuple[Source, float, bytes]]:
+        """Yield messages in the order of time, each with its time in seconds, from `start` on and before `stop`.
+
+        Each call opens the file anew, since readers keep their place in it. RobotError KG850 where it is broken.
+        """
+        limits = [None if one is None else round(one * 1e9) for one in (start, stop)]
+        own = {(one.topic, one.type, one.node): one for one in sources}
+        with self._opened() as reader:
+            pairs = [(channel, self._key(channel)) for channel in reader.connections]
+            wanted = [channel for channel, key in pairs if key in own]
+            for channel, at, content in reader.messages(wanted, *limits) if wanted else ():
+                yield own[self._key(channel)], at / 1e9, content
+
+    def _key(self, channel: Channel) -> tuple[str, str, str | None]:
+        node = getattr(channel.ext, "callerid", None) or None
+        return channel.topic, short(channel.msgtype), node
+
+    def _source(self, channel: Channel) -> Source:
+        topic, kind, node = self._key(channel)
+        ext: Any = channel.ext
+        if self.ros == 1:
+            return Source(topic, kind, node, channel.msgcount, (), bool(ext.latching), channel)
+        qos = tuple(dict.fromkeys(map(_qos, ext.offered_qos_profiles)))
+        latched = bool(qos) and all(one.durability == _LATCHED for one in qos)
+        return Source(topic, kind, None, channel.msgcount, qos, latched, channel)
+
+    def _define(self, source: Source) -> None:
+        """Learn the type of a topic as the recording has it; what cannot be is the error of the topic."""
+        text = source.channel.msgdef
+        try:
+            if text.format is not MessageDefinitionFormat.NONE:
+                learn(self.types, source.type, text.data, idl=text.format is MessageDefinitionFormat.IDL)
+            self.types.fields(source.type)
+        except RobotError as error:
+            self.unreadable[source.topic] = error
+
+    def _nodes(self, reader: Any) -> frozenset[str]:
+        """Return the names of nodes of ROS 2 that say themselves who they are.
+
+        The name of a logger has dots for slashes, and for the loggers below that of a node: only one without says it.
+        """
+        found = set()
+        for one in self.sources:
+            kind, field = _TELLING.get(one.topic, ("", ""))
+            if one.type != kind or one.topic in self.unreadable:
+                continue
+            with closing(reader.messages([one.channel])) as messages:
+                for _, _, content in islice(messages, _ENOUGH):
+                    found.add(self.types.decode(kind, content)[field])
+        named = (one if one.startswith("/") else f"/{one}" for one in found)
+        return frozenset(one for one in named if is_name(one))
+
+    @property
+    def problems(self) -> tuple[GraphProblem, ...]:
+        """What cannot be understood, by topic."""
+        return tuple(GraphProblem(one.code, topic, one.message) for topic, one in sorted(self.unreadable.items()))
+
+
+def _qos(told: Any) -> Qos:
+    def word(value: Any) -> str | None:
+        name: str = value.name.lower()
+        return None if name in {"unknown", "system_default", "best_available"} else name
+
+    return Qos(
+        word(told.reliability),
+        word(told.durability),
+        word(told.history),
+        told.depth or None,
+        _seconds(told.deadline),
+        _seconds(told.lifespan),
+        word(told.liveliness),
+        _seconds(told.liveliness_lease_duration),
+    )
+
+
+def _seconds(told: QosTime) -> float | None:
+    seconds = told.sec + told.nsec / 1e9
+    return seconds if 0 < seconds < _FOREVER else None

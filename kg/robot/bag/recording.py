@@ -1,0 +1,257 @@
+"""Recording: topics of a robot into a file, `.bag` of ROS 1 or `.mcap` of ROS 2.
+
+    recorder = Recorder(connection, Path("drive.mcap"), topics=None, tell=print)
+    try:
+        await recorder.run()               # until it is cancelled or the robot is lost
+    finally:
+        recorder.close()                   # writes what readers find messages by
+
+Every topic that is there, or comes, is subscribed; what cannot be is told once.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+from rosbags.interfaces import Qos as BagQos
+from rosbags.interfaces import QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as Writer2
+
+from kg.errors import Place, RobotError, UsageError
+from kg.facts import Role
+from kg.robot.connecting import is_recording
+from kg.robot.connection import GraphProblem
+from kg.robot.ros2.hashes import type_hash
+from kg.robot.ros2.names import family
+from kg.robot.tasks import Tasks, ended
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from pathlib import Path
+
+    from kg.facts import Qos
+    from kg.robot.connection import ComputationGraph, Connection, LiveEnd, Received, Subscription
+    from kg.robot.messages import Types
+
+__all__ = ["SUFFIXES", "Recorded", "Recorder"]
+
+SUFFIXES: Final = {1: ".bag", 2: ".mcap"}
+"""What the names of recordings end with, by the version of ROS."""
+_QUEUE: Final = 1000
+"""Messages of a topic that may wait to be written."""
+_VERSION: Final = 8
+"""Of the metadata of a bag of ROS 2: the newest that Iron reads, too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """A topic that was recorded: how many messages were written, and how many lost since they came too fast."""
+
+    topic: str
+    type: str
+    messages: int
+    dropped: int
+
+
+class Recorder:
+    """Writes what topics carry.
+
+    Args:
+        connection: the robot.
+        path: the file, which must not exist yet; it is made with the first message.
+        topics: names of topics, or None for all.
+        tell: gets a topic and its type when it is recorded from then on.
+        on_problem: gets why a topic is not recorded.
+
+    Raises:
+        UsageError: KG003 for a file that exists, or of another version of ROS than the robot.
+    """
+
+    def __init__(
+        self,
+        connection: Connection,
+        path: Path,
+        *,
+        topics: frozenset[str] | None = None,
+        tell: Callable[[str, str], None] = lambda _topic, _type: None,
+        on_problem: Callable[[GraphProblem], None] = lambda _: None,
+    ) -> None:
+        suffix = SUFFIXES[connection.ros]
+        if path.suffix != suffix:
+            told = f"a robot of ROS {connection.ros} is recorded to a file `{suffix}`"
+            raise UsageError("KG003", told, place=Place(str(path)), hint=f"Write {path.with_suffix(suffix)}.")
+        if path.exists():
+            raise UsageError("KG003", "the file exists", place=Place(str(path)), hint="Name another file.")
+        self.first = self.last = 0.0
+        self._connection = connection
+        self._path = path
+        self._topics = topics
+        self._tell = tell
+        self._on_problem = on_problem
+        self._tasks = Tasks()
+        self._subscribed: dict[str, Subscription | None] = {}
+        self._types: dict[str, str] = {}
+        self._counts: Counter[str] = Counter()
+        self._file: _Bag1 | _Bag2 | None = None
+
+    @property
+    def written(self) -> int:
+        """How many messages are in the file."""
+        return self._counts.total()
+
+    async def run(self) -> None:
+        """Record until it is cancelled, or a recording is over; RobotError KG803 when the robot is lost."""
+        try:
+            following = self._tasks.spawn(self._follow(), "following the topics of a robot")
+            why = await self._connection.wait_lost()
+            await ended(following)
+            await self._tasks.done()
+        finally:
+            self._tasks.cancel()
+            await self._tasks.done()
+        if not is_recording(self._connection.address):
+            raise RobotError("KG803", f"the robot at {self._connection.address} is lost: {why}")
+
+    async def _follow(self) -> None:
+        async for graph in self._connection.changes():
+            for topic, ends in _published(graph, self._topics):
+                if topic not in self._subscribed:
+                    await self._subscribe(topic, ends)
+
+    async def _subscribe(self, topic: str, ends: list[LiveEnd]) -> None:
+        kind = next((one.type for one in ends if one.type is not None), None)
+        self._subscribed[topic] = None
+        try:
+            subscription = await self._connection.subscribe(topic, kind, queue=_QUEUE)
+        except RobotError as error:
+            self._on_problem(GraphProblem(error.code, topic, f"it is not recorded: {error.message}"))
+            return
+        self._subscribed[topic] = subscription
+        self._types[topic] = kind or ""
+        self._tasks.spawn(self._listen(topic, kind or "", ends, subscription), f"recording `{topic}`")
+        self._tell(topic, kind or "")
+
+    async def _listen(self, topic: str, kind: str, ends: list[LiveEnd], subscription: Subscription) -> None:
+        try:
+            async for received in subscription:
+                self._write(topic, kind, ends, received)
+        finally:
+            await subscription.aclose()
+
+    def _write(self, topic: str, kind: str, ends: list[LiveEnd], received: Received) -> None:
+        if self._file is None:
+            self._file = (_Bag1 if self._connection.ros == 1 else _Bag2)(self._path, self._connection.types)
+            self.first = received.at
+        self._file.write(topic, kind, ends, received)
+        self._counts[topic] += 1
+        self.last = max(self.last, received.at)
+
+    def close(self) -> tuple[Recorded, ...]:
+        """Complete the file, and return what is in it; there is none when no message came."""
+        if self._file is not None:
+            self._file.close()
+        self._file = None
+        return tuple(
+            Recorded(topic, self._types[topic], self._counts[topic], one.dropped)
+            for topic, one in sorted(self._subscribed.items())
+            if one is not None
+        )
+
+
+def _published(graph: ComputationGraph, topics: frozenset[str] | None) -> Iterable[tuple[str, list[LiveEnd]]]:
+    """Yield the topics that somebody publishes and that are wanted, with the ends of their publishers."""
+    found: dict[str, list[LiveEnd]] = {}
+    for one in graph.ends:
+        if one.role is Role.PUBLISHES and (topics is None or one.name in topics):
+            found.setdefault(one.name, []).append(one)
+    return sorted(found.items())
+
+
+class _Bag1:
+    """A bag of ROS 1 that is written; each publisher of a topic is a connection of its own."""
+
+    def __init__(self, path: Path, types: Types) -> None:
+        self._types = types
+        self._writer = Writer1(path)
+        self._writer.open()
+        self._channels: dict[tuple[str, str | None], Any] = {}
+
+    def write(self, topic: str, kind: str, _ends: list[LiveEnd], received: Received) -> None:
+        """Write a message."""
+        channel = self._channels.get((topic, received.node))
+        if channel is None:
+            text, md5 = self._types.definition(kind), self._types.md5(kind)
+            full = kind.replace("/", "/msg/")
+            channel = self._writer.add_connection(topic, full, msgdef=text, md5sum=md5, callerid=received.node)
+            self._channels[topic, received.node] = channel
+        self._writer.write(channel, round(received.at * 1e9), self._types.encode(kind, received.value))
+
+    def close(self) -> None:
+        """Write the index."""
+        self._writer.close()
+
+
+class _Bag2:
+    """A file of ROS 2 that is written in a folder, as `rosbags` does, which it leaves at the end."""
+
+    def __init__(self, path: Path, types: Types) -> None:
+        self._path = path
+        self._types = types
+        self._writer = Writer2(self._folder, version=_VERSION, storage_plugin=StoragePlugin.MCAP)
+        self._writer.open()
+        self._channels: dict[str, Any] = {}
+
+    @cached_property
+    def _folder(self) -> Path:
+        return self._path.with_name(f"{self._path.name}.part")
+
+    def write(self, topic: str, kind: str, ends: list[LiveEnd], received: Received) -> None:
+        """Write a message."""
+        channel = self._channels.get(topic)
+        if channel is None:
+            package, _, name = kind.partition("/")
+            offered = [_bag_qos(one) for one in dict.fromkeys(end.qos for end in ends) if one is not None]
+            channel = self._channels[topic] = self._writer.add_connection(
+                topic,
+                f"{package}/{family(kind)}/{name}",
+                msgdef=self._types.definition(kind),
+                rihs01=type_hash(self._types, kind),
+                offered_qos_profiles=offered,
+            )
+        self._writer.write(channel, round(received.at * 1e9), self._types.encode(kind, received.value))
+
+    def close(self) -> None:
+        """Write the index, and give the file its name."""
+        self._writer.close()
+        (self._folder / f"{self._folder.name}.mcap").replace(self._path)
+        shutil.rmtree(self._folder)
+
+
+def _bag_qos(qos: Qos) -> BagQos:
+    """Return the quality of service that a publisher offers, as bags have it."""
+
+    def word(kind: Any, name: str | None) -> Any:
+        return kind.__members__.get((name or "system_default").upper(), kind.SYSTEM_DEFAULT)
+
+    return BagQos(
+        word(QosHistory, qos.history),
+        qos.depth or 0,
+        word(QosReliability, qos.reliability),
+        word(QosDurability, qos.durability),
+        _time(qos.deadline),
+        _time(qos.lifespan),
+        word(QosLiveliness, qos.liveliness),
+        _time(qos.lease_duration),
+        False,
+    )
+
+
+def _time(seconds: float | None) -> QosTime:
+    whole = int(seconds or 0)
+    return QosTime(whole, round(((seconds or 0) - whole) * 1e9))

@@ -1,0 +1,245 @@
+"""A client of a bridge: a `Connection`, whatever the protocol of the bridge."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from websockets.exceptions import ConnectionClosed
+
+from kg.errors import RobotError
+from kg.robot.clock import WallClock
+from kg.robot.connection import Received
+from kg.robot.inbox import Inbox
+from kg.robot.infrastructure import of_robot
+from kg.robot.tasks import Tasks, ended, spawn
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Coroutine
+
+    from websockets.asyncio.client import ClientConnection
+
+    from kg.robot.clock import Clock
+    from kg.robot.connection import ComputationGraph, Value
+    from kg.robot.messages import Types
+    from kg.robot.ws.bridge import Bridge
+
+__all__ = ["BridgeConnection"]
+
+
+class BridgeConnection:
+    """A client of a bridge; `connect` makes it. It counts nodes of bridges as its own: they are in no graph."""
+
+    def __init__(self, socket: ClientConnection, bridge: Bridge, address: str, name: str) -> None:
+        self.address = address
+        self.name = name
+        self._socket = socket
+        self._bridge = bridge
+        self._clock = WallClock()
+        self._inboxes: dict[str, list[Inbox[Received]]] = {}
+        self._offered: dict[str, _Publication] = {}
+        self._watchers: set[asyncio.Event] = set()
+        self._lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+        self._listening: dict[str, asyncio.Task[None]] = {}
+        self._tasks = Tasks()
+        self._closed = False
+        bridge.deliver, bridge.changed = self._deliver, self._changed
+        self._receiving = spawn(self._receive(), f"receiving from {address}")
+
+    async def begin(self) -> None:
+        """Return when the bridge has told what there is; RobotError KG802 for what bridges no ROS, or has gone."""
+        beginning = asyncio.ensure_future(self._bridge.begin())
+        await asyncio.wait((beginning, self._lost), return_when=asyncio.FIRST_COMPLETED)
+        if not beginning.done():
+            await ended(beginning)
+            raise RobotError("KG802", f"{self.address} {self._lost.result()}")
+        beginning.result()
+
+    @property
+    def ros(self) -> int:
+        """The version of ROS that is bridged."""
+        return self._bridge.types.ros
+
+    @property
+    def types(self) -> Types:
+        """The types of messages that are known."""
+        return self._bridge.types
+
+    @property
+    def clock(self) -> Clock:
+        """The time of this machine: bridges tell none."""
+        return self._clock
+
+    async def _receive(self) -> None:
+        why = "has closed the connection"
+        try:
+            async for message in self._socket:
+                self._bridge.take(message)
+        except ConnectionClosed as error:
+            why = f"was lost: {error}"
+        except RobotError as error:
+            why = f"breaks the protocol: {error.message}"
+        finally:
+            self._lose(why)
+
+    def _lose(self, why: str) -> None:
+        if not self._lost.done():
+            self._lost.set_result(why)
+        self._bridge.lose(RobotError("KG803", f"the bridge at {self.address} {why}"))
+        for inbox in [one for each in self._inboxes.values() for one in each]:
+            inbox.end()
+        self._changed()
+
+    def _present(self) -> None:
+        if self._closed or self._lost.done():
+            why = self._lost.result() if self._lost.done() and not self._closed else "is not connected any more"
+            raise RobotError("KG803", f"the bridge at {self.address} {why}")
+
+    def _changed(self) -> None:
+        for one in self._watchers:
+            one.set()
+
+    async def graph(self) -> ComputationGraph:
+        """Return the computation graph without nodes of bridges; RobotError KG802 when the bridge is lost."""
+        if self._closed or self._lost.done():
+            raise RobotError("KG802", f"the bridge at {self.address} is not connected any more")
+        return of_robot(self._bridge.graph())
+
+    async def changes(self) -> AsyncIterator[ComputationGraph]:
+        """Yield the graph as it is, and again each time that it has changed; it ends with the connection."""
+        news = asyncio.Event()
+        self._watchers.add(news)
+        last: ComputationGraph | None = None
+        try:
+            while not self._closed and not self._lost.done():
+                news.clear()
+                if (now := of_robot(self._bridge.graph())) != last:
+                    yield now
+                    last = now
+                await news.wait()
+        finally:
+            self._watchers.discard(news)
+
+    async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Inbox[Received]:
+        """Receive the messages of a topic; RobotError KG804 or KG806 as every connection.
+
+        A bridge sends each topic once: of two subscriptions only the first gets a message that was latched before.
+        """
+        self._present()
+        known = await self._bridge.know(topic, kind)
+        inbox: Inbox[Received] = Inbox(queue, lambda: self._leave(topic, inbox))
+        others = self._inboxes.setdefault(topic, [])
+        others.append(inbox)
+        if len(others) == 1:
+            self._listening[topic] = spawn(_unless_lost(self._bridge.listen(topic, known)), f"listening to `{topic}`")
+            await asyncio.sleep(0)  # what it sends first is on its way when this returns
+        return inbox
+
+    def _leave(self, topic: str, inbox: Inbox[Received]) -> None:
+        inboxes = self._inboxes.get(topic, [])
+        if inbox in inboxes:
+            inboxes.remove(inbox)
+            if not inboxes:
+                del self._inboxes[topic]
+                self._listening.pop(topic).cancel()
+                self._tasks.spawn(_unless_lost(self._bridge.leave(topic)), f"leaving `{topic}`")
+
+    def _deliver(self, topic: str, value: Value) -> None:
+        for inbox in self._inboxes.get(topic, ()):
+            inbox.put(Received(value, self._clock.now()))
+
+    async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> _Publication:
+        """Offer a topic; RobotError KG804 for an unknown type, KG852 where the bridge takes no messages."""
+        self._present()
+        self.types.fields(kind)
+        publication = self._offered.get(topic)
+        if publication is None:
+            await self._bridge.offer(topic, kind, latch=latch)
+            publication = self._offered[topic] = _Publication(self, topic, kind)
+        elif publication.kind != kind:
+            raise RobotError("KG806", f"`{topic}` is of the type {publication.kind}, not {kind}")
+        publication.users += 1
+        return publication
+
+    async def publish(self, publication: _Publication, value: Value) -> None:
+        """Send a message; RobotError KG803, KG805."""
+        self._present()
+        try:
+            await self._bridge.send(publication.topic, publication.kind, value)
+        except ConnectionClosed:
+            raise RobotError("KG803", f"the bridge at {self.address} is lost") from None
+
+    async def withdraw(self, publication: _Publication) -> None:
+        """Offer a topic no more."""
+        if self._offered.get(publication.topic) is publication:
+            del self._offered[publication.topic]
+            with suppress(ConnectionClosed):
+                await self._bridge.withdraw(publication.topic)
+
+    def hears(self, topic: str) -> int:
+        """Return how many nodes subscribe to a topic."""
+        return 0 if self._lost.done() else self._bridge.hears(topic)
+
+    async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
+        """Call a service and return the response; RobotError KG803, KG806 to KG808 as every connection."""
+        self._present()
+        try:
+            return await asyncio.wait_for(self._bridge.call(service, kind, request), seconds)
+        except TimeoutError:
+            raise RobotError("KG803", f"`{service}` did not answer within {seconds:g} s") from None
+        except ConnectionClosed:
+            raise RobotError("KG803", f"the bridge at {self.address} is lost") from None
+
+    async def _impossible(self, *_given: Any, **_options: Any) -> NoReturn:
+        """Raise RobotError KG852: bridges carry topics and services only."""
+        raise RobotError("KG852", f"{self.address} is a bridge, over which kg neither gives goals nor serves anything")
+
+    send_goal = canceller = serve = serve_action = _impossible
+
+    async def wait_lost(self) -> str:
+        """Return, when the connection is lost, why; never before."""
+        return await asyncio.shield(self._lost)
+
+    async def aclose(self) -> None:
+        """Leave the bridge, which withdraws what was offered."""
+        if self._closed:
+            return
+        self._closed = True
+        await ended(*self._listening.values())
+        await self._tasks.done()
+        for inbox in [one for each in self._inboxes.values() for one in each]:
+            inbox.end()
+        await self._socket.close()
+        await asyncio.wait((self._receiving,))
+
+
+async def _unless_lost(work: Coroutine[Any, Any, None]) -> None:
+    """Tell a server something; one that is lost need not know it."""
+    with suppress(ConnectionClosed):
+        await work
+
+
+class _Publication:
+    """A topic that this client writes to; the same one for all that offer it."""
+
+    def __init__(self, connection: BridgeConnection, topic: str, kind: str) -> None:
+        self.topic = topic
+        self.kind = kind
+        self.users = 0
+        self._connection = connection
+
+    @property
+    def peers(self) -> int:
+        """How many nodes subscribe."""
+        return self._connection.hears(self.topic)
+
+    async def publish(self, value: Value) -> None:
+        """Send a message; RobotError KG803, KG805."""
+        await self._connection.publish(self, value)
+
+    async def aclose(self) -> None:
+        """Stop offering the topic."""
+        self.users -= 1
+        if self.users == 0:
+            await self._connection.withdraw(self)

@@ -1,0 +1,306 @@
+"""The protocol of Foxglove for WebSockets, as a client (github.com/foxglove/ws-protocol, docs/spec.md, version 1).
+
+Messages are the bytes that ROS 1 (`ros1`) or ROS 2 (`cdr`) itself writes; the server tells definitions of types.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import struct
+from contextlib import suppress
+from itertools import count
+from typing import TYPE_CHECKING, Any, Final
+
+from websockets.typing import Subprotocol
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
+from kg.robot.infrastructure import of_robot
+from kg.robot.messages import Types
+from kg.robot.messages.foreign import learn, short
+from kg.robot.ros1.folding import fold
+from kg.robot.ros2.graph import computation_graph
+from kg.robot.ros2.middleware import Neighbourhood
+from kg.robot.ros2.names import family
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.robot.connection import Value
+    from kg.robot.ws.bridge import Deliver, Send
+
+__all__ = ["SUBPROTOCOLS", "UNKNOWN", "Foxglove"]
+
+SUBPROTOCOLS: Final = [Subprotocol("foxglove.sdk.v1"), Subprotocol("foxglove.websocket.v1")]
+UNKNOWN: Final = "/_bridged"
+"""The node that stands for all where the bridge does not tell who publishes what."""
+_UNNAMED: Final = "the bridge does not tell which nodes there are"
+_ENCODINGS: Final = {"ros1": 1, "cdr": 2}
+_MESSAGE: Final = struct.Struct("<BIQ")
+_CALL: Final = struct.Struct("<BIII")
+_SENT: Final = struct.Struct("<BI")
+_GRAPH: Final = {
+    "publishedTopics": ("publisherIds", Role.PUBLISHES),
+    "subscribedTopics": ("subscriberIds", Role.SUBSCRIBES),
+    "advertisedServices": ("providerIds", Role.SERVICES),
+}
+_QUIET: Final = 0.3
+"""Seconds without news after which what there is counts as told: the protocol does not say."""
+
+
+class Foxglove:
+    """A client of `foxglove_bridge`, or of another server that offers topics of ROS."""
+
+    def __init__(self, send: Send, types: Types | None) -> None:
+        self.deliver: Deliver = lambda _topic, _value: None
+        self.changed: Callable[[], None] = lambda: None
+        self._send = send
+        self._given = types
+        self._types: Types | None = None
+        self._capabilities: set[str] = set()
+        self._channels: dict[int, dict[str, Any]] = {}
+        self._services: dict[int, dict[str, Any]] = {}
+        self._told: dict[tuple[Role, str], tuple[str, ...]] = {}
+        self._listening: dict[str, str] = {}
+        self._topics: dict[int, str] = {}
+        self._offered: dict[str, int] = {}
+        self._calls: dict[int, tuple[asyncio.Future[Value], str]] = {}
+        self._problems: dict[GraphProblem, None] = {}
+        self._numbers = count(1)
+        self._news = asyncio.Event()
+
+    @property
+    def types(self) -> Types:
+        """The types of the version of ROS that is bridged."""
+        assert self._types is not None  # noqa: S101 - `begin` has come to its end
+        return self._types
+
+    async def begin(self) -> None:
+        """Return when it is known what is bridged; RobotError KG802 where that is no ROS."""
+        while not self._capabilities and self._types is None:
+            await self._more()
+        if "connectionGraph" in self._capabilities:
+            await self._tell("subscribeConnectionGraph")
+        with suppress(TimeoutError):
+            while True:
+                await asyncio.wait_for(self._more(), _QUIET)
+        if self._types is None:
+            raise RobotError("KG802", "the bridge offers no messages of ROS 1 or ROS 2")
+
+    async def _more(self) -> None:
+        self._news.clear()
+        await self._news.wait()
+
+    async def _tell(self, op: str, **fields: Any) -> None:
+        await self._send(json.dumps({"op": op, **fields}))
+
+    def take(self, message: str | bytes) -> None:
+        """Take what the server has sent; RobotError KG810 where that breaks the protocol."""
+        try:
+            if isinstance(message, bytes):
+                self._take_bytes(message)
+            else:
+                self._take_object(json.loads(message))
+        except (AttributeError, KeyError, TypeError, ValueError, struct.error) as error:
+            raise RobotError("KG810", f"a message cannot be read: {error!r}") from None
+
+    def _take_object(self, told: dict[str, Any]) -> None:
+        match told["op"]:
+            case "serverInfo":
+                self._capabilities = {*told["capabilities"], "serverInfo"}
+                self._decide(*(told.get("supportedEncodings") or ()))
+            case "advertise":
+                for one in told["channels"]:
+                    self._channels[one["id"]] = one
+                    self._decide(one["encoding"])
+            case "unadvertise":
+                for number in told["channelIds"]:
+                    self._channels.pop(number, None)
+            case "advertiseServices":
+                self._services.update({one["id"]: one for one in told["services"]})
+            case "unadvertiseServices":
+                for number in told["serviceIds"]:
+                    self._services.pop(number, None)
+            case "connectionGraphUpdate":
+                self._take_graph(told)
+            case "serviceCallFailure":
+                self._answer(told["callId"], RobotError("KG808", f"the bridge says: {told['message']}"))
+            case "status" if told["level"] > 0:
+                self._report(GraphProblem("KG810", "the bridge", str(told["message"])[:500]))
+        self._news.set()
+        self.changed()
+
+    def _decide(self, *encodings: str) -> None:
+        """Learn the version of ROS: that of the first encoding that is one of ROS."""
+        for one in encodings:
+            if self._types is None and one in _ENCODINGS:
+                given = self._given
+                self._types = given if given and given.ros == _ENCODINGS[one] else Types(_ENCODINGS[one])
+
+    def _take_graph(self, told: dict[str, Any]) -> None:
+        for key, (field, role) in _GRAPH.items():
+            for one in told.get(key, ()):
+                self._told[role, one["name"]] = tuple(one[field])
+        for name in told.get("removedTopics", ()):
+            self._told.pop((Role.PUBLISHES, name), None)
+            self._told.pop((Role.SUBSCRIBES, name), None)
+        for name in told.get("removedServices", ()):
+            self._told.pop((Role.SERVICES, name), None)
+
+    def _take_bytes(self, content: bytes) -> None:
+        if content[0] == 1:
+            _, number, _ = _MESSAGE.unpack_from(content)
+            topic = self._topics.get(number)
+            if topic is not None:
+                self._take_message(topic, content[_MESSAGE.size :])
+        elif content[0] == 3:  # noqa: PLR2004 - the response of a service
+            _, _, call, length = _CALL.unpack_from(content)
+            self._answer(call, content[_CALL.size + length :])
+
+    def _take_message(self, topic: str, content: bytes) -> None:
+        try:
+            value = self.types.decode(self._listening[topic], content)
+        except RobotError as error:
+            self._report(GraphProblem(error.code, topic, error.message))
+            return
+        self.deliver(topic, value)
+
+    def _answer(self, call: int, answer: bytes | RobotError) -> None:
+        waiting, kind = self._calls.pop(call, (None, ""))
+        if waiting is None or waiting.done():
+            return
+        try:
+            waiting.set_result(self._response(kind, answer))
+        except RobotError as error:
+            waiting.set_exception(error)
+
+    def _response(self, kind: str, answer: bytes | RobotError) -> Value:
+        if isinstance(answer, RobotError):
+            raise answer
+        return self.types.decode(f"{kind}_Response", answer)
+
+    def _report(self, problem: GraphProblem) -> None:
+        if problem not in self._problems:
+            self._problems[problem] = None
+            self.changed()
+
+    def graph(self) -> ComputationGraph:
+        """Return the graph that was told last; without one, a node stands for all that publish and serve."""
+        ends = [
+            LiveEnd(node, role, name, self._kind(role, name))
+            for (role, name), nodes in self._told.items()
+            for node in nodes
+        ]
+        if "connectionGraph" not in self._capabilities:
+            topics = {one["topic"] for one in self._channels.values()}
+            ends = [LiveEnd(UNKNOWN, Role.PUBLISHES, one, self._kind(Role.PUBLISHES, one)) for one in topics]
+            services = {one["name"] for one in self._services.values()}
+            ends += [LiveEnd(UNKNOWN, Role.SERVICES, one, self._kind(Role.SERVICES, one)) for one in services]
+        names = sorted({one.node for one in ends})
+        nodes = tuple(LiveNode(one, None, _UNNAMED if one == UNKNOWN else None) for one in names)
+        problems = tuple(self._problems)
+        if self.types.ros == 2:  # noqa: PLR2004 - the version
+            return computation_graph(Neighbourhood(nodes, tuple(ends), problems), complete=True)
+        ordered = sorted(fold(ends), key=lambda one: (one.name, one.role, one.node, one.type or ""))
+        return ComputationGraph(1, nodes, tuple(ordered), tuple(sorted(problems)))
+
+    def _kind(self, role: Role, name: str) -> str | None:
+        if role is Role.SERVICES:
+            return next((short(one["type"]) for one in self._services.values() if one["name"] == name), None)
+        return next((short(one["schemaName"]) for one in self._channels.values() if one["topic"] == name), None)
+
+    async def know(self, topic: str, kind: str | None) -> str:
+        """Return the type of a topic, and learn it from the server."""
+        channel = next((one for one in self._channels.values() if one["topic"] == topic), None)
+        if channel is None and kind is None:
+            raise RobotError("KG804", f"the bridge does not offer `{topic}`, so that nobody reports its type")
+        if channel is None:
+            self.types.fields(kind or "")
+            return kind or ""
+        told = short(channel["schemaName"])
+        if kind is not None and told != kind:
+            raise RobotError("KG806", f"`{topic}` is of the type {told}, not {kind}")
+        if channel["encoding"] not in _ENCODINGS:
+            raise RobotError("KG804", f"`{topic}` is encoded as {channel['encoding']}, which is none of ROS")
+        if channel.get("schema"):
+            learn(self.types, told, channel["schema"], idl=channel.get("schemaEncoding") in {"ros2idl", "omgidl"})
+        self.types.fields(told)
+        return told
+
+    async def listen(self, topic: str, kind: str) -> None:
+        """Subscribe to each channel that is offered of a topic, now or later."""
+        self._listening[topic] = kind
+        subscribed: set[int] = set()
+        while True:
+            offered = {key for key, one in self._channels.items() if one["topic"] == topic}
+            for channel in sorted(offered - subscribed):
+                number = next(self._numbers)
+                self._topics[number] = topic
+                await self._tell("subscribe", subscriptions=[{"id": number, "channelId": channel}])
+            subscribed = offered
+            await self._more()
+
+    async def leave(self, topic: str) -> None:
+        """Unsubscribe."""
+        numbers = [number for number, one in self._topics.items() if one == topic]
+        for number in numbers:
+            del self._topics[number]
+        await self._tell("unsubscribe", subscriptionIds=numbers)
+
+    async def offer(self, topic: str, kind: str, *, latch: bool) -> None:  # noqa: ARG002 - the protocol knows none
+        """Advertise a channel of ours; RobotError KG852 where the server takes none."""
+        if "clientPublish" not in self._capabilities:
+            raise RobotError("KG852", f"the bridge takes no messages, so that `{topic}` cannot be published")
+        number = self._offered[topic] = next(self._numbers)
+        package, _, name = kind.partition("/")
+        one, two = ("ros1", kind), ("cdr", f"{package}/{family(kind)}/{name}")
+        encoding, full = one if self.types.ros == 1 else two
+        channel = {"id": number, "topic": topic, "encoding": encoding, "schemaName": full}
+        await self._tell("advertise", channels=[channel])
+
+    async def send(self, topic: str, kind: str, value: Value) -> None:
+        """Send a message."""
+        await self._send(_SENT.pack(1, self._offered[topic]) + self.types.encode(kind, value))
+
+    async def withdraw(self, topic: str) -> None:
+        """Take a channel of ours back."""
+        await self._tell("unadvertise", channelIds=[self._offered.pop(topic)])
+
+    async def call(self, service: str, kind: str | None, request: Value) -> Value:
+        """Call a service and return the response."""
+        found = next((one for one in self._services.values() if one["name"] == service), None)
+        if found is None:
+            raise RobotError("KG807", f"the bridge offers no service `{service}`")
+        told = short(found["type"])
+        if kind is not None and kind != told:
+            raise RobotError("KG806", f"`{service}` is of the type {told}, not {kind}")
+        for part in ("request", "response"):
+            text = (found.get(part) or {}).get("schema") or found.get(f"{part}Schema")
+            if text:
+                learn(self.types, f"{told}_{part.capitalize()}", text)
+        content = self.types.encode(f"{told}_Request", request)
+        encoding = b"ros1" if self.types.ros == 1 else b"cdr"
+        number = next(self._numbers)
+        waiting: asyncio.Future[Value] = asyncio.get_running_loop().create_future()
+        self._calls[number] = waiting, told
+        try:
+            await self._send(_CALL.pack(2, found["id"], number, len(encoding)) + encoding + content)
+            return await waiting
+        finally:
+            self._calls.pop(number, None)
+
+    def hears(self, topic: str) -> int:
+        """Return how many nodes subscribe to a topic, 1 where the server does not tell."""
+        if "connectionGraph" not in self._capabilities:
+            return 1
+        ends = of_robot(self.graph()).ends
+        return sum(one.name == topic and one.role is Role.SUBSCRIBES for one in ends)
+
+    def lose(self, error: RobotError) -> None:
+        """Let calls fail that wait."""
+        for waiting, _ in self._calls.values():
+            if not waiting.done():
+                waiting.set_exception(error)
+        self._news.set()

@@ -1,0 +1,108 @@
+"""How far kg looks for others, by the variables of ROS 2."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+pytest.importorskip("cyclonedds", reason="the extra `dds` is not installed")
+
+from patience import patient
+from robot.dds.domain import domain
+
+from kg.errors import RobotError
+from kg.robot.dds.surroundings import discovery_settings
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+LOOPBACK = (
+    "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast>"
+    "<Interfaces><NetworkInterface name='lo' multicast='false'/></Interfaces></General>"
+    "<Discovery><Peers AddLocalhost='false'/></Discovery></Domain></CycloneDDS>"
+)
+"""Without peers: nobody is found but by what the variables say."""
+TALKER = """
+import asyncio, sys
+from kg.robot.connecting import connect
+
+async def main():
+    node = await connect(sys.argv[1], name="/talker")
+    await node.advertise("/text", "std_msgs/String")
+    print("ready", flush=True)
+    await asyncio.get_running_loop().run_in_executor(None, sys.stdin.read)
+    await node.aclose()
+
+asyncio.run(main())
+"""
+
+
+def found(settings: Mapping[str, str]) -> str:
+    """Return the topics that kg lists of a node that has the same variables."""
+    with domain() as number:
+        environment = {key: value for key, value in os.environ.items() if not key.startswith("ROS_")}
+        environment |= {"CYCLONEDDS_URI": LOOPBACK, **settings}
+        address = f"dds://{number}?settle=1.5"
+        with subprocess.Popen(
+            [sys.executable, "-c", TALKER, address],
+            env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        ) as talker:  # fmt: skip
+            assert talker.stdout is not None
+            assert talker.stdout.readline() == "ready\n"
+            command = [sys.executable, "-m", "kg", "robot", "topics", "--robot", address]
+            listed = subprocess.run(
+                command, env=environment, capture_output=True, text=True, check=False, timeout=patient(20)
+            )
+            talker.communicate(timeout=patient(10))
+    return listed.stdout + listed.stderr
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"},
+        {"ROS_LOCALHOST_ONLY": "1"},
+        {"ROS_STATIC_PEERS": "127.0.0.1;127.0.0.2"},
+        {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_STATIC_PEERS": "127.0.0.1"},
+    ],
+)
+def test_nodes_within_reach_are_found(settings: Mapping[str, str]) -> None:
+    """Without multicast, nodes of this machine are found where the variables say so."""
+    assert "/text\tstd_msgs/String\t/talker" in found(settings)
+
+
+@pytest.mark.parametrize("settings", [{}, {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF", "ROS_STATIC_PEERS": "127.0.0.1"}])
+def test_nodes_out_of_reach_are_not_found(settings: Mapping[str, str]) -> None:
+    """Where the variables say nothing, or that nobody is to be found, nobody is."""
+    assert "KG802" in found(settings)
+
+
+def test_without_variables_nothing_is_set() -> None:
+    """The settings are then those of Cyclone DDS alone; so they are for the range SYSTEM_DEFAULT."""
+    assert discovery_settings({}) == ""
+    assert discovery_settings({"ROS_LOCALHOST_ONLY": "0", "ROS_STATIC_PEERS": " ; "}) == ""
+    assert discovery_settings({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT", "ROS_STATIC_PEERS": "a"}) == ""
+
+
+def test_localhost_only_leaves_static_peers_out() -> None:
+    """ROS_LOCALHOST_ONLY counts more than what has replaced it."""
+    told = discovery_settings({"ROS_LOCALHOST_ONLY": "1", "ROS_STATIC_PEERS": "robot"})
+    assert "localhost" in told
+    assert "robot" not in told
+
+
+def test_a_peer_cannot_break_the_settings() -> None:
+    """What a variable has is a value, whatever signs are in it."""
+    assert '<Peer address="a&lt;b&gt;"/>' in discovery_settings({"ROS_STATIC_PEERS": "a<b>"})
+
+
+def test_a_range_that_there_is_not_is_refused() -> None:
+    """An unknown range is KG817, with those that there are."""
+    with pytest.raises(RobotError) as refused:
+        discovery_settings({"ROS_AUTOMATIC_DISCOVERY_RANGE": "PLANET"})
+    assert refused.value.code == "KG817"
+    assert "LOCALHOST" in str(refused.value.hint)

@@ -1,0 +1,264 @@
+"""Robots behind a bridge of Foxglove."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+from patience import patient
+
+pytest.importorskip("foxglove", reason="foxglove-sdk is not installed")
+pytest.importorskip("websockets", reason="the extra `ws` is not installed")
+
+from robot.ws.client import first, joined, seen, until
+from robot.ws.foxglove_peer import peer
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.connecting import connect
+
+both = pytest.mark.parametrize("ros", [1, 2])
+
+
+@both
+def test_it_says_who_and_where_it_is(ros: int) -> None:
+    """The version of ROS is that of the encoding which the bridge supports."""
+
+    async def scene() -> None:
+        with peer(ros) as robot:
+            async with joined(robot.address) as one:
+                assert (one.name, one.address, one.ros, one.types.ros) == ("/kg", robot.address, ros, ros)
+
+    asyncio.run(scene())
+
+
+@both
+def test_messages_arrive_in_order(ros: int) -> None:
+    """What the robot publishes arrives, whole and in order, with the type that the bridge tells."""
+
+    async def scene() -> None:
+        with peer(ros) as robot:
+            robot.types.define("kg_test/Odd", "float32 oddity\nuint8[] bytes")
+            robot.channel("/odd", "kg_test/Odd")
+            async with joined(robot.address) as one:
+                subscription = await one.subscribe("/odd")
+                await until(lambda: robot.listening == ["/odd"])
+                for number in range(5):
+                    robot.publish("/odd", {"oddity": number / 2, "bytes": b"\x00\xff"})
+                came = await first(subscription, 5)
+                assert [each.value["oddity"] for each in came] == [0.0, 0.5, 1.0, 1.5, 2.0]
+                assert came[0].value["bytes"] == b"\x00\xff"
+                await subscription.aclose()
+                await until(lambda: robot.listening == [])
+
+    asyncio.run(scene())
+
+
+def test_two_subscriptions_of_one_topic_both_get_it() -> None:
+    """A bridge sends a topic once to a client, which gives it to all that asked; others stay when one is closed."""
+
+    async def scene() -> None:
+        with peer() as robot:
+            robot.channel("/text", "std_msgs/String")
+            async with joined(robot.address) as one:
+                two, three = await one.subscribe("/text"), await one.subscribe("/text")
+                await until(lambda: robot.listening == ["/text"])
+                robot.publish("/text", {"data": "a"})
+                assert [(await first(each, 1))[0].value["data"] for each in (two, three)] == ["a", "a"]
+                await two.aclose()
+                robot.publish("/text", {"data": "b"})
+                assert (await first(three, 1))[0].value["data"] == "b"
+
+    asyncio.run(scene())
+
+
+def test_a_publisher_that_comes_again_is_heard_again() -> None:
+    """A node that starts anew is another channel, which is subscribed, too."""
+
+    async def scene() -> None:
+        with peer() as robot:
+            robot.channel("/text", "std_msgs/String")
+            async with joined(robot.address) as one:
+                subscription = await one.subscribe("/text")
+                await until(lambda: robot.listening == ["/text"])
+                robot.close_channel("/text")
+                await until(lambda: robot.listening == [])
+                robot.channel("/text", "std_msgs/String")
+                await until(lambda: robot.listening == ["/text"])
+                robot.publish("/text", {"data": "again"})
+                assert (await first(subscription, 1))[0].value["data"] == "again"
+
+    asyncio.run(scene())
+
+
+@both
+def test_messages_are_sent(ros: int) -> None:
+    """What is published arrives at the robot, in the encoding of its ROS; what does not fit is KG805."""
+
+    async def scene() -> None:
+        with peer(ros) as robot:
+            robot.channel("/cmd_vel", "geometry_msgs/Twist")
+            robot.graph({}, {"/cmd_vel": ["/base", "/mux"]})
+            async with joined(robot.address) as one:
+                publication = await one.advertise("/cmd_vel", "geometry_msgs/Twist", latch=True)
+                await until(lambda: bool(robot.offered))
+                assert publication.peers == 2
+                await publication.publish({"linear": {"x": 0.5}})
+                await until(lambda: len(robot.came) == 1)
+                topic, value = robot.came[0]
+                assert (topic, value["linear"]["x"]) == ("/cmd_vel", 0.5)
+                with pytest.raises(RobotError) as misfit:
+                    await publication.publish({"linear": "fast"})
+                assert misfit.value.code == "KG805"
+                await publication.aclose()
+                await until(lambda: not robot.offered)
+
+    asyncio.run(scene())
+
+
+@both
+def test_the_graph_is_that_of_the_bridge(ros: int) -> None:
+    """Nodes, their ends and types are told; the bridge's own node is not one of the robot's; changes are seen."""
+
+    async def scene() -> None:
+        with peer(ros) as robot:
+            robot.channel("/odom", "nav_msgs/Odometry")
+            robot.channel("/cmd_vel", "geometry_msgs/Twist")
+            robot.graph({"/odom": ["/base"]}, {"/cmd_vel": ["/base"], "/odom": ["/foxglove_bridge"]})
+            async with joined(robot.address) as one:
+                graph = await one.graph()
+                assert [each.name for each in graph.nodes] == ["/base"]
+                assert {(each.node, each.role, each.name, each.type) for each in graph.ends} == {
+                    ("/base", Role.PUBLISHES, "/odom", "nav_msgs/Odometry"),
+                    ("/base", Role.SUBSCRIBES, "/cmd_vel", "geometry_msgs/Twist"),
+                }
+                robot.graph({"/odom": ["/base"]}, {})
+                await seen(one, lambda graph: len(graph.ends) == 1)
+
+    asyncio.run(scene())
+
+
+def test_a_bridge_that_tells_no_graph_has_one_node() -> None:
+    """Where the bridge does not tell nodes, one stands for all, and says so."""
+
+    async def scene() -> None:
+        with peer(tells=False) as robot:
+            robot.channel("/odom", "nav_msgs/Odometry")
+            async with joined(robot.address) as one:
+                (node,) = (await one.graph()).nodes
+                assert node.name == "/_bridged"
+                assert node.problem
+
+    asyncio.run(scene())
+
+
+@both
+def test_a_service_is_called(ros: int) -> None:
+    """A call gives the response; its failure is KG808 with its words; one that is not there is KG807."""
+
+    async def scene() -> None:
+        with peer(ros) as robot:
+            robot.types.define("kg_test/Double_Request", "float64 value")
+            robot.types.define("kg_test/Double_Response", "float64 value")
+            robot.serve("/double", "kg_test/Double", _double)
+            async with joined(robot.address) as one:
+                seconds = patient(2)
+                assert await one.call("/double", "kg_test/Double", {"value": 2.0}, seconds=seconds) == {"value": 4.0}
+                with pytest.raises(RobotError) as failed:
+                    await one.call("/double", None, {"value": -1.0}, seconds=seconds)
+                assert failed.value.code == "KG808"
+                assert "negative" in failed.value.message
+                for service, kind, code in (("/nobody", None, "KG807"), ("/double", "std_srvs/Empty", "KG806")):
+                    with pytest.raises(RobotError) as refused:
+                        await one.call(service, kind, {}, seconds=seconds)
+                    assert refused.value.code == code
+
+    asyncio.run(scene())
+
+
+def _double(request: dict[str, Any]) -> dict[str, Any]:
+    if request["value"] < 0:
+        raise ValueError("negative")
+    return {"value": 2 * request["value"]}
+
+
+def test_what_differs_is_refused() -> None:
+    """Another type than the bridge tells is KG806; a topic that it does not offer has none (KG804)."""
+
+    async def scene() -> None:
+        with peer() as robot:
+            robot.channel("/text", "std_msgs/String")
+            async with joined(robot.address) as one:
+                for topic, kind, code in (("/text", "std_msgs/Int8", "KG806"), ("/nobody", None, "KG804")):
+                    with pytest.raises(RobotError) as refused:
+                        await one.subscribe(topic, kind)
+                    assert refused.value.code == code
+
+    asyncio.run(scene())
+
+
+def test_what_a_bridge_cannot_do_is_refused() -> None:
+    """Goals and services of ours are KG852, and so is publishing where the bridge takes no messages."""
+
+    async def scene() -> None:
+        with peer(takes=False) as robot:
+            async with joined(robot.address) as one:
+                asked: list[Any] = [
+                    one.advertise("/cmd_vel", "geometry_msgs/Twist"),
+                    one.send_goal("/go", "nav2_msgs/NavigateToPose", {}, seconds=1),
+                    one.serve("/reset", "std_srvs/Empty", lambda _: asyncio.sleep(0, {})),
+                ]
+                for each in asked:
+                    with pytest.raises(RobotError) as refused:
+                        await each
+                    assert refused.value.code == "KG852"
+
+    asyncio.run(scene())
+
+
+def test_a_bridge_that_ends_is_lost() -> None:
+    """What is subscribed ends, who waits learns why, and what is sent then is KG803."""
+
+    async def scene() -> None:
+        with peer() as robot:
+            robot.channel("/text", "std_msgs/String")
+            async with joined(robot.address) as one:
+                subscription = await one.subscribe("/text")
+                publication = await one.advertise("/cmd_vel", "geometry_msgs/Twist")
+                await asyncio.to_thread(robot.server.stop)
+                assert await asyncio.wait_for(one.wait_lost(), patient(5))
+                assert await first(subscription, 1) == []
+                with pytest.raises(RobotError) as lost:
+                    await publication.publish({})
+                assert lost.value.code == "KG803"
+
+    asyncio.run(scene())
+
+
+def test_nobody_is_there() -> None:
+    """An address where nothing listens is KG802."""
+    with peer() as robot:
+        address = robot.address
+    with pytest.raises(RobotError) as nobody:
+        asyncio.run(connect(address, name="/kg"))
+    assert nobody.value.code == "KG802"
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_the_robot_stops_when_kg_dies_or_is_suspended(number: signal.Signals) -> None:
+    """The watchdog is another client of the bridge: it sends zero velocity when heartbeats stop."""
+    with peer() as robot:
+        robot.channel("/cmd_vel", "geometry_msgs/Twist")
+        robot.graph({}, {"/cmd_vel": ["/base"]})
+        order = ["robot", "do", "drivingAtVelocity", "forward=0.2", "--for", "600", "--robot", robot.address]
+        with subprocess.Popen([sys.executable, "-m", "kg", *order], stderr=subprocess.DEVNULL) as kg:
+            robot.until(lambda: len(robot.came) > 3 and len(robot.offered) > 1)
+            assert robot.came[-1][1]["linear"]["x"] == 0.2
+            os.kill(kg.pid, number)
+            robot.until(lambda: robot.came[-1][1]["linear"]["x"] == 0.0)
+            kg.kill()
