@@ -347,10 +347,10 @@ $("save").addEventListener("click", () => take(async (shown) => {
   $("save-name").textContent = name;
   const plain = name.replace(/[^\p{L}\p{N}._-]+/gu, "-");
   const links = [[`${plain}.kgp`, shown, "text/plain", "Save as text"], [`${plain}.json`, `${JSON.stringify(program, null, 2)}\n`, "application/json", "Save as JSON"]];
-  for (const [to, label] of robot.state === "connected" ? [["rospy", "Save as Python for ROS 1"], ["rclpy", "Save as Python for ROS 2"]] : []) {
+  for (const [to, label] of robot.state === "connected" ? [["rospy", "Save as Python for ROS 1"], ["rclpy", "Save as Python for ROS 2"], ["bt", "Save as behaviour tree"]] : []) {
     // A program that does not fit the robot has no code; what is wrong with it is listed already.
     const code = await ask("/robot/convert", { program, to }).catch(() => null);
-    if (code) links.push([`${plain}-${to}.py`, code.text, "text/x-python", label]);
+    if (code) links.push(to === "bt" ? [`${plain}.xml`, code.text, "application/xml", label] : [`${plain}-${to}.py`, code.text, "text/x-python", label]);
   }
   $("save-files").replaceChildren(...links.map(([as, content, type, label]) => Object.assign(file(as, content, type), { textContent: label })));
   $("save-dialog").showModal();
@@ -376,7 +376,8 @@ $("open-file").addEventListener("change", async ({ target }) => {
   const content = await chosen.text();
   target.value = "";
   $("open-dialog").close();
-  if (!content.trimStart().startsWith("{")) replace(content);
+  if (content.trimStart().startsWith("<")) tried(async () => replace((await ask("/robot/convert", { bt: content })).text));
+  else if (!content.trimStart().startsWith("{")) replace(content);
   else tried(async () => replace((await ask("/robot/convert", { program: parsed(content), to: "text" })).text));
 });
 
