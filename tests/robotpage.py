@@ -38,6 +38,8 @@ async def opened(browser: Chromium, site: str, address: str = "/robot", **option
             await visit.page.locator("#abilities [id$=-add]").first.wait_for(state="attached")
         # What the robot can do was just offered as blocks, with which the program is judged and shown anew.
         await visit.page.locator("#text-state[aria-busy=false]").wait_for(state="attached")
+        if libraries():
+            await visit.page.locator("#show-text").click()
         yield visit
         assert await visit.troubles() == []
 

@@ -124,9 +124,16 @@ function judged(problems, unread = false) {
   const wrong = problems.filter(({ severity }) => severity !== "warning");
   blocks?.complain(problems);
   said.problems(problems, (problem) => place(problem));
+  if (unread) text(true);
   const many = problems.length === 1 ? "1 problem" : `${problems.length} problems`;
   $("text-state").textContent = unread ? "This cannot be read yet; the blocks show what could be read last." : problems.length ? `${many}, listed below.` : "Fits the robot.".repeat(robot.state === "connected" ? 1 : 0);
   moving.ready(!wrong.length && !unread && robot.state === "connected" && robot.may_move, why(wrong));
+}
+
+/** Show the text of the program, or fold it: with blocks it is folded until somebody wants it. */
+function text(open) {
+  $("text-part").hidden = !open;
+  $("show-text").setAttribute("aria-expanded", String(open));
 }
 
 function why(problems) {
@@ -138,6 +145,7 @@ function why(problems) {
 /** Go to where a problem is: its block, else its line of the text. */
 function place({ id, line, column }) {
   if (blocks && id && blocks.go(id)) return;
+  text(true);
   const field = $("text");
   const at = line ?? lines[id];
   if (!at) return;
@@ -419,6 +427,9 @@ async function begin() {
   blocks = await workspace($("blocks"), { units: data.units, changed: fromBlocks, loose, ready: () => { $("blocks").hidden = false; } });
   if (blocks) {
     $("block-tools").hidden = false;
+    $("show-text").hidden = false;
+    $("show-text").addEventListener("click", () => text($("text-part").hidden));
+    if (document.activeElement !== $("text")) text(false);
     for (const [id, act] of Object.entries({ undo: () => blocks.undo(false), redo: () => blocks.undo(true), smaller: () => blocks.zoom(-1), larger: () => blocks.zoom(1), fit: () => blocks.zoom(0) })) $(id).addEventListener("click", act);
   }
   await fromText(); // which somebody may have changed while the blocks came
