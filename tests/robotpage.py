@@ -38,8 +38,7 @@ async def opened(browser: Chromium, site: str, address: str = "/robot", **option
             await visit.page.locator("#abilities [id$=-add]").first.wait_for(state="attached")
         # What the robot can do was just offered as blocks, with which the program is judged and shown anew.
         await visit.page.locator("#text-state[aria-busy=false]").wait_for(state="attached")
-        if libraries():
-            await visit.page.locator("#show-text").click()
+        await unfold(visit.page)
         yield visit
         assert await visit.troubles() == []
 
@@ -86,8 +85,16 @@ async def said(page: Page, selector: str, pattern: str, seconds: float = 10) -> 
 
 async def wrote(page: Page, text: str) -> None:
     """Write the program as text, and wait until it was judged."""
+    await unfold(page)
     await page.locator("#text").fill(text)
     await page.locator("#text-state[aria-busy=false]").wait_for(state="attached")
+
+
+async def unfold(page: Page) -> None:
+    """Show the text of the program, which is folded where there are blocks."""
+    await page.locator("#text-state[aria-busy]").wait_for(state="attached")
+    if await page.locator("#text").is_hidden():
+        await page.locator("#show-text").click()
 
 
 async def reads(page: Page, pattern: str) -> str:

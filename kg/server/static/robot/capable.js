@@ -141,8 +141,8 @@ export function toolbox(capabilities) {
     contents: [
       ...groups.filter(({ contents }) => contents.length),
       category("Control", "control", [
-        plain("kg_if"), plain("kg_if_else"), shadowed("kg_repeat", { TIMES: number(3) }), plain("kg_while"), plain("kg_forever"),
-        shadowed("kg_wait", { SECONDS: number(1, "s") }), plain("kg_until"),
+        plain("kg_if"), plain("kg_if_else"), shadowed("kg_repeat", { TIMES: number(3) }), shadowed("kg_wait", { SECONDS: number(1, "s") }),
+        plain("kg_while"), plain("kg_forever"), plain("kg_until"),
         { kind: "block", type: "kg_until_else", inputs: { SECONDS: { block: number(10, "s") } } },
         shadowed("kg_for", { FROM: number(1), TO: number(5), STEP: number(1) }), plain("kg_each"), plain("kg_break"),
         plain("kg_parallel"), plain("kg_on"), shadowed("kg_log", { MESSAGE: text("hello") }), plain("kg_stop"),

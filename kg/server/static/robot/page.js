@@ -9,6 +9,7 @@ import { Moving } from "./moving.js";
 import { Places, pointOf } from "./places.js";
 import { Said } from "./said.js";
 import { ask, listen, Problem } from "./services.js";
+import { Study } from "./study.js";
 import { show, view } from "./view.js";
 import { workspace } from "./workspace.js";
 
@@ -70,6 +71,12 @@ function named(name, { x, y }, before) {
   const [head, rest] = /^((?:\s*(?:#.*)?\n)*\s*program .*\n?)?([^]*)$/u.exec(before).slice(1);
   return `${head ?? ""}set '${name.replaceAll("'", "")}' to (x: ${x.value} m, y: ${y.value} m)\n${rest}`;
 }
+
+const study = new Study({
+  start: $("study-start"), participant: $("study-participant"), robot: $("study-robot"), panel: $("study-panel"), task: $("study-task"),
+  clock: $("study-clock"), read: $("study-read"), next: $("study-next"), end: $("study-end"), found: $("study-found"),
+  download: $("study-download"), again: $("study-again"), open: () => $("study-dialog").showModal(),
+}, data.exercises, () => replace(`program "program"\n`));
 
 /** Do something of which the server may say that it cannot be; returns whether it could. */
 async function tried(work) {
@@ -218,7 +225,7 @@ async function run() {
   await settled();
   if (!moving.isReady) return;
   said.clearProblem();
-  await tried(() => ask("/robot/run", { program }));
+  if (await tried(() => ask("/robot/run", { program }))) study.ran(program, $("text").value);
 }
 
 // What the server tells
@@ -238,6 +245,7 @@ function heard(event) {
 
 function programme(event) {
   moving.program(event);
+  if (["done", "stopped", "failed"].includes(event.state)) study.ended(event.state);
   if (event.state !== "running" && event.state !== "paused") blocks?.mark([]);
   const words = { running: "runs", paused: "pauses", done: "is done", stopped: "was stopped", failed: "failed" }[event.state];
   said.log(`Program “${event.name}” ${words}${event.problem ? `: ${event.problem.message}` : ""}`, event.state === "failed" ? "error" : "");
@@ -422,6 +430,10 @@ async function begin() {
   $("text").value = given ?? `program "program"\n`;
   $("examples").hidden = !data.examples.length;
   $("open").hidden = false;
+  $("study").addEventListener("click", () => {
+    $("examples-dialog").close();
+    $("study-dialog").showModal();
+  });
   $("examples").addEventListener("click", list);
   list();
   blocks = await workspace($("blocks"), { units: data.units, changed: fromBlocks, loose, ready: () => { $("blocks").hidden = false; } });
