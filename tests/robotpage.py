@@ -86,15 +86,16 @@ async def said(page: Page, selector: str, pattern: str, seconds: float = 10) -> 
 async def wrote(page: Page, text: str) -> None:
     """Write the program as text, and wait until it was judged."""
     await unfold(page)
+    await page.evaluate("document.getElementById('text').focus()")  # which is not folded any more
     await page.locator("#text").fill(text)
     await page.locator("#text-state[aria-busy=false]").wait_for(state="attached")
 
 
 async def unfold(page: Page) -> None:
-    """Show the text of the program, which is folded where there are blocks."""
-    await page.locator("#text-state[aria-busy]").wait_for(state="attached")
-    if await page.locator("#text").is_hidden():
-        await page.locator("#show-text").click()
+    """Show the text of the program, which is folded where there are blocks; at once, for the page folds it itself."""
+    await page.evaluate("""() => {
+      if (document.getElementById("text-part").hidden) document.getElementById("show-text").click();
+    }""")
 
 
 async def reads(page: Page, pattern: str) -> str:

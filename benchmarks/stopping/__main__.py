@@ -169,7 +169,8 @@ def _of_page(event: str, seconds: float, ros: int) -> float | None:
         with _process(arguments, folder, KG_TOKEN=TOKEN) as server, _client(port) as client:
             with client.stream("GET", "/robot/events") as events:
                 listener = ""
-                for line in events.iter_lines():
+                lines = events.iter_lines()  # kept: who lets go of it closes the stream
+                for line in lines:
                     told = json.loads(line.removeprefix("data: ")) if line.startswith("data: ") else {}
                     listener = told.get("listener", listener)
                     if listener and client.get("/api/robot").json()["state"] == "connected":

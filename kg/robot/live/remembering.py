@@ -60,14 +60,13 @@ def remembered(name: str, make: Callable[[], Capabilities]) -> Capabilities:
         found = msgspec.json.decode(place.read_bytes(), type=Capabilities)
         place.touch()
         return found
-    made = make()
-    content = msgspec.json.encode(made)
+    content = msgspec.json.encode(make())
     if len(content) <= _MOST_BYTES:
         with suppress(OSError):
             place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             write_atomically(place, content, durable=False)
             _prune(place.parent)
-    return made
+    return msgspec.json.decode(content, type=Capabilities)  # what is left out as a default is the same each time
 
 
 def _prune(place: Path) -> None:

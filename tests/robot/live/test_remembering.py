@@ -7,6 +7,7 @@ from dataclasses import replace
 from threading import Thread
 from typing import TYPE_CHECKING
 
+import msgspec
 import pytest
 
 from kg.facts import Role
@@ -96,3 +97,10 @@ def test_without_a_folder_nothing_is_kept(tmp_path: Path, monkeypatch: pytest.Mo
     (tmp_path / "file").write_text("", encoding="utf-8")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     assert remembered("a", lambda: Capabilities(of="here")).of == "here"
+
+
+def test_what_is_kept_looks_the_same(settings: Settings) -> None:
+    """Capabilities that were kept are told as those that were inferred, also as JSON."""
+    first = infer(GRAPH, settings, address="ros1://here:11311")
+    again = infer(GRAPH, settings, address="ros1://here:11311")
+    assert msgspec.json.encode(again) == msgspec.json.encode(first)

@@ -32,7 +32,7 @@ def test_the_program_has_the_room(browser: Chromium, robot_site: str, width: int
 
     room, condition = visited(browser, robot_site, look, viewport={"width": width, "height": 900})
     assert room >= least
-    assert condition <= 460  # 621 when its parts stood in one row
+    assert condition <= 520  # 621, and more for longer ones, when all parts stood in one row
 
 
 @needs_blocks
