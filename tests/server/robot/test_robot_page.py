@@ -437,7 +437,13 @@ def test_programs_are_kept_and_shared(browser: Chromium, robot_site: str) -> Non
         return files, opened_again, shared, str(await page.locator("#running").text_content())
 
     files, again, shared, running = visited(browser, robot_site, keep)
-    assert files == ["to-and-fro.kgp", "to-and-fro.json", "to-and-fro-rospy.py", "to-and-fro-rclpy.py", "to-and-fro.xml"]
+    assert files == [
+        "to-and-fro.kgp",
+        "to-and-fro.json",
+        "to-and-fro-rospy.py",
+        "to-and-fro-rclpy.py",
+        "to-and-fro.xml",
+    ]
     assert again == shared == PROGRAM
     assert running == ""
 
