@@ -38,6 +38,7 @@ async def opened(browser: Chromium, site: str, address: str = "/robot", **option
             await visit.page.locator("#abilities [id$=-add]").first.wait_for(state="attached")
         # What the robot can do was just offered as blocks, with which the program is judged and shown anew.
         await visit.page.locator("#text-state[aria-busy=false]").wait_for(state="attached")
+        await unfold(visit.page)
         yield visit
         assert await visit.troubles() == []
 
@@ -84,8 +85,17 @@ async def said(page: Page, selector: str, pattern: str, seconds: float = 10) -> 
 
 async def wrote(page: Page, text: str) -> None:
     """Write the program as text, and wait until it was judged."""
+    await unfold(page)
+    await page.evaluate("document.getElementById('text').focus()")  # which is not folded any more
     await page.locator("#text").fill(text)
     await page.locator("#text-state[aria-busy=false]").wait_for(state="attached")
+
+
+async def unfold(page: Page) -> None:
+    """Show the text of the program, which is folded where there are blocks; at once, for the page folds it itself."""
+    await page.evaluate("""() => {
+      if (document.getElementById("text-part").hidden) document.getElementById("show-text").click();
+    }""")
 
 
 async def reads(page: Page, pattern: str) -> str:

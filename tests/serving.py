@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING, Any, Final
@@ -24,7 +25,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-__all__ = ["ADDRESS", "EVERYWHERE", "TOKEN", "UNASKED", "Serving", "application", "served"]
+    import httpx
+
+__all__ = ["ADDRESS", "EVERYWHERE", "TOKEN", "UNASKED", "Serving", "application", "robot_told", "served"]
 
 ADDRESS: Final = "http://127.0.0.1:7878"
 """What an application in this process is asked as."""
@@ -117,3 +120,14 @@ def _address(process: subprocess.Popen[str], said: IO[str]) -> str:
 def _read(said: IO[str]) -> str:
     said.seek(0)
     return said.read()
+
+
+def robot_told(client: httpx.Client, wanted: str, part: str = "program") -> dict[str, Any]:
+    """Return what the server tells of the robot, once it, or its program, is in a state."""
+    end = time.monotonic() + patient(20)
+    while time.monotonic() < end:
+        told: dict[str, Any] = client.get("/api/robot").json()
+        if (told["program"] if part == "program" else told)["state"] == wanted and told["capabilities"]:
+            return told
+        time.sleep(0.05)
+    raise AssertionError(f"the {part} is never {wanted}: {told}")

@@ -268,6 +268,12 @@ EVALUATIONS: Final = (
         "evaluate_exercises:exercises",
         "Compare capability programs with equivalent code in four exercises.",
     ),
+    Later(
+        "Commands",
+        "study",
+        "evaluate_exercises:study",
+        "Evaluate the results of a study with people on the robot page.",
+    ),
 )
 ONTOLOGY_COMMANDS: Final = (
     Later(

@@ -251,4 +251,14 @@ CODES: Final = {
         "Simulated worlds need pybullet and OpenCV, which are an optional part of `kg`.",
         "Install them with `pip install 'kg-ros[simulate]'`.",
     ),
+    "KG841": CodeEntry(
+        "no behaviour tree for a program",
+        "BehaviorTree.CPP has no standard nodes for a statement or a calculation of the program.",
+        "Change the statement that the message names. docs/programs.md lists what has a behaviour tree.",
+    ),
+    "KG842": CodeEntry(
+        "no program for a behaviour tree",
+        "The file is not a behaviour tree of BehaviorTree.CPP 4, or has a node that no statement stands for.",
+        "Change the node at the line given. docs/programs.md lists the nodes that become statements.",
+    ),
 }

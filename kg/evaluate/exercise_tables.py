@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kg.robot.capability import Capabilities
     from kg.settings import Settings
 
-__all__ = ["capabilities_of_robots", "capabilities_table", "exercises_table", "runs_table"]
+__all__ = ["capabilities_of_robots", "capabilities_table", "exercises_table", "paper_figures", "runs_table"]
 
 PAPER: Final = "onto-ros"
 _FIGURES: Final = ("blocks", "capabilities", "lines", "components", "message types")
@@ -51,7 +51,7 @@ def capabilities_table(of: Mapping[str, Capabilities], paper: Mapping[str, list[
     With `paper`, the capabilities by robot that the paper has, there is a column for each robot of it, and a row for
     each capability that only it has; by default these are those of the file.
     """
-    paper = _paper("capabilities") if paper is None else paper
+    paper = paper_figures("capabilities") if paper is None else paper
     reached = {robot: {one.name for one in known.capabilities if one.ways} for robot, known in of.items()}
     kinds = {one.name: (one.kinds[0], one.label) for known in of.values() for one in known.capabilities}
     names = sorted(
@@ -83,7 +83,7 @@ def exercises_table(of: Mapping[str, Capabilities], paper: Mapping[str, Mapping[
     The code is the one that `kg robot convert --to rospy` writes for the robot. With `paper`, figures by exercise and
     robot (`1 office`), there is a column for each that is known; by default these are those of the file.
     """
-    paper = _paper("exercises") if paper is None else paper
+    paper = paper_figures("exercises") if paper is None else paper
     known = [name for name in _FIGURES if any(name in figures for figures in paper.values())]
     rows: list[tuple[Cell, ...]] = []
     for exercise in exercises():
@@ -117,6 +117,7 @@ def runs_table(outcomes: Iterable[Outcome]) -> Table:
     return Table("runs", "Exercises carried out", ("exercise", "robot", "goal", "simulated", "took"), rows)
 
 
-def _paper(table: str) -> dict[str, Any]:
+def paper_figures(table: str) -> dict[str, Any]:
+    """Return a table of the paper's figures: by robot, or by exercise and robot (`1 office`)."""
     content: dict[str, Any] = tomllib.loads((folder("corpus") / "onto-ros.toml").read_text("utf-8"))[table]
     return content

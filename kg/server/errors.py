@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import Response
 from starlette.routing import Route
 
-from kg.errors import CATALOGUE, KgError, QueryError
+from kg.errors import CATALOGUE, KgError, QueryError, RobotError
 from kg.render.marking import marked
 from kg.server.leaving import GONE, ClientLeftError
 from kg.server.prose import inline
@@ -148,7 +148,7 @@ def problem(error: KgError) -> dict[str, Any]:
 
 def _span(error: KgError) -> tuple[int | None, int | None, int | None, int | None]:
     """Return the line and the column of what is wrong and those behind it, counted from one in code points."""
-    place = error.place if isinstance(error, QueryError) else None
+    place = error.place if isinstance(error, QueryError | RobotError) else None
     return (place.span() if place else None) or (None, None, None, None)
 
 

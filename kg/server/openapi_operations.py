@@ -147,9 +147,13 @@ OPERATIONS: Final[Mapping[tuple[str, str], Operation]] = {
         answers={200: ("application/json",)},
     ),
     ("POST", "/robot/convert"): Operation(
-        "Return a program as text, or as code for rospy or rclpy.", bodies=_JSON, answers={200: ("application/json",)}
+        "Return a program as text, as code for rospy or rclpy, or as a behaviour tree, or a tree as text.",
+        bodies=_JSON,
+        answers={200: ("application/json",)},
     ),
-    ("POST", "/robot/run"): Operation("Run a program.", bodies=_JSON, answers=_DONE, token=True),
+    ("POST", "/robot/run"): Operation(
+        "Run a program, given as JSON or as text.", bodies=_JSON, answers=_DONE, token=True
+    ),
     ("POST", "/robot/pause"): Operation("Let the program pause.", answers=_DONE, token=True),
     ("POST", "/robot/resume"): Operation("Let the program go on.", answers=_DONE, token=True),
     ("POST", "/robot/stop"): Operation("Stop whatever moves.", answers=_DONE),

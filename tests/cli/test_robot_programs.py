@@ -81,6 +81,22 @@ def test_text_that_is_no_program_is_refused(kg: Program) -> None:
     assert "Did you mean `repeat`" in run.err
 
 
+def test_a_program_is_a_behaviour_tree_and_back(kg: Program) -> None:
+    """`--to bt` writes XML for BehaviorTree.CPP; converted again it is the same text."""
+    text = 'program "fetch"\ngo to a pose  x: 300 cm, y: 1 m within 1 min\n'
+    tree = kg("robot", "convert", saved(kg.folder, text), "--to", "bt")
+    assert '<goingToPose x="3" y="1"/>' in tree.out
+    again = kg("robot", "convert", saved(kg.folder, tree.out, "b.xml"))
+    assert (again.code, again.out) == (0, text)
+
+
+def test_a_behaviour_tree_is_not_run_as_it_is(kg: Program) -> None:
+    """Who runs one is told how it becomes a program."""
+    run = kg("robot", "check", saved(kg.folder, "<root/>", "b.xml"))
+    assert "error[KG830]" in run.err
+    assert "kg robot convert b.xml > b.kgp" in run.err
+
+
 def test_forms_are_converted_into_each_other(kg: Program) -> None:
     """Text becomes JSON, and that the same text."""
     text = "# round\nrepeat 4 times\n  wait 1 s\nend\n"

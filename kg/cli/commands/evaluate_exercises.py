@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from kg.evaluate.tables import Table
     from kg.settings import Settings
 
-__all__ = ["exercises"]
+__all__ = ["exercises", "study"]
 
 Capabilities = Annotated[
     bool, typer.Option("--capabilities", help="Print Table 1: the inferred capabilities of each simulated robot.")
@@ -21,6 +21,10 @@ Capabilities = Annotated[
 Run = Annotated[bool, typer.Option("--run", help="Run the exercises and report which reach their goal.")]
 Output = Annotated[
     str | None, typer.Option("--output", "-o", metavar="FOLDER", help="Write Markdown, CSV and SVG into FOLDER.")
+]
+
+Results = Annotated[
+    list[str], typer.Argument(metavar="RESULTS", help="Results of a study (CSV), as the page saves them.")
 ]
 
 
@@ -73,3 +77,22 @@ def _run(settings: "Settings", *, json: bool, output: str | None) -> None:
     deliver(runs_table(outcomes), json=json, output=output)
     if any(one.missed for one in outcomes):
         raise typer.Exit(Exit.FOUND)
+
+
+def study(
+    files: Results,
+    *,
+    json: Json = False,
+    output: Output = None,
+) -> None:
+    """Evaluate the results of a study: time, attempts, blocks and capabilities of each exercise.
+
+    Takes the files that the robot page saves (Examples, Study with four tasks), and prints them next to the figures of
+    Table 2 of the onto-ros paper. For example:
+
+        kg eval study alice.csv bob.csv
+        kg eval study *.csv --output report
+    """
+    from kg.evaluate.study import read, table  # noqa: PLC0415 - start-up time
+
+    deliver(table([row for file in files for row in read(file)]), json=json, output=output)

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["check", "convert", "run"]
 
-_FORMS = ("text", "json", "rospy", "rclpy")
+_FORMS = ("text", "json", "rospy", "rclpy", "bt")
+_TREE = ".xml"
 
 Program = Annotated[
     str, typer.Argument(metavar="PROGRAM", help="Program as text (`.kgp`) or JSON (`.json`).", show_default=False)
@@ -135,9 +136,19 @@ def check(  # noqa: PLR0913 - the options of a command
         note(f"the program is sound for {capabilities.of}")
 
 
+Convertible = Annotated[
+    str,
+    typer.Argument(
+        metavar="PROGRAM",
+        help="Program as text (`.kgp`) or JSON (`.json`), or a behaviour tree (`.xml`).",
+        show_default=False,
+    ),
+]
+
+
 def convert(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
-    program: Program,
+    program: Convertible,
     *,
     to: To = "text",
     ids: Ids = False,
@@ -151,18 +162,21 @@ def convert(  # noqa: PLR0913 - the options of a command
     rule_families: Families = None,
     store: Store = None,
 ) -> None:
-    """Convert a program to text, JSON, or ROS 1 or ROS 2 code.
+    """Convert a program to text, JSON, ROS 1 or ROS 2 code, or a behaviour tree; or a behaviour tree to a program.
 
     The code is what an expert would write for the same task. It needs the robot's topics, services and actions: those
-    of --robot or --launch, by default of the configured robot. For example:
+    of --robot or --launch, by default of the configured robot. Behaviour trees are those of BehaviorTree.CPP 4. For
+    example:
 
         kg robot convert mail.kgp --to json > mail.json
         kg robot convert mail.kgp --to rospy --launch rover.launch > mail.py
         kg robot convert mail.kgp --to rclpy --metrics
+        kg robot convert mail.kgp --to bt > mail.xml
+        kg robot convert mail.xml > mail.kgp
     """
     from msgspec import to_builtins  # noqa: PLC0415 - start-up time
 
-    from kg.robot.programs.files import load  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.files import load, load_tree  # noqa: PLC0415 - start-up time
     from kg.robot.programs.form import encode  # noqa: PLC0415 - start-up time
     from kg.robot.programs.metrics import code_metrics, foreign_types  # noqa: PLC0415 - start-up time
     from kg.robot.programs.metrics import metrics as program_metrics  # noqa: PLC0415 - start-up time
@@ -173,7 +187,10 @@ def convert(  # noqa: PLR0913 - the options of a command
     settings = session(context).settings(
         store=store, robot=robot, places=places, rules=rules, rule_families=rule_families
     )
-    loaded = load(program)
+    if program.endswith(_TREE):
+        loaded = load_tree(program, _known(settings, robot, launch, arg, env)[0])
+    else:
+        loaded = load(program)
     if to in {"text", "json"}:
         if metrics:
             json_lines([to_builtins(program_metrics(loaded.program))])
@@ -182,7 +199,12 @@ def convert(  # noqa: PLR0913 - the options of a command
         return
     from kg.robot.programs.converting import convert as code_of  # noqa: PLC0415 - start-up time
     from kg.robot.programs.places import placed  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.trees import behavior_tree  # noqa: PLC0415 - start-up time
 
+    if to == "bt":
+        capabilities, told, _ = _known(settings, robot, launch, arg, env)
+        write(behavior_tree(placed(loaded.program, told), capabilities, place=loaded.place).rstrip())
+        return
     capabilities, told, _ = _known(settings, robot or (None if launch else ""), launch, arg, env)
     code = code_of(
         placed(loaded.program, told), capabilities, to="rospy" if to == "rospy" else "rclpy", place=loaded.place

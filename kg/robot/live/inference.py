@@ -21,6 +21,7 @@ from kg.graph.systems import system_triples
 from kg.pipeline.inferring import digest
 from kg.pipeline.reasoning import rule_folders, schema_of
 from kg.robot.capabilities import definitions, read
+from kg.robot.live.remembering import key, remembered
 from kg.robot.live.systems import Seen, name_of, system_of
 from kg.robot.live.whole import Whole
 from kg.rules.columns import read_columns, union_of, wanted
@@ -157,7 +158,7 @@ def now() -> str:
 
 
 def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", name: str = "") -> Capabilities:
-    """Return what a system can do by its graph.
+    """Return what a system can do by its graph; it is kept between processes (`kg.robot.live.remembering`).
 
     Args:
         graph: what runs and how it communicates.
@@ -168,7 +169,11 @@ def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", nam
     Raises as `knowledge`.
     """
     called = name or name_of(address) or "robot"
-    return infer_system(system_of(graph, Seen(address, called, now())), settings, of=name or address or called)
+    of = name or address or called
+    return remembered(
+        key(graph, settings, (called, of)),
+        lambda: infer_system(system_of(graph, Seen(address, called, now())), settings, of=of),
+    )
 
 
 def infer_system(

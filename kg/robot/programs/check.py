@@ -17,6 +17,7 @@ from kg.robot.programs.tree import (
     Break,
     Do,
     For,
+    Forever,
     If,
     OnEvent,
     Parallel,
@@ -142,7 +143,7 @@ class _Checker:
                 return replace(flow, known=flow.known | {statement.variable})
             case If():
                 return self._if(statement, path, flow)
-            case While() | Repeat() | For():
+            case While() | Forever() | Repeat() | For():
                 return self._loop(statement, path, flow)
             case Break():
                 if flow.loop is None:
@@ -318,7 +319,7 @@ class _Checker:
         both = known.get((then.over, otherwise.over), then.known)
         return replace(flow, known=both, over=then.over and otherwise.over)
 
-    def _loop(self, statement: While | Repeat | For, path: str, flow: _Flow) -> _Flow:
+    def _loop(self, statement: While | Forever | Repeat | For, path: str, flow: _Flow) -> _Flow:
         loop = _Loop()
         inside = replace(flow, loop=loop)
         runs = False
@@ -327,6 +328,9 @@ class _Checker:
             case While():
                 self._condition(statement.condition, f"{path}/condition")
                 runs = forever = _always(statement.condition)
+                self._waits(statement, path)
+            case Forever():
+                runs = forever = True
                 self._waits(statement, path)
             case Repeat():
                 runs = self._times(statement, path)
@@ -373,15 +377,17 @@ class _Checker:
             self._wrong(f"{path}/step", "with a step of zero the end is never reached", code="KG835")
         self._gets(statement.variable, first, path)
 
-    def _waits(self, statement: While, path: str) -> None:
+    def _waits(self, statement: While | Forever, path: str) -> None:
         """Tell of a loop that would spin: it neither waits nor does anything, nor brings its own end about."""
         within = [inner for _, inner in statements(statement.body)]
         if any(isinstance(inner, Do | Wait | WaitUntil) for inner in within):
             return
         given = {inner.variable for inner in within if isinstance(inner, Set)}
-        reads = next(reads_of(statement.condition), None)
+        conditions = [statement.condition] if isinstance(statement, While) else []
+        reads = [one for condition in conditions for one in reads_of(condition)]
+        used = {name for condition in conditions for name in variables_of(condition)}
         left = any(isinstance(inner, Break | Stop) for inner in within)
-        if reads or not (left or given & set(variables_of(statement.condition))):
+        if reads or not (left or given & used):
             self._wrong(path, "this loop does nothing and does not wait", "Put `wait 0.1 s` into it.")
 
     def _wait_until(self, statement: WaitUntil, path: str, flow: _Flow) -> _Flow:

@@ -13,6 +13,7 @@ from kg.robot.programs.tree import (
     Break,
     Do,
     For,
+    Forever,
     If,
     Log,
     OnEvent,
@@ -184,6 +185,14 @@ def _while(cursor: Cursor, path: str, depth: int) -> While:
     identifier = _id(cursor)
     body, comment = _block(cursor, f"{path}/body", "while", depth)
     return While(id=identifier, comment=comment, condition=condition, body=body)
+
+
+def _forever(cursor: Cursor, path: str, depth: int) -> Forever:
+    cursor.take()
+    cursor.phrase("do")
+    identifier = _id(cursor)
+    body, comment = _block(cursor, f"{path}/body", "forever", depth)
+    return Forever(id=identifier, comment=comment, body=body)
 
 
 def _repeat(cursor: Cursor, path: str, depth: int) -> Repeat:
@@ -365,6 +374,7 @@ def _argument_name(cursor: Cursor) -> str:
 _KEYWORDS: Final[dict[str, Callable[[Cursor, str, int], Statement | None]]] = {
     "if": _if,
     "while": _while,
+    "forever": _forever,
     "repeat": _repeat,
     "for": _for,
     "break": _break,

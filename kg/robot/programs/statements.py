@@ -15,6 +15,7 @@ from kg.robot.programs.tree import (
     Break,
     Do,
     For,
+    Forever,
     If,
     Log,
     OnEvent,
@@ -107,7 +108,7 @@ class Statements:
                 holds = await self._evaluation.truth(statement.condition, path, statement)
                 part = "then" if holds else "otherwise"
                 await self.sequence(statement.then if holds else statement.otherwise, f"{path}/{part}")
-            case While() | Repeat() | For():
+            case While() | Forever() | Repeat() | For():
                 await self._loop(statement, path)
             case Break():
                 raise _Left
@@ -199,11 +200,14 @@ class Statements:
                 if moves and left <= _REST:
                     return None
 
-    async def _loop(self, statement: While | Repeat | For, path: str) -> None:
+    async def _loop(self, statement: While | Forever | Repeat | For, path: str) -> None:
         try:
             match statement:
                 case While():
                     while await self._evaluation.truth(statement.condition, path, statement):
+                        await self._turn(statement, path)
+                case Forever():
+                    while True:
                         await self._turn(statement, path)
                 case Repeat():
                     for _ in range(await self._times(statement, path)):
@@ -213,7 +217,7 @@ class Statements:
         except _Left:
             return
 
-    async def _turn(self, statement: While | Repeat | For, path: str) -> None:
+    async def _turn(self, statement: While | Forever | Repeat | For, path: str) -> None:
         await self._pace.step()
         await self.sequence(statement.body, f"{path}/body")
 

@@ -19,6 +19,7 @@ __all__ = [
     "Do",
     "Expression",
     "For",
+    "Forever",
     "If",
     "Log",
     "OnEvent",
@@ -148,6 +149,12 @@ class While(_Statement, frozen=True, tag_field="block", tag="while"):
     body: tuple[Statement, ...] = ()
 
 
+class Forever(_Statement, frozen=True, tag_field="block", tag="forever"):
+    """A sequence again and again, until `break` or `stop`."""
+
+    body: tuple[Statement, ...] = ()
+
+
 class Repeat(_Statement, frozen=True, tag_field="block", tag="repeat"):
     """A sequence a number of times."""
 
@@ -225,7 +232,9 @@ class Stop(_Statement, frozen=True, tag_field="block", tag="stop"):
     """Ends the program and stops the robot."""
 
 
-Statement: TypeAlias = Do | If | While | Repeat | For | Break | Set | Wait | WaitUntil | Parallel | OnEvent | Log | Stop
+Statement: TypeAlias = (
+    Do | If | While | Forever | Repeat | For | Break | Set | Wait | WaitUntil | Parallel | OnEvent | Log | Stop
+)
 
 
 class Program(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid_unknown_fields=True):

@@ -9,6 +9,7 @@ from kg.robot.programs.tree import (
     Break,
     Do,
     For,
+    Forever,
     If,
     Log,
     OnEvent,
@@ -66,7 +67,7 @@ def sequences_of(statement: Statement) -> tuple[tuple[str, tuple[Statement, ...]
     match statement:
         case If():
             return ("then", statement.then), ("otherwise", statement.otherwise)
-        case While() | Repeat() | For():
+        case While() | Forever() | Repeat() | For():
             return (("body", statement.body),)
         case WaitUntil():
             return (("otherwise", statement.otherwise or ()),)
@@ -108,7 +109,7 @@ def expressions_of(statement: Statement) -> Iterator[tuple[str, Expression]]:
             found = {"seconds": statement.seconds}
         case Log():
             found = {"message": statement.message}
-        case Break() | Stop() | Parallel():
+        case Forever() | Break() | Stop() | Parallel():
             pass
     yield from ((part, expression) for part, expression in found.items() if expression is not None)
 

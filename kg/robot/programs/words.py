@@ -10,7 +10,8 @@ __all__ = ["BARE", "BEGINNINGS", "ENDINGS", "FOREIGN", "FUNCTIONS", "RESERVED", 
 FUNCTIONS: Final = ("absolute", "round", "count")
 """Functions of one value, written with parentheses."""
 BEGINNINGS: Final = frozenset(
-    {"if", "while", "repeat", "for", "break", "set", "wait", "at", "whenever", "as", "log", "stop", "do", "program"}
+    {"if", "while", "forever", "repeat", "for", "break", "set", "wait", "at", "whenever", "as", "log", "stop", "do"}
+    | {"program"}
 )
 """Words that a statement of the language begins with; all else begins a capability."""
 ENDINGS: Final = frozenset({"end", "otherwise", "also", "during"})

@@ -12,6 +12,7 @@ from kg.robot.programs.tree import (
     Do,
     Expression,
     For,
+    Forever,
     If,
     Log,
     OnEvent,
@@ -91,6 +92,8 @@ class _Printer:
                 return self._if(statement)
             case While():
                 return self._loop(statement, f"while {written(statement.condition)}")
+            case Forever():
+                return self._loop(statement, "forever")
             case Repeat():
                 return self._loop(statement, f"repeat {written(statement.times)} times")
             case For():
@@ -117,7 +120,7 @@ class _Printer:
                 yield from self._within(otherwise)
                 yield "end"
 
-    def _loop(self, statement: While | Repeat | For, head: str) -> Iterator[str]:
+    def _loop(self, statement: While | Forever | Repeat | For, head: str) -> Iterator[str]:
         yield head + self._id(statement)
         yield from self._within(statement.body)
         yield "end"

@@ -29,7 +29,7 @@ __all__ = ["ROUTES"]
 async def _robot(request: Request) -> Response:
     server = state(request)
     address = server.robot.address if server.robot else ""
-    data = {"address": address, "units": _units(), "examples": _examples()}
+    data = {"address": address, "units": _units(), "examples": _examples(), "exercises": _exercises()}
     return page(
         request,
         "robot.html",
@@ -60,6 +60,20 @@ def _examples() -> list[dict[str, Any]]:
             continue
         found.append({"name": program.name, "comment": program.comment, "text": text})
     return found
+
+
+@cache
+def _exercises() -> list[dict[str, Any]]:
+    """Return the exercises of the onto-ros paper, each with its task for both robots."""
+    found = msgspec.toml.decode((folder("examples") / "programs" / "exercises.toml").read_bytes())["exercise"]
+    return [
+        {
+            "number": one["number"],
+            "title": one["title"],
+            "tasks": {robot: one[robot]["task"] for robot in ("office", "drone")},
+        }
+        for one in found
+    ]
 
 
 ROUTES = [Route("/robot", _robot)]

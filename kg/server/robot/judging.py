@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import msgspec
@@ -24,10 +25,21 @@ if TYPE_CHECKING:
     from kg.robot.programs.places import Places
     from kg.robot.programs.problems import Problem
 
-__all__ = ["LONGEST", "Robot", "identified", "judged", "told"]
+__all__ = ["LONGEST", "Robot", "hint_of", "identified", "judged", "told"]
 
 LONGEST: Final = 1 << 18
 """How many bytes a program may have, as text or as JSON."""
+
+
+_COMMANDS: Final = re.compile(r"`(kg|rosnode|ros2) |`-")
+_HINTS: Final = {
+    "": "The list “What it can do” shows what this robot has now.",
+    "KG811": "Check on the robot whether the node runs.",
+    "KG820": "Start a drone first (“take off”). Switch the motors on, and check the robot.",
+    "KG829": "Stop the other node.",
+    "KG836": "Give the place a name: click into the picture from above, or use “set” from the blocks of places.",
+}
+"""What the page has in place of commands, by the code of a problem."""
 
 
 class Robot(NamedTuple):
@@ -85,8 +97,14 @@ def told(problem: Problem) -> dict[str, Any]:
         "docs": f"/errors/{problem.code}",
         "severity": problem.severity,
         "message": problem.message,
-        "hint": problem.hint or CATALOGUE[problem.code].way_out,
+        "hint": hint_of(problem.code, problem.hint),
     }
+
+
+def hint_of(code: str, hint: str | None) -> str:
+    """Return a hint in the words of the page; one that names commands or options becomes what the page has for it."""
+    found = hint or CATALOGUE[code].way_out
+    return _HINTS.get(code, _HINTS[""]) if _COMMANDS.search(found) else found
 
 
 def identified(program: Program) -> tuple[Program, dict[str, str]]:
@@ -124,7 +142,7 @@ def _unreadable(error: RobotError) -> dict[str, Any]:
         "docs": f"/errors/{error.code}",
         "severity": "error",
         "message": error.message,
-        "hint": error.hint or CATALOGUE[error.code].way_out,
+        "hint": hint_of(error.code, error.hint),
         "line": place.line if place else None,
         "column": place.column if place else None,
     }

@@ -7,15 +7,17 @@ from __future__ import annotations
 
 import asyncio
 import json
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 import msgspec
 from starlette.responses import Response, StreamingResponse
 
-from kg.errors import RobotError
+from kg.errors import Place, RobotError
 from kg.robot.programs.converting import convert
 from kg.robot.programs.places import placed
-from kg.robot.programs.tree import Program  # noqa: TC001 - read when the classes are made
+from kg.robot.programs.tree import Program
+from kg.robot.programs.trees import behavior_tree, program_of
 from kg.server.errors import RequestError
 from kg.server.methods import route
 from kg.server.parameters import media_type
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.types import Receive, Scope, Send
 
+    from kg.server.robot.judging import Robot
     from kg.server.robot.listeners import Listener
     from kg.server.robot.session import Session
 
@@ -45,12 +48,14 @@ class _Check(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class _Convert(msgspec.Struct, forbid_unknown_fields=True):
-    program: Program
-    to: Literal["text", "rospy", "rclpy"] = "text"
+    program: Program | None = None
+    bt: str | None = None
+    to: Literal["text", "rospy", "rclpy", "bt"] = "text"
 
 
 class _Run(msgspec.Struct, forbid_unknown_fields=True):
-    program: Program
+    program: Program | None = None
+    text: str | None = None
 
 
 class _Here(msgspec.Struct, forbid_unknown_fields=True):
@@ -158,25 +163,44 @@ async def _check(request: Request) -> Response:
 
 async def _convert(request: Request) -> Response:
     asked = await _read(request, _Convert)
-    found = await _judged(None, asked.program)
-    if asked.to == "text":
+    if (asked.program is None) == (asked.bt is None):
+        raise RequestError("KG520", "the body needs either `program` or `bt`")
+    robot = None if asked.to == "text" and asked.bt is None else _connected(request)
+    program = asked.program
+    if program is None and robot is not None:
+        program = await asyncio.to_thread(program_of, asked.bt or "", robot.capabilities)
+    found = await _judged(None, program)
+    if asked.to == "text" or robot is None or program is None:
         return _json({"text": found["text"]})
+    make = behavior_tree if asked.to == "bt" else partial(convert, to=asked.to)
+    return _json({"text": await asyncio.to_thread(make, placed(program, robot.places), robot.capabilities)})
+
+
+def _connected(request: Request) -> Robot:
+    """Return the robot; RobotError KG846 when none is connected."""
     robot = _session(request).robot
     if robot is None:
         raise RobotError("KG846", "no robot is connected, so its capabilities are unknown")
-    return _json(
-        {"text": await asyncio.to_thread(convert, placed(asked.program, robot.places), robot.capabilities, to=asked.to)}
-    )
+    return robot
 
 
 async def _run(request: Request) -> Response:
     session = _session(request)
     asked = await _read(request, _Run)
-    for problem in (await _judged(session, asked.program))["problems"]:
+    found = await _judged(session, asked.program, asked.text)
+    for problem in found["problems"]:
         if problem["severity"] == "error":
-            raise RobotError(problem["code"], problem["message"], hint=problem["hint"])
-    await session.run(asked.program)
+            place = None if asked.text is None else _place(asked.text, problem)
+            raise RobotError(problem["code"], problem["message"], place=place, hint=problem["hint"])
+    await session.run(asked.program or msgspec.convert(found["program"], Program))
     return Response(status_code=204)
+
+
+def _place(text: str, problem: dict[str, Any]) -> Place:
+    """Return the place of a problem in the text of a program."""
+    lines = text.split("\n")
+    line = problem["line"] or 1
+    return Place("text", line, problem.get("column") or 1, lines[line - 1] if line <= len(lines) else "")
 
 
 async def _do(request: Request) -> Response:

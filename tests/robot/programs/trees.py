@@ -69,6 +69,7 @@ def _blocks(statements: Any) -> Any:
     return st.one_of(
         st.builds(tree.If, **_HEAD, condition=_SMALL, then=body, otherwise=body),
         st.builds(tree.While, **_HEAD, condition=_SMALL, body=body),
+        st.builds(tree.Forever, **_HEAD, body=body),
         st.builds(tree.Repeat, **_HEAD, times=_SMALL, body=body),
         st.builds(tree.For, **_HEAD, variable=_WORDS, start=_SMALL, end=_SMALL, step=_MAYBE, body=body),
         st.builds(tree.For, **_HEAD, variable=_WORDS, of=_SMALL, body=body),

@@ -89,7 +89,7 @@ def test_blocks_that_hang_loose_are_told(browser: Chromium, robot_site: str) -> 
         assert box is not None
         await dragged(page, await offered(page, "Control", "repeat"), box["x"] + 75, box["y"] + 105)
         near = await reads(page, "^repeat 3 times\nend")
-        await dragged(page, await offered(page, "Control", "wait for"), box["x"] + 60, box["y"] + 400)
+        await dragged(page, await offered(page, "Control", "wait"), box["x"] + 60, box["y"] + 400)
         told = await said(page, "#loose", "not joined")
         await page.locator("#undo").click()
         await page.locator("#loose").wait_for(state="hidden")
@@ -223,7 +223,7 @@ def test_a_program_by_mouse(browser: Chromium, robot_site: str) -> None:
         assert box is not None
         await dragged(page, await offered(page, "Control", "repeat"), box["x"] + 40, box["y"] + 80)
         await reads(page, "^repeat 3 times\nend")
-        await dragged(page, await offered(page, "How it moves", "move at a velocity"), box["x"] + 62, box["y"] + 118)
+        await dragged(page, await offered(page, "Moves", "move at a velocity"), box["x"] + 62, box["y"] + 118)
         text = await reads(page, "move")
         await page.locator("#undo").click()
         return text, await reads(page, "^repeat 3 times\nend")
@@ -437,7 +437,13 @@ def test_programs_are_kept_and_shared(browser: Chromium, robot_site: str) -> Non
         return files, opened_again, shared, str(await page.locator("#running").text_content())
 
     files, again, shared, running = visited(browser, robot_site, keep)
-    assert files == ["to-and-fro.kgp", "to-and-fro.json", "to-and-fro-rospy.py", "to-and-fro-rclpy.py"]
+    assert files == [
+        "to-and-fro.kgp",
+        "to-and-fro.json",
+        "to-and-fro-rospy.py",
+        "to-and-fro-rclpy.py",
+        "to-and-fro.xml",
+    ]
     assert again == shared == PROGRAM
     assert running == ""
 

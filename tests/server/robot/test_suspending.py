@@ -5,16 +5,13 @@ from __future__ import annotations
 import signal
 import time
 from threading import Thread
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import httpx
 import pytest
-from msgspec import to_builtins
 from patience import patient
 from robot.driving.drivable import BLOCKABLE, drivable
-from serving import TOKEN, served
-
-from kg.robot.programs.parse import parse
+from serving import TOKEN, robot_told, served
 
 if TYPE_CHECKING:
     import subprocess
@@ -33,17 +30,6 @@ def robot(request: pytest.FixtureRequest) -> Iterator[Drivable]:
         pytest.importorskip("cyclonedds", reason="the extra `dds` is not installed")
     with drivable(request.param, patient(30)) as found:
         yield found
-
-
-def _told(client: httpx.Client, wanted: str, part: str = "program") -> dict[str, Any]:
-    """Return what the server tells of the robot, once it, or its program, is in a state."""
-    end = time.monotonic() + patient(20)
-    while time.monotonic() < end:
-        told: dict[str, Any] = client.get("/api/robot").json()
-        if (told["program"] if part == "program" else told)["state"] == wanted and told["capabilities"]:
-            return told
-        time.sleep(0.05)
-    raise AssertionError(f"the {part} is never {wanted}: {told}")
 
 
 def _resume(process: subprocess.Popen[str], number: signal.Signals) -> None:
@@ -69,13 +55,13 @@ def test_a_silent_server_stops_the_robot(
     with served(store, before=BLOCKABLE, log="off", token=TOKEN, robot=robot.address) as server:
         headers = {"Authorization": f"Bearer {TOKEN}"}
         with httpx.Client(base_url=server.address, headers=headers, timeout=patient(20)) as client:
-            _told(client, "connected", "robot")
-            assert client.post("/robot/run", json={"program": to_builtins(parse(PROGRAM))}).is_success
+            robot_told(client, "connected", "robot")
+            assert client.post("/robot/run", json={"text": PROGRAM}).is_success
             robot.until("speed 0.5")
             server.process.send_signal(pause)
             robot.until("speed 0")
             resuming = Thread(target=_resume, args=(server.process, resume), daemon=True)
             resuming.start()
-            _told(client, "failed")
+            robot_told(client, "failed")
         server.process.kill()
     assert robot.stands_still()

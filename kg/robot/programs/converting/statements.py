@@ -13,6 +13,7 @@ from kg.robot.programs.tree import (
     Break,
     Do,
     For,
+    Forever,
     If,
     Log,
     OnEvent,
@@ -96,6 +97,8 @@ class Code:
                 return self._if(statement, path)
             case While():
                 return [f"while {of(statement.condition)}:", *self._body(statement.body, f"{path}/body", loop=True)]
+            case Forever():
+                return ["while True:", *self._body(statement.body, f"{path}/body", loop=True)]
             case Repeat():
                 return [f"for _ in range({self._times(statement)}):", *self._body(statement.body, f"{path}/body")]
             case For():

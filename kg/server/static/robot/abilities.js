@@ -104,7 +104,7 @@ function fits(capability, words) {
 }
 
 /** Return { name, holder, value } of the field of a parameter. */
-function field({ name, label, comment, type, unit, default: start, minimum, maximum, choices }, id) {
+function field({ name, label, comment, type = "number", unit, default: start, minimum, maximum, choices }, id) {
   const limits = [minimum, maximum].some((one) => one !== undefined && one !== null);
   const range = limits ? `${minimum ?? "any"} to ${maximum ?? "any"}${unit ? ` ${unit}` : ""}` : "";
   let input;

@@ -2,9 +2,10 @@
 
 import { BOOLEAN, LIST, NUMBER, PLACE, TEXT } from "./kinds.js";
 
-const COMPARED = [["is less than", "<"], ["is at most", "<="], ["is equal to", "="], ["is not", "!="], ["is at least", ">="], ["is more than", ">"]];
-const COUNTED = [["+", "+"], ["−", "-"], ["×", "*"], ["÷", "/"]];
-const OF_ONE = [["the size (without sign) of", "absolute"], ["minus", "-"], ["rounded", "round"], ["how many are in", "count"]];
+// Blocks have the words of the text: who reads one form can read the other.
+const COMPARED = ["<", "<=", "=", "!=", ">=", ">"].map((sign) => [sign, sign]);
+const COUNTED = ["+", "-", "*", "/"].map((sign) => [sign, sign]);
+const OF_ONE = ["absolute", "-", "round", "count"].map((word) => [word, word]);
 const NAME = /[^\p{L}\p{N}_]+/gu;
 const BRANCHES = 8;
 
@@ -20,30 +21,32 @@ export function define(Blockly, units, lenience) {
     type, ...rowsOf(rows), previousStatement: null, nextStatement: null, style: "control", inputsInline: true, ...more,
   });
   const expression = (type, rows, output, more = {}) => ({ type, ...rowsOf(rows), output, style: "conditions", inputsInline: true, ...more });
+  if (!Blockly.Extensions.isRegistered("kg_units")) Blockly.Extensions.register("kg_units", function () { alike(this, units, lenience); });
   Blockly.common.defineBlocksWithJsonArray([
     { type: "kg_start", message0: "when the program starts", nextStatement: null, style: "start", tooltip: "The program: what is joined below, from top to bottom" },
     statement("kg_if", [["if %1", value("IF", [BOOLEAN])], ["then %1", inside("THEN")]], { tooltip: "Does something only if a condition holds" }),
     statement("kg_if_else", [["if %1", value("IF", [BOOLEAN])], ["then %1", inside("THEN")], ["otherwise %1", inside("ELSE")]], { tooltip: "Does one thing if a condition holds, another if not" }),
-    statement("kg_while", [["as long as %1", value("IF", [BOOLEAN])], ["do %1", inside("DO")]], { tooltip: "Does something again and again while a condition holds" }),
+    statement("kg_while", [["while %1", value("IF", [BOOLEAN])], ["do %1", inside("DO")]], { tooltip: "Does something again and again as long as a condition holds" }),
+    statement("kg_forever", [["forever"], ["do %1", inside("DO")]], { tooltip: "Does something again and again, until break or stop" }),
     statement("kg_repeat", [["repeat %1 times", value("TIMES", [NUMBER])], ["do %1", inside("DO")]], { tooltip: "Does something a number of times" }),
-    statement("kg_for", [["count %1 from %2 to %3 in steps of %4", name, value("FROM", numbers), value("TO", numbers), value("STEP", numbers)], ["do %1", inside("DO")]], { tooltip: "Does something for each number, the last one too" }),
-    statement("kg_each", [["for each %1 of %2", name, value("LIST", [LIST])], ["do %1", inside("DO")]], { tooltip: "Does something for each thing of a list" }),
-    statement("kg_break", [["leave the loop"]], { tooltip: "Goes on below the innermost loop", nextStatement: undefined }),
-    statement("kg_wait", [["wait for %1", value("SECONDS", time)]], { tooltip: "Waits; a movement that has ended does not begin again" }),
-    statement("kg_until", [["wait until %1", value("IF", [BOOLEAN])], ["but at most for %1", value("SECONDS", time)]], { tooltip: "Waits until a condition holds; when the time is over first, the program ends with an error" }),
-    statement("kg_until_else", [["wait until %1", value("IF", [BOOLEAN])], ["but at most for %1", value("SECONDS", time)], ["and then instead %1", inside("ELSE")]], { tooltip: "Waits until a condition holds; when the time is over first, something else is done" }),
-    statement("kg_on", [["each time that %1", value("IF", [BOOLEAN])], ["do %1", inside("THEN")], ["and %1", { type: "field_dropdown", name: "END", options: [["go on with", "go"], ["end", "end"]] }], ["this, which runs meanwhile: %1", inside("DO")]], { tooltip: "While the lower part runs, does the upper part each time that a condition begins to hold: once, not again and again while it goes on holding" }),
-    statement("kg_log", [["say %1", value("MESSAGE", any)]], { tooltip: "Writes a value into the log of this page" }),
-    statement("kg_stop", [["stop the robot and end"]], { nextStatement: undefined, tooltip: "Ends the program; the robot stops" }),
+    statement("kg_for", [["for %1 from %2 to %3 step %4", name, value("FROM", numbers), value("TO", numbers), value("STEP", numbers)], ["do %1", inside("DO")]], { tooltip: "Does something for each number, the last one too" }),
+    statement("kg_each", [["for each %1 in %2", name, value("LIST", [LIST])], ["do %1", inside("DO")]], { tooltip: "Does something for each thing of a list" }),
+    statement("kg_break", [["break"]], { tooltip: "Leaves the innermost loop and goes on below it", nextStatement: undefined }),
+    statement("kg_wait", [["wait %1", value("SECONDS", time)]], { tooltip: "Waits; a movement that has ended does not begin again" }),
+    statement("kg_until", [["wait until %1", value("IF", [BOOLEAN])], ["within %1", value("SECONDS", time)]], { tooltip: "Waits until a condition holds; when the time is over first, the program ends with an error" }),
+    statement("kg_until_else", [["wait until %1", value("IF", [BOOLEAN])], ["within %1", value("SECONDS", time)], ["otherwise %1", inside("ELSE")]], { tooltip: "Waits until a condition holds; when the time is over first, something else is done" }),
+    statement("kg_on", [["%1 %2", { type: "field_dropdown", name: "END", options: [["whenever", "go"], ["as soon as", "end"]] }, value("IF", [BOOLEAN])], ["do %1", inside("THEN")], ["during %1", inside("DO")]], { tooltip: "While the lower part runs, does the upper part when a condition begins to hold: whenever it does, or once, which ends the lower part" }),
+    statement("kg_log", [["log %1", value("MESSAGE", any)]], { tooltip: "Writes a value into the log of this page" }),
+    statement("kg_stop", [["stop"]], { nextStatement: undefined, tooltip: "Ends the program; the robot stops" }),
     statement("kg_set", [["set %1 to %2", name, value("VALUE", any)]], { style: "variables", tooltip: "Gives a value a name, to use it later" }),
     expression("kg_variable", [["%1", name]], null, { style: "variables", tooltip: "A value by its name" }),
-    expression("kg_boolean", [["%1", { type: "field_dropdown", name: "VALUE", options: [["yes", "true"], ["no", "false"]] }]], BOOLEAN, { style: "values" }),
+    expression("kg_boolean", [["%1", { type: "field_dropdown", name: "VALUE", options: [["true", "true"], ["false", "false"]] }]], BOOLEAN, { style: "values" }),
     expression("kg_text", [["“ %1 ”", { type: "field_input", name: "VALUE", text: "" }]], TEXT, { style: "values", tooltip: "A text" }),
-    expression("kg_compare", [["%1 %2 %3", value("LEFT", any), { type: "field_dropdown", name: "OPERATOR", options: COMPARED }, value("RIGHT", any)]], BOOLEAN),
+    expression("kg_compare", [["%1 %2 %3", value("LEFT", any), { type: "field_dropdown", name: "OPERATOR", options: COMPARED }, value("RIGHT", any)]], BOOLEAN, { extensions: ["kg_units"] }),
     expression("kg_logic", [["%1 %2 %3", value("LEFT", [BOOLEAN]), { type: "field_dropdown", name: "OPERATOR", options: [["and", "and"], ["or", "or"]] }, value("RIGHT", [BOOLEAN])]], BOOLEAN),
     expression("kg_not", [["not %1", value("OF", [BOOLEAN])]], BOOLEAN),
-    expression("kg_contains", [["%1 has %2 in it", value("LEFT", [LIST, TEXT]), value("RIGHT", any)]], BOOLEAN),
-    expression("kg_count", [["%1 %2 %3", value("LEFT", [...numbers, TEXT]), { type: "field_dropdown", name: "OPERATOR", options: COUNTED }, value("RIGHT", any)]], [...numbers, TEXT], { style: "values", tooltip: "Reckons with two values; a text + anything is a longer text" }),
+    expression("kg_contains", [["%1 contains %2", value("LEFT", [LIST, TEXT]), value("RIGHT", any)]], BOOLEAN),
+    expression("kg_count", [["%1 %2 %3", value("LEFT", [...numbers, TEXT]), { type: "field_dropdown", name: "OPERATOR", options: COUNTED }, value("RIGHT", any)]], [...numbers, TEXT], { style: "values", extensions: ["kg_units"], tooltip: "Reckons with two values; a text + anything is a longer text" }),
     expression("kg_of", [["%1 %2", { type: "field_dropdown", name: "OPERATOR", options: OF_ONE }, value("OF", [...numbers, LIST, TEXT])]], numbers, { style: "values" }),
   ]);
   Blockly.Blocks.kg_plain = {
@@ -57,6 +60,24 @@ export function define(Blockly, units, lenience) {
   Blockly.Blocks.kg_number = numberBlock(Blockly, units, lenience);
   Blockly.Blocks.kg_place = placeBlock(units);
   Blockly.Blocks.kg_parallel = parallelBlock(Blockly);
+}
+
+const SAME = new Set(["<", "<=", "=", "!=", ">=", ">", "+", "-"]);
+
+/** Give a plain number in a slot the unit of the value next to it, once somebody has put that there. */
+function alike(block, units, lenience) {
+  block.setOnChange((event) => {
+    if (lenience.on || event.type !== "move" || event.newParentId !== block.id || !SAME.has(block.getFieldValue("OPERATOR"))) return;
+    for (const [name, other] of [["LEFT", "RIGHT"], ["RIGHT", "LEFT"]]) {
+      const plain = block.getInputTargetBlock(name);
+      const types = block.getInputTargetBlock(other)?.outputConnection.getCheck();
+      const unit = plain?.type === "kg_plain" && types?.length === 1 && units.all.find((one) => units.type(one) === types[0] && types[0] !== NUMBER);
+      if (!unit) continue;
+      const shadow = { type: "kg_number", fields: { VALUE: Number(plain.getFieldValue("VALUE")), UNIT: unit } };
+      if (!plain.isShadow()) plain.dispose();
+      block.getInput(name).connection.setShadowState(shadow);
+    }
+  });
 }
 
 /** Return the members of a definition for its rows, each a text with what fills its places. */
@@ -89,9 +110,9 @@ function numberBlock(Blockly, units, lenience) {
 function placeBlock(units) {
   return {
     init() {
-      this.part("X", "place  x", "m");
+      this.part("X", "x", "m");
       this.part("Y", "y", "m");
-      this.part("HEADING", "looking to", "rad");
+      this.part("HEADING", "heading", "rad");
       this.setInputsInline(true);
       this.setOutput(true, PLACE);
       this.setStyle("values");
@@ -115,7 +136,7 @@ function parallelBlock(Blockly) {
     init() {
       const many = new Blockly.FieldDropdown(Array.from({ length: BRANCHES - 1 }, (_, index) => [`${index + 2}`, `${index + 2}`]));
       many.setValidator((chosen) => { this.shape(Number(chosen)); });
-      this.appendDummyInput().appendField("do").appendField(many, "MANY").appendField("things at a time");
+      this.appendDummyInput().appendField("at the same time").appendField(many, "MANY");
       this.setPreviousStatement(true);
       this.setNextStatement(true);
       this.setStyle("control");
@@ -125,7 +146,7 @@ function parallelBlock(Blockly) {
     shape(many) {
       for (let index = 0; index < BRANCHES; index += 1) {
         const known = this.getInput(`DO${index}`);
-        if (index < many && !known) this.appendStatementInput(`DO${index}`).appendField(index ? "and" : "");
+        if (index < many && !known) this.appendStatementInput(`DO${index}`).appendField(index ? "also" : "");
         else if (index >= many && known) this.removeInput(`DO${index}`);
       }
     },

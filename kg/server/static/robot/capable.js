@@ -29,14 +29,14 @@ function doBlock(Blockly, units, capability) {
     init() {
       this.appendDummyInput().appendField(capability.label);
       for (const parameter of capability.parameters) {
-        this.appendValueInput(argument(parameter.name)).setCheck(units.taken(parameter)).setAlign(Blockly.inputs.Align.RIGHT).appendField(parameter.label);
+        this.appendValueInput(argument(parameter.name)).setCheck(units.taken(parameter)).setAlign(Blockly.inputs.Align.RIGHT).appendField(parameter.name);
       }
       this.time(lasts(capability) ? "SECONDS" : "WITHIN");
       this.setPreviousStatement(true);
       this.setNextStatement(true);
       this.setInputsInline(capability.parameters.length < 3);
       this.setStyle(capability.unknown ? "unknown" : groupOf(capability).style);
-      this.setTooltip(capability.comment || capability.label);
+      this.setTooltip(explained(capability));
     },
     time(name) {
       if (this.getInput(name)) return;
@@ -47,7 +47,7 @@ function doBlock(Blockly, units, capability) {
     place(kept) {
       for (const name of PARTS) if (!kept.includes(name)) this.removeInput(argument(name), true);
       if (this.getInput(argument(AT))) return;
-      this.appendValueInput(argument(AT)).setCheck([PLACE]).setAlign(Blockly.inputs.Align.RIGHT).appendField("at the place");
+      this.appendValueInput(argument(AT)).setCheck([PLACE]).setAlign(Blockly.inputs.Align.RIGHT).appendField("at");
       this.moveInputBefore(argument(AT), this.inputList[1].name);
     },
     saveExtraState() {
@@ -65,14 +65,20 @@ function readBlock(Blockly, units, capability) {
   const known = new Map(capability.parameters.map((one) => [one.name, one]));
   return {
     init() {
-      const parameter = new Blockly.FieldDropdown(capability.parameters.map((one) => [one.unit ? `${one.label} (${one.unit})` : one.label, one.name]));
+      const parameter = new Blockly.FieldDropdown(capability.parameters.map(({ name }) => [name, name]));
       parameter.setValidator((chosen) => { this.outputConnection?.setCheck(units.given(known.get(chosen))); });
-      this.appendDummyInput().appendField(`${capability.label}:`).appendField(parameter, "PARAMETER");
+      this.appendDummyInput().appendField(parameter, "PARAMETER").appendField(`of ${capability.label}`);
       this.setOutput(true, units.given(capability.parameters[0]));
       this.setStyle(capability.unknown ? "unknown" : groupOf(capability).style);
-      this.setTooltip(capability.comment || capability.label);
+      this.setTooltip(explained(capability));
     },
   };
+}
+
+/** Return what a capability is, and what its parameters are. */
+function explained({ comment, label, parameters }) {
+  const lines = parameters.filter((one) => one.label !== one.name).map((one) => `${one.name}: ${one.label}`);
+  return [comment || label, ...lines].join("\n");
 }
 
 /** Return the name of the input of an argument. */
@@ -122,18 +128,21 @@ const shadowed = (type, inputs, more = {}) => ({
 const text = (value) => ({ type: "kg_text", fields: { VALUE: value } });
 const plain = (type) => ({ kind: "block", type });
 
+/** Return the classes of a category: robot.css draws its sign. */
+const look = (name) => ({ row: `blocklyToolboxCategory kg-category kg-${name}` });
+
 /** Return the toolbox: the blocks by category, those of capabilities as the robot has them. */
 export function toolbox(capabilities) {
-  const category = (name, style, contents) => ({ kind: "category", name, categorystyle: style, contents });
-  const groups = GROUPS.map((group) => category(group.title, group.style, capabilities
+  const category = (name, style, contents) => ({ kind: "category", name, categorystyle: style, cssConfig: look(style), contents });
+  const groups = GROUPS.map((group) => category(group.short, group.style, capabilities
     .filter((one) => groupOf(one) === group).flatMap((one) => offered(one))));
   return {
     kind: "categoryToolbox",
     contents: [
       ...groups.filter(({ contents }) => contents.length),
       category("Control", "control", [
-        plain("kg_if"), plain("kg_if_else"), shadowed("kg_repeat", { TIMES: number(3) }), plain("kg_while"),
-        shadowed("kg_wait", { SECONDS: number(1, "s") }), plain("kg_until"),
+        plain("kg_if"), plain("kg_if_else"), shadowed("kg_repeat", { TIMES: number(3) }), shadowed("kg_wait", { SECONDS: number(1, "s") }),
+        plain("kg_while"), plain("kg_forever"), plain("kg_until"),
         { kind: "block", type: "kg_until_else", inputs: { SECONDS: { block: number(10, "s") } } },
         shadowed("kg_for", { FROM: number(1), TO: number(5), STEP: number(1) }), plain("kg_each"), plain("kg_break"),
         plain("kg_parallel"), plain("kg_on"), shadowed("kg_log", { MESSAGE: text("hello") }), plain("kg_stop"),
@@ -145,8 +154,8 @@ export function toolbox(capabilities) {
         plain("kg_plain"), { kind: "block", ...number(1, "m") }, plain("kg_text"), plain("kg_boolean"),
         shadowed("kg_count", { LEFT: number(1), RIGHT: number(1) }), plain("kg_of"),
       ]),
-      ...(capabilities.some(takesPlace) ? [{ kind: "category", name: "Places", categorystyle: "variables", custom: "KG_PLACES" }] : []),
-      { kind: "category", name: "Variables", categorystyle: "variables", custom: "KG_VARIABLES" },
+      ...(capabilities.some(takesPlace) ? [{ kind: "category", name: "Places", categorystyle: "variables", cssConfig: look("places"), custom: "KG_PLACES" }] : []),
+      { kind: "category", name: "Variables", categorystyle: "variables", cssConfig: look("variables"), custom: "KG_VARIABLES" },
     ],
   };
 }

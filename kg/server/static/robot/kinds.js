@@ -54,9 +54,9 @@ export class Units {
 
 /** The group of a capability, by its most general kind, and what people call it. */
 export const GROUPS = [
-  { kind: "Movement", title: "How it moves", style: "movement" },
-  { kind: "Sensing", title: "What it senses", style: "sensing" },
-  { kind: "RobotKnowledge", title: "Knowledge", style: "knowledge" },
+  { kind: "Movement", title: "How it moves", short: "Moves", style: "movement" },
+  { kind: "Sensing", title: "What it senses", short: "Senses", style: "sensing" },
+  { kind: "RobotKnowledge", title: "Knowledge", short: "Knows", style: "knowledge" },
 ];
 
 /** Return the group of a capability; what is of no kind that we know is sensed or moved by its modality. */

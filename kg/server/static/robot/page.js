@@ -9,6 +9,7 @@ import { Moving } from "./moving.js";
 import { Places, pointOf } from "./places.js";
 import { Said } from "./said.js";
 import { ask, listen, Problem } from "./services.js";
+import { Study } from "./study.js";
 import { show, view } from "./view.js";
 import { workspace } from "./workspace.js";
 
@@ -71,6 +72,12 @@ function named(name, { x, y }, before) {
   return `${head ?? ""}set '${name.replaceAll("'", "")}' to (x: ${x.value} m, y: ${y.value} m)\n${rest}`;
 }
 
+const study = new Study({
+  start: $("study-start"), participant: $("study-participant"), robot: $("study-robot"), panel: $("study-panel"), task: $("study-task"),
+  clock: $("study-clock"), read: $("study-read"), next: $("study-next"), end: $("study-end"), found: $("study-found"),
+  download: $("study-download"), again: $("study-again"), open: () => $("study-dialog").showModal(),
+}, data.exercises, () => replace(`program "program"\n`));
+
 /** Do something of which the server may say that it cannot be; returns whether it could. */
 async function tried(work) {
   try {
@@ -124,9 +131,16 @@ function judged(problems, unread = false) {
   const wrong = problems.filter(({ severity }) => severity !== "warning");
   blocks?.complain(problems);
   said.problems(problems, (problem) => place(problem));
+  if (unread) text(true);
   const many = problems.length === 1 ? "1 problem" : `${problems.length} problems`;
   $("text-state").textContent = unread ? "This cannot be read yet; the blocks show what could be read last." : problems.length ? `${many}, listed below.` : "Fits the robot.".repeat(robot.state === "connected" ? 1 : 0);
   moving.ready(!wrong.length && !unread && robot.state === "connected" && robot.may_move, why(wrong));
+}
+
+/** Show the text of the program, or fold it: with blocks it is folded until somebody wants it. */
+function text(open) {
+  $("text-part").hidden = !open;
+  $("show-text").setAttribute("aria-expanded", String(open));
 }
 
 function why(problems) {
@@ -138,6 +152,7 @@ function why(problems) {
 /** Go to where a problem is: its block, else its line of the text. */
 function place({ id, line, column }) {
   if (blocks && id && blocks.go(id)) return;
+  text(true);
   const field = $("text");
   const at = line ?? lines[id];
   if (!at) return;
@@ -210,7 +225,7 @@ async function run() {
   await settled();
   if (!moving.isReady) return;
   said.clearProblem();
-  await tried(() => ask("/robot/run", { program }));
+  if (await tried(() => ask("/robot/run", { program }))) study.ran(program, $("text").value);
 }
 
 // What the server tells
@@ -230,6 +245,7 @@ function heard(event) {
 
 function programme(event) {
   moving.program(event);
+  if (["done", "stopped", "failed"].includes(event.state)) study.ended(event.state);
   if (event.state !== "running" && event.state !== "paused") blocks?.mark([]);
   const words = { running: "runs", paused: "pauses", done: "is done", stopped: "was stopped", failed: "failed" }[event.state];
   said.log(`Program “${event.name}” ${words}${event.problem ? `: ${event.problem.message}` : ""}`, event.state === "failed" ? "error" : "");
@@ -347,10 +363,10 @@ $("save").addEventListener("click", () => take(async (shown) => {
   $("save-name").textContent = name;
   const plain = name.replace(/[^\p{L}\p{N}._-]+/gu, "-");
   const links = [[`${plain}.kgp`, shown, "text/plain", "Save as text"], [`${plain}.json`, `${JSON.stringify(program, null, 2)}\n`, "application/json", "Save as JSON"]];
-  for (const [to, label] of robot.state === "connected" ? [["rospy", "Save as Python for ROS 1"], ["rclpy", "Save as Python for ROS 2"]] : []) {
+  for (const [to, label] of robot.state === "connected" ? [["rospy", "Save as Python for ROS 1"], ["rclpy", "Save as Python for ROS 2"], ["bt", "Save as behaviour tree"]] : []) {
     // A program that does not fit the robot has no code; what is wrong with it is listed already.
     const code = await ask("/robot/convert", { program, to }).catch(() => null);
-    if (code) links.push([`${plain}-${to}.py`, code.text, "text/x-python", label]);
+    if (code) links.push(to === "bt" ? [`${plain}.xml`, code.text, "application/xml", label] : [`${plain}-${to}.py`, code.text, "text/x-python", label]);
   }
   $("save-files").replaceChildren(...links.map(([as, content, type, label]) => Object.assign(file(as, content, type), { textContent: label })));
   $("save-dialog").showModal();
@@ -376,7 +392,8 @@ $("open-file").addEventListener("change", async ({ target }) => {
   const content = await chosen.text();
   target.value = "";
   $("open-dialog").close();
-  if (!content.trimStart().startsWith("{")) replace(content);
+  if (content.trimStart().startsWith("<")) tried(async () => replace((await ask("/robot/convert", { bt: content })).text));
+  else if (!content.trimStart().startsWith("{")) replace(content);
   else tried(async () => replace((await ask("/robot/convert", { program: parsed(content), to: "text" })).text));
 });
 
@@ -413,11 +430,18 @@ async function begin() {
   $("text").value = given ?? `program "program"\n`;
   $("examples").hidden = !data.examples.length;
   $("open").hidden = false;
+  $("study").addEventListener("click", () => {
+    $("examples-dialog").close();
+    $("study-dialog").showModal();
+  });
   $("examples").addEventListener("click", list);
   list();
   blocks = await workspace($("blocks"), { units: data.units, changed: fromBlocks, loose, ready: () => { $("blocks").hidden = false; } });
   if (blocks) {
     $("block-tools").hidden = false;
+    $("show-text").hidden = false;
+    $("show-text").addEventListener("click", () => text($("text-part").hidden));
+    if (document.activeElement !== $("text")) text(false);
     for (const [id, act] of Object.entries({ undo: () => blocks.undo(false), redo: () => blocks.undo(true), smaller: () => blocks.zoom(-1), larger: () => blocks.zoom(1), fit: () => blocks.zoom(0) })) $(id).addEventListener("click", act);
   }
   await fromText(); // which somebody may have changed while the blocks came

@@ -55,6 +55,7 @@ class Reader {
       case "kg_if": return { block: "if", condition: condition(), then: this.inside(block, "THEN") };
       case "kg_if_else": return { block: "if", condition: condition(), then: this.inside(block, "THEN"), otherwise: this.inside(block, "ELSE") };
       case "kg_while": return { block: "while", condition: condition(), body: this.inside(block, "DO") };
+      case "kg_forever": return { block: "forever", body: this.inside(block, "DO") };
       case "kg_repeat": return { block: "repeat", times: this.needed(block, "TIMES", "a number"), body: this.inside(block, "DO") };
       case "kg_for": return {
         block: "for", variable: block.getFieldValue("NAME"), start: this.needed(block, "FROM", "a number"), end: this.needed(block, "TO", "a number"),

@@ -25,6 +25,18 @@ function lenient(Blockly) {
   return { lenience, Checker };
 }
 
+const WIDE = 400;
+const WRAPS = new Set(["kg_compare", "kg_logic", "kg_count", "kg_contains", "kg_for", "kg_place"]);
+
+/** Wrap a block and all within it, the innermost first, for their widths decide. */
+function wrapped(block) {
+  for (const child of block.getChildren(true)) wrapped(child);
+  if (!WRAPS.has(block.type)) return;
+  const values = block.inputList.map(({ connection }) => connection?.targetBlock()).filter((one) => one?.outputConnection);
+  const inline = values.reduce((sum, one) => sum + one.getHeightWidth().width, 0) <= WIDE;
+  if (block.getInputsInline() !== inline) block.setInputsInline(inline);
+}
+
 class Workspace extends Stage {
   constructor(Blockly, host, units, { changed, loose }) {
     super(Blockly, { changed, loose });
@@ -73,7 +85,28 @@ class Workspace extends Stage {
       Events.setGroup(false);
       this.lenience.on = false;
     }
+    this.wrap();
     this.known = this.told();
+  }
+
+  /** Put the values of wide blocks below each other, those of narrow ones next to each other. */
+  wrap() {
+    const { Events } = this.Blockly;
+    Events.disable();
+    try {
+      for (const top of this.inner.getTopBlocks()) wrapped(top);
+    } finally {
+      Events.enable();
+    }
+  }
+
+  heard(event) {
+    super.heard(event);
+    if (event.isUiEvent || this.wrapping) return;
+    this.wrapping = setTimeout(() => {
+      this.wrapping = 0;
+      if (!this.inner.isDragging()) this.wrap();
+    }, 0);
   }
 
   /** Give the program another name, without telling that it has changed. */

@@ -89,6 +89,7 @@ class Writer {
         inputs: this.inputs({ IF: one.condition }, { THEN: one.then, ELSE: one.otherwise }),
       };
       case "while": return { type: "kg_while", inputs: this.inputs({ IF: one.condition }, { DO: one.body }) };
+      case "forever": return { type: "kg_forever", inputs: this.inputs({}, { DO: one.body }) };
       case "repeat": return { type: "kg_repeat", inputs: this.inputs({ TIMES: one.times }, { DO: one.body }) };
       case "for": return this.loop(one);
       case "break": return { type: "kg_break" };

@@ -1,0 +1,251 @@
+"""What stops when: the time from an event to the zero velocity that the robot gets, over ROS 1 and DDS.
+
+    python -m benchmarks.stopping [--repeats N] [--seconds S]
+
+A command line (`kg robot do`), a program (`kg robot run`) or a page (`kg serve`) drives a robot in a process of its
+own; then something happens. A row has the least and the greatest seconds, or `never` if no zero came in `--seconds`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import queue
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import httpx
+
+ROOT: Final = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from ports import own_port  # noqa: E402 - what tests share is found by the line above
+from robot.driving import drivable  # noqa: E402 - as above
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+TOKEN: Final = "token-of-a-benchmark"  # noqa: S105 - it guards nothing
+DO: Final = ("do", "drivingAtVelocity", "forward=0.5", "--for", "600")
+RUN: Final = ("run", "endless.kgp")
+PROGRAM: Final = "repeat 9 times\n  move at a velocity  forward: 0.5 m/s for 10 min\nend\n"
+START: Final = 40.0
+"""Seconds until a robot that is driven moves."""
+
+
+class Robot:
+    """A robot in a process of its own, and the velocities that it gets as they come."""
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        self.address = _line(process)
+        self._lines: queue.Queue[tuple[float, str]] = queue.Queue()
+        self._stdout = process.stdout or ()
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self) -> None:
+        for line in self._stdout:
+            self._lines.put((time.monotonic(), line.strip()))
+
+    def until(self, wanted: str, seconds: float) -> float | None:
+        """Return when a line came, None when it did not within so many seconds."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            try:
+                at, line = self._lines.get(timeout=left)
+            except queue.Empty:
+                return None
+            if line == wanted:
+                return at
+        return None
+
+
+def _line(process: subprocess.Popen[str]) -> str:
+    """Return the first line that a process prints."""
+    return process.stdout.readline().strip() if process.stdout else ""
+
+
+@contextmanager
+def robot(ros: int) -> Iterator[tuple[Robot, subprocess.Popen[str] | None]]:
+    """Run a robot; over ROS 1 with a master in a process of its own, which is given too."""
+    with ExitStack() as stack:
+        master = None
+        if ros == 1:
+            master = stack.enter_context(_process(["-c", MASTER]))
+            address = _line(master)
+        else:
+            from robot.dds.domain import domain  # noqa: PLC0415 - needs an extra
+
+            address = f"dds://{stack.enter_context(domain())}?settle=1"
+        made = stack.enter_context(_process([str(drivable.__file__), address]))
+        yield Robot(made), master
+
+
+MASTER: Final = """
+import asyncio, sys
+from kg.robot.ros1 import Master
+async def main():
+    async with Master() as master:
+        print(master.address, flush=True)
+        await asyncio.to_thread(sys.stdin.read)
+asyncio.run(main())
+"""
+
+
+@contextmanager
+def _process(arguments: list[str], folder: str | None = None, **environment: str) -> Iterator[subprocess.Popen[str]]:
+    """Run Python in a group of processes of its own, which is killed at the end."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
+    paths = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
+    with subprocess.Popen(
+        [sys.executable, *arguments],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=folder,
+        env={**kept, "PYTHONPATH": paths, **environment}, start_new_session=True,
+    ) as process:  # fmt: skip
+        try:
+            yield process
+        finally:
+            for number in (signal.SIGCONT, signal.SIGKILL):
+                _group(process, number)
+
+
+def _group(process: subprocess.Popen[str], number: signal.Signals) -> None:
+    """Send a signal to a process and its children, its watchdog among them."""
+    try:
+        os.killpg(process.pid, number)
+    except ProcessLookupError:
+        return
+
+
+def _with_children(process: subprocess.Popen[str], number: signal.Signals) -> None:
+    """Send a signal to a process and all below it, also those in sessions of their own."""
+    found, waiting = [process.pid], [process.pid]
+    while waiting:
+        above = waiting.pop()
+        children = Path(f"/proc/{above}/task/{above}/children").read_text("utf-8").split()
+        found += map(int, children)
+        waiting += map(int, children)
+    for one in found:
+        os.kill(one, number)
+
+
+EVENTS: Final[dict[str, Callable[[subprocess.Popen[str]], None]]] = {
+    "Ctrl-C (SIGINT)": lambda process: process.send_signal(signal.SIGINT),
+    "Ctrl-Z (SIGTSTP)": lambda process: process.send_signal(signal.SIGTSTP),
+    "killed (SIGKILL)": lambda process: process.kill(),
+    "suspended (SIGSTOP)": lambda process: process.send_signal(signal.SIGSTOP),
+    "machine or network lost": lambda process: _with_children(process, signal.SIGSTOP),
+}
+
+
+def _of_command(command: tuple[str, ...], event: str, seconds: float, ros: int) -> float | None:
+    """Return the seconds from an event of a command to zero."""
+    with tempfile.TemporaryDirectory() as folder, robot(ros) as (found, master):
+        (Path(folder) / "endless.kgp").write_text(PROGRAM, "utf-8")
+        arguments = ["-m", "kg", "robot", *command, "--robot", found.address]
+        with _process(arguments, folder) as process:
+            moving(found)
+            begun = time.monotonic()
+            if event == "master stopped" and master is not None:
+                master.kill()
+            else:
+                EVENTS[event](process)
+            return since(found, begun, seconds)
+
+
+def _of_page(event: str, seconds: float, ros: int) -> float | None:
+    """Return the seconds from an event of a page that drives by hand to zero."""
+    with ExitStack() as stack, tempfile.TemporaryDirectory() as folder, robot(ros) as (found, _):
+        port = stack.enter_context(own_port())
+        arguments = ["-m", "kg", "serve", "--robot", found.address, "--port", str(port)]
+        with _process(arguments, folder, KG_TOKEN=TOKEN) as server, _client(port) as client:
+            with client.stream("GET", "/robot/events") as events:
+                listener = ""
+                lines = events.iter_lines()  # kept: who lets go of it closes the stream
+                for line in lines:
+                    told = json.loads(line.removeprefix("data: ")) if line.startswith("data: ") else {}
+                    listener = told.get("listener", listener)
+                    if listener and client.get("/api/robot").json()["state"] == "connected":
+                        break
+                body = {"listener": listener, "capability": "drivingAtVelocity", "seconds": 60}
+                client.post("/robot/do", json={**body, "arguments": {"forward": 0.5}}).raise_for_status()
+                moving(found)
+                client.post("/robot/here", json={"listener": listener})
+                begun = time.monotonic()
+                if event == "STOP pressed":
+                    client.post("/robot/stop")
+                elif event == "page silent":
+                    return since(found, begun, seconds)
+                elif event == "server killed (SIGKILL)":
+                    server.kill()
+                if event != "page closed":
+                    return since(found, begun, seconds)
+            return since(found, begun, seconds)
+
+
+@contextmanager
+def _client(port: int) -> Iterator[httpx.Client]:
+    """Give a client, once the server answers."""
+    headers = {"Authorization": f"Bearer {TOKEN}"}
+    with httpx.Client(base_url=f"http://127.0.0.1:{port}", headers=headers, timeout=60) as client:
+        end = time.monotonic() + START
+        while True:
+            try:
+                client.get("/api/robot").raise_for_status()
+                break
+            except httpx.HTTPError:
+                if time.monotonic() > end:
+                    raise
+                time.sleep(0.1)
+        yield client
+
+
+def moving(found: Robot) -> None:
+    """Wait until the robot has moved for a moment; TimeoutError when it does not."""
+    for _ in range(5):
+        if found.until("speed 0.5", START) is None:
+            raise TimeoutError("the robot does not move")
+
+
+def since(found: Robot, begun: float, seconds: float) -> float | None:
+    """Return the seconds from `begun` to zero."""
+    at = found.until("speed 0", seconds)
+    return None if at is None else at - begun
+
+
+def main() -> None:
+    """Measure each case, and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--seconds", type=float, default=8.0)
+    given = parser.parse_args()
+    print("| event | driven by | ROS 1 | DDS |\n|---|---|---|---|")
+    commands = [(event, command) for event in (*EVENTS, "master stopped") for command in (DO, RUN)]
+    pages = ("page closed", "page silent", "STOP pressed", "server killed (SIGKILL)")
+    cases: list[tuple[str, str, Callable[[int], float | None]]] = [
+        (event, f"`kg robot {command[0]}`", partial(_of_command, command, event, given.seconds))
+        for event, command in commands
+    ]
+    cases += [(event, "page, by hand", partial(_of_page, event, given.seconds)) for event in pages]
+    for event, name, measure in cases:
+        cells = []
+        for ros in (1, 2):
+            if (event, ros) == ("master stopped", 2):
+                cells.append("no master")
+                continue
+            times = [measure(ros) for _ in range(given.repeats)]
+            known = sorted(one for one in times if one is not None)
+            cells.append(f"{known[0]:.2f} to {known[-1]:.2f} s" if len(known) == len(times) else "never")
+        print(f"| {event} | {name} | {' | '.join(cells)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,108 @@
+"""Results of a study with people, as section 4.3 of the onto-ros paper reports them.
+
+The robot page saves them as CSV: a row for each task that a participant ran a program for. The time of a task goes from
+the end of its description to the last execution of the program.
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from statistics import fmean, stdev
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from kg.errors import Place, UsageError
+from kg.evaluate.exercise_tables import paper_figures
+from kg.evaluate.exercises import exercises
+from kg.evaluate.tables import Table
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kg.evaluate.tables import Cell
+
+__all__ = ["Result", "read", "table"]
+
+_COLUMNS: Final = (
+    *("exercise", "robot", "participants", "time", "attempts", "done", "blocks", "capabilities"),
+    "onto-ros time",
+)
+
+
+class Result(msgspec.Struct, frozen=True, kw_only=True):
+    """A task that a participant solved: seconds of the wall, runs, how the last one ended, and its size."""
+
+    participant: str
+    robot: str
+    exercise: int
+    title: str
+    seconds: float
+    attempts: int
+    ended: str
+    blocks: int
+    capabilities: int
+    program: str = ""
+
+
+def read(path: str) -> list[Result]:
+    """Return the results of a file.
+
+    Raises:
+        UsageError: KG003 for a file that cannot be read, or is none of results.
+    """
+    try:
+        rows = list(csv.DictReader(Path(path).read_text("utf-8").splitlines(keepends=True)))
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "the text is not in UTF-8"
+        raise UsageError("KG003", f"`{path}` cannot be read: {reason}") from error
+    found = []
+    for number, row in enumerate(rows, start=2):
+        try:
+            found.append(msgspec.convert(row, Result, strict=False))
+        except msgspec.ValidationError as error:
+            hint = "Save the results on the robot page: Examples, Study with four tasks."
+            message = f"not a result of a study: {error}"
+            raise UsageError("KG003", message, place=Place(path, number), hint=hint) from error
+    return found
+
+
+def table(results: Sequence[Result]) -> Table:
+    """Return means by exercise and robot, next to the times of the paper."""
+    titles = {one.number: one.title for one in exercises()}
+    groups = sorted({(one.exercise, one.robot) for one in results}, key=lambda one: (one[1] != "office", one[0]))
+    told = paper_figures("exercises")
+    rows: list[tuple[Cell, ...]] = []
+    for exercise, robot in groups:
+        some = [one for one in results if (one.exercise, one.robot) == (exercise, robot)]
+        rows.append((
+            f"{exercise} {titles.get(exercise, some[0].title)}",
+            robot,
+            len({one.participant for one in some}),
+            _times([one.seconds for one in some]),
+            _mean([one.attempts for one in some]),
+            sum(one.ended != "failed" for one in some),
+            _mean([one.blocks for one in some]),
+            _mean([one.capabilities for one in some]),
+            _told(told.get(f"{exercise} {robot}")),
+        ))  # fmt: skip
+    return Table("study", "Tasks solved by participants (onto-ros, section 4.3)", _COLUMNS, tuple(rows))
+
+
+def _told(figures: Mapping[str, float] | None) -> str | None:
+    """Return the time that the paper has for an exercise."""
+    return f"{_clock(figures['seconds'])} ± {_clock(figures['deviation'])}" if figures else None
+
+
+def _mean(numbers: Sequence[int]) -> str:
+    return f"{fmean(numbers):.1f}".removesuffix(".0")
+
+
+def _times(seconds: Sequence[float]) -> str:
+    deviation = f" ± {_clock(stdev(seconds))}" if len(seconds) > 1 else ""
+    return f"{_clock(fmean(seconds))}{deviation}"
+
+
+def _clock(seconds: float) -> str:
+    return f"{int(seconds + 0.5) // 60}:{int(seconds + 0.5) % 60:02}"

@@ -1,0 +1,434 @@
+"""Writes a program as a behaviour tree.
+
+A tree has no statement that leaves a loop or the program. Both become a flag of the blackboard and a failure, which
+goes up to the nodes around the loop, or the program; there the flag turns it into success.
+"""
+
+from __future__ import annotations
+
+import re
+from itertools import count
+from typing import TYPE_CHECKING, Final
+
+from lxml import etree
+
+from kg.errors import RobotError
+from kg.robot.programs.check import check, kinds_of
+from kg.robot.programs.kinds import constant
+from kg.robot.programs.names import AT, Known, takes_place
+from kg.robot.programs.tree import (
+    Binary,
+    Break,
+    Do,
+    For,
+    Forever,
+    If,
+    Log,
+    OnEvent,
+    Parallel,
+    Position,
+    Read,
+    Repeat,
+    Set,
+    Stop,
+    Unary,
+    Variable,
+    Wait,
+    WaitUntil,
+    While,
+    Written,
+)
+from kg.robot.programs.trees.bare import COUNT, OWN, Bare, identifier, reading
+from kg.robot.programs.trees.counting import counted
+from kg.robot.programs.trees.scripts import ScriptError, number, script
+from kg.robot.programs.units import described
+from kg.robot.programs.walk import expressions_of, statements, variables_of
+from kg.robot.programs.write import headline
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from lxml.etree import _Element
+
+    from kg.errors import Place
+    from kg.robot.capability import Capabilities, Capability, Parameter
+    from kg.robot.programs.tree import Expression, Program, Statement
+
+__all__ = ["DURATION", "HINT", "PLACE", "POLL", "STOPPED", "behavior_tree", "port"]
+
+HINT: Final = "_kg"
+"""The attribute with a statement as written."""
+POLL: Final = 50
+"""Milliseconds between two looks at a condition that is waited for."""
+DURATION: Final = "for_seconds"
+"""The port of how long a movement takes."""
+STOPPED: Final = f"{OWN}stopped"
+PLACE: Final = re.compile(r"(-?[0-9.eE+-]+);(-?[0-9.eE+-]+)(?:;(-?[0-9.eE+-]*))?(?:;(-?[0-9.eE+-]*))?")
+"""A place in a port: x;y, x;y;heading or x;y;z;heading."""
+_SLACK: Final = 1e-6
+"""Milliseconds that a time may be off a whole number, as calculations have it."""
+_TYPES: Final = {"number": "double", "integer": "int", "boolean": "bool", "text": "std::string", "list": "std::string"}
+_RESERVED: Final = frozenset({"name", "ID", "_autoremap"})
+
+
+def port(parameter: str) -> str:
+    """Return the name of the port of a parameter; some names are taken by BehaviorTree.CPP."""
+    return f"{parameter}_" if parameter in _RESERVED else parameter
+
+
+def behavior_tree(program: Program, capabilities: Capabilities, *, place: Callable[[str], Place] | None = None) -> str:
+    """Return a program as XML for BehaviorTree.CPP 4.
+
+    `place` tells where a part of the program stands in its file.
+
+    Raises:
+        RobotError: that of the first error of a program that is not sound; KG841 for what no tree can say.
+    """
+    for problem in check(program, capabilities):
+        if problem.severity == "error":
+            where = place(problem.path) if place else None
+            raise RobotError(problem.code, problem.message, place=where, hint=problem.hint)
+    return _Tree(program, capabilities, place).text()
+
+
+def _node(tag: str, /, *children: _Element, **attributes: str) -> _Element:
+    made = etree.Element(tag, attributes)
+    made.extend(children)
+    return made
+
+
+def _flag(name: str, value: str) -> _Element:
+    return _node("Script", code=f"{name} := {value}")
+
+
+def _left(flag: str) -> _Element:
+    """Return what sets a flag and fails, up to the nodes that look at the flag."""
+    return _node("Sequence", _flag(flag, "true"), _node("AlwaysFailure"))
+
+
+def _leavable(flag: str, inner: _Element) -> _Element:
+    """Return nodes that succeed when the inner one does, or fails with the flag set."""
+    guarded = _node("Fallback", inner, _node("ScriptCondition", code=flag))
+    return _node("Sequence", _flag(flag, "false"), guarded)
+
+
+def _milliseconds(seconds: Expression) -> str:
+    always = constant(seconds)
+    if always is None:
+        raise ScriptError("a time of a behaviour tree is a number, not a calculation")
+    found = round(always.value * 1000)
+    if abs(found - always.value * 1000) > _SLACK or not 0 < found < 1 << 32:
+        raise ScriptError("a time of a behaviour tree is a whole number of milliseconds")
+    return str(found)
+
+
+class _Tree:
+    """Writes one program."""
+
+    def __init__(self, program: Program, capabilities: Capabilities, place: Callable[[str], Place] | None) -> None:
+        self._program = program
+        self._place = place
+        self._known = Known(capabilities)
+        self._kinds = kinds_of(program, capabilities)
+        self._bare = Bare(self._known, self._kinds)
+        self._used: dict[str, tuple[Capability, bool]] = {}
+        self._logs = False
+        self._numbers = count(1)
+        self._names: dict[str, str] = {}
+        self._loops: list[str] = []
+
+    def text(self) -> str:
+        """Return the XML."""
+        every = list(statements(self._program.body))
+        for path, one in every:
+            self._at(path, lambda one=one: self._name_variables(one))  # type: ignore[misc] # of this turn
+        body = self._body(self._program.body, "/body")
+        if any(isinstance(one, Stop) for _, one in every):
+            body = _leavable(STOPPED, body)
+        if self._program.seconds is not None:
+            limit = Written(value=self._program.seconds)
+            body = _node("Timeout", body, msec=self._at("/seconds", lambda: _milliseconds(limit)))
+        name = "".join(char if char.isalnum() else "_" for char in self._program.name).strip("_")
+        name = name if name and name.lower() != "root" and name not in self._used else f"{name}_program".strip("_")
+        tree = _node("BehaviorTree", body, ID=name)
+        self._note(tree, self._program.name, self._program.comment, "")
+        root = _node("root", tree, self._models(), BTCPP_format="4", main_tree_to_execute=name)
+        etree.indent(root)
+        return etree.tostring(root, encoding="unicode", xml_declaration=False) + "\n"
+
+    def _at(self, path: str, make: Callable[[], str]) -> str:
+        try:
+            return make()
+        except ScriptError as error:
+            raise self._refused(str(error), path) from error
+
+    def _refused(self, message: str, path: str) -> RobotError:
+        place = self._place(path) if self._place else None
+        return RobotError("KG841", f"no behaviour tree says this: {message}", place=place)
+
+    def _note(self, node: _Element, hint: str, comment: str, path: str) -> None:
+        try:
+            node.set(HINT, hint)
+            if comment:
+                node.set("_description", comment)
+        except ValueError as error:
+            raise self._refused("XML has no such characters", path) from error
+
+    def _body(self, body: tuple[Statement, ...], path: str) -> _Element:
+        if not body:
+            return _node("AlwaysSuccess")
+        return _node("Sequence", *(self._statement(one, f"{path}/{number}") for number, one in enumerate(body)))
+
+    def _statement(self, statement: Statement, path: str) -> _Element:
+        try:
+            made = self._made(statement, path)
+        except ScriptError as error:
+            raise self._refused(str(error), path) from error
+        except ValueError as error:
+            raise self._refused("XML has no such characters", path) from error
+        self._note(made, headline(statement), statement.comment, path)
+        return made
+
+    def _made(self, statement: Statement, path: str) -> _Element:
+        bare = self._bare.head(statement)
+        match bare:
+            case Do():
+                return self._do(bare)
+            case Set():
+                return self._set(bare)
+            case If():
+                branches = self._body(bare.then, f"{path}/then"), self._body(bare.otherwise, f"{path}/otherwise")
+                return _node("IfThenElse", self._condition(bare.condition), *branches)
+            case While() | Forever() | Repeat() | For():
+                return self._loop(bare, path)
+            case Break():
+                return _left(self._loops[-1])
+            case Stop():
+                return _left(STOPPED)
+            case Wait():
+                return _node("Sleep", msec=_milliseconds(bare.seconds))
+            case WaitUntil():
+                return self._wait_until(bare, path)
+            case Parallel():
+                if not bare.branches:
+                    raise ScriptError("nothing to do at the same time")
+                parts = [self._body(one, f"{path}/branches/{number}") for number, one in enumerate(bare.branches)]
+                return _node("Parallel", *parts, success_count="-1", failure_count="1")
+            case OnEvent():
+                return self._on_event(bare, path)
+            case Log():
+                return self._log(bare, statement)
+
+    def _name_variables(self, statement: Statement) -> str:
+        """Note the names of the variables of a statement in the tree; ScriptError when others have one of them."""
+        used = [name for _, one in expressions_of(statement) for name in variables_of(one)]
+        for name in [*used, *([statement.variable] if isinstance(statement, Set | For) else [])]:
+            made = identifier(name)
+            if self._names.setdefault(made, name) != name or made.startswith(OWN) or made.lower() in {"true", "false"}:
+                raise ScriptError(f"the variable `{name}` needs a name of its own, of letters, digits and `_`")
+        return ""
+
+    def _reading(self, expressions: Iterable[Expression], node: _Element, *before: _Element) -> _Element:
+        """Return nodes that read what expressions need, then do something."""
+        found: dict[str, dict[str, str]] = {}
+        for expression in expressions:
+            for capability, parameter in _read_by(expression):
+                name = reading(capability, parameter)
+                if name in self._names:
+                    raise ScriptError(f"the variable `{name}` has the name of a reading")
+                found.setdefault(capability, {})[port(parameter)] = f"{{{name}}}"
+                self._use(self._known.read(capability), done=False)
+        reads = [_node(capability, **ports) for capability, ports in found.items()]
+        return _node("Sequence", *reads, *before, node) if reads or before else node
+
+    def _use(self, capability: Capability, *, done: bool) -> None:
+        if self._used.setdefault(capability.name, (capability, done))[1] is not done:
+            raise ScriptError(f"`{capability.name}` is something to do and to sense")
+
+    def _condition(self, condition: Expression) -> _Element:
+        return self._reading([condition], _node("ScriptCondition", code=script(condition)))
+
+    def _set(self, statement: Set) -> _Element:
+        name, value = statement.variable, statement.value
+        if isinstance(value, Read):
+            self._use(self._known.read(value.capability), done=False)
+            return _node(value.capability, **{port(value.parameter): f"{{{name}}}"})
+        code = f"'{_place(value)}'" if isinstance(value, Position) else script(value)
+        if isinstance(value, Written) and isinstance(value.value, str) and PLACE.fullmatch(value.value):
+            raise ScriptError(f"the text {value.value!r} would be a place")
+        return self._reading([value], _node("Script", code=f"{name} := {code}"))
+
+    def _do(self, statement: Do) -> _Element:
+        capability = self._known.write(statement.capability)
+        self._use(capability, done=True)
+        ports, before = {}, []
+        needed: list[Expression] = []
+        for name, value in statement.arguments.items():
+            given, scripted = self._given(capability.name, name, value)
+            ports[port(name)] = given
+            before += scripted
+            needed += [value] if scripted or isinstance(value, Read) else []
+            if takes_place(capability, name) and not isinstance(value, Position | Variable):
+                raise ScriptError("a place is written out, or has a name")
+        if statement.seconds is not None:
+            ports[DURATION], scripted = self._given(capability.name, DURATION, statement.seconds)
+            before += scripted
+            needed += [statement.seconds]
+        node = _node(capability.name, **ports)
+        if statement.within is not None:
+            node = _node("Timeout", node, msec=_milliseconds(statement.within))
+        return self._reading(needed, node, *before)
+
+    @staticmethod
+    def _given(capability: str, name: str, value: Expression) -> tuple[str, list[_Element]]:
+        """Return what a port is given, and the script that computes it before."""
+        match value:
+            case Written(value=bool() as truth):
+                return ("true" if truth else "false"), []
+            case Written(value=str() as text):
+                if text.startswith("{") and text.endswith("}"):
+                    raise ScriptError(f"the text {text!r} would be a variable of the tree")
+                return text, []
+            case Written(value=float() | int() as found):
+                return number(found), []
+            case Position():
+                return _place(value), []
+            case Variable(name=variable):
+                return f"{{{variable}}}", []
+            case Read():
+                return f"{{{reading(value.capability, value.parameter)}}}", []
+        made = f"{OWN}{capability}_{name}"
+        return f"{{{made}}}", [_node("Script", code=f"{made} := {script(value)}")]
+
+    def _log(self, statement: Log, original: Statement) -> _Element:
+        self._logs = True
+        text, value = "", original.message if isinstance(original, Log) else statement.message
+        match statement.message:
+            case Written(value=str() as text):
+                return _node("Log", message=self._given("log", "message", Written(value=text))[0])
+            case Binary(operator="+", left=Written(value=str() as text)) if isinstance(value, Binary):
+                value, bare = value.right, statement.message.right
+                ports = {"message": self._given("log", "message", Written(value=text))[0]}
+            case bare:
+                ports = {}
+        if isinstance(bare, Written) and isinstance(bare.value, str):
+            raise ScriptError("a text behind a text")
+        ports["value"], before = self._given("log", "value", bare)
+        if dimension := self._kinds.of(value, "").dimension:
+            ports["unit"] = described(dimension)
+        return self._reading([bare], _node("Log", **ports), *before)
+
+    def _loop(self, statement: While | Forever | Repeat | For, path: str) -> _Element:
+        flag = f"{OWN}left_{next(self._numbers)}"
+        self._loops.append(flag)
+        body = self._body(statement.body, f"{path}/body")
+        self._loops.pop()
+        leaves = any(str(one.get("code")).startswith(f"{flag} :=") for one in body.iter("Script"))
+        before: list[_Element] = []
+        match statement:
+            case While():
+                turn = _node("IfThenElse", self._condition(statement.condition), body, _left(flag))
+                return _leavable(flag, _node("KeepRunningUntilFailure", turn))
+            case Forever():
+                made = _node("KeepRunningUntilFailure", body)
+            case Repeat():
+                times, before = self._given("repeat", "times", statement.times)
+                made = _node("Repeat", body, num_cycles=times)
+            case For():
+                made = _node("LoopDouble", body, queue=_queue(statement), value=f"{{{statement.variable}}}")
+        made = _leavable(flag, made) if leaves else made
+        needed = [statement.times] if isinstance(statement, Repeat) else []
+        return self._reading(needed, made, *before)
+
+    def _wait_until(self, statement: WaitUntil, path: str) -> _Element:
+        poll = _node("Delay", self._condition(statement.condition), delay_msec=str(POLL))
+        made = _node("RetryUntilSuccessful", poll, num_attempts="-1")
+        if statement.seconds is not None:
+            made = _node("Timeout", made, msec=_milliseconds(statement.seconds))
+        if statement.otherwise is None:
+            return made
+        return _node("Fallback", made, self._body(statement.otherwise, f"{path}/otherwise"))
+
+    def _on_event(self, statement: OnEvent, path: str) -> _Element:
+        if not statement.end:
+            raise ScriptError("`whenever` has no node; `as soon as` has")
+        flag = f"{OWN}event_{next(self._numbers)}"
+        happens = _node("Sequence", self._condition(statement.condition), _flag(flag, "true"))
+        watched = _node("ReactiveFallback", happens, self._body(statement.body, f"{path}/body"))
+        then = self._body(statement.then, f"{path}/then")
+        after = _node("IfThenElse", _node("ScriptCondition", code=flag), then, _node("AlwaysSuccess"))
+        return _node("Sequence", _flag(flag, "false"), watched, after)
+
+    def _models(self) -> _Element:
+        models = _node("TreeNodesModel")
+        for capability, done in sorted(self._used.values(), key=lambda one: one[0].name):
+            model = _node("Action", ID=capability.name)
+            for parameter in capability.parameters:
+                model.append(_model_port("input_port" if done else "output_port", parameter))
+                if parameter.type == "list" and not done:
+                    text = f"how many there are: {parameter.label}"
+                    model.append(_described("output_port", f"{COUNT}{parameter.name}", "int", text))
+            if done and takes_place(capability, AT):
+                model.append(
+                    _described("input_port", AT, "std::string", "a place as x;y, x;y;heading or x;y;z;heading")
+                )
+            if done:
+                model.append(_described("input_port", DURATION, "double", "how long a movement takes, in s"))
+            models.append(model)
+        if self._logs:
+            log = _node("Action", ID="Log")
+            log.append(_described("input_port", "message", "std::string", "what is told"))
+            log.append(_described("input_port", "value", "BT::AnyTypeAllowed", "a value told behind it"))
+            log.append(_described("input_port", "unit", "std::string", "the unit of the value"))
+            models.append(log)
+        return models
+
+
+def _read_by(expression: Expression) -> Iterator[tuple[str, str]]:
+    """Yield the capabilities and parameters that an expression reads; of a list that is counted, only its length."""
+    match expression:
+        case Read(capability=capability, parameter=parameter):
+            yield capability, parameter
+        case Unary(operator="count", of=Read(capability=capability, parameter=parameter)):
+            yield capability, f"{COUNT}{parameter}"
+        case Unary(of=of):
+            yield from _read_by(of)
+        case Binary(left=left, right=right):
+            yield from (*_read_by(left), *_read_by(right))
+
+
+def _model_port(tag: str, parameter: Parameter) -> _Element:
+    unit = f", in {parameter.unit}" if parameter.unit else ""
+    made = _described(tag, port(parameter.name), _TYPES[parameter.type], f"{parameter.label}{unit}")
+    if parameter.default is not None and tag == "input_port":
+        default = parameter.default
+        texts = {True: "true", False: "false"}
+        made.set("default", texts[default] if isinstance(default, bool) else str(default))
+    return made
+
+
+def _described(tag: str, name: str, kind: str, text: str) -> _Element:
+    made = _node(tag, name=name, type=kind)
+    made.text = text
+    return made
+
+
+def _place(place: Position) -> str:
+    """Return a place as a port has it; ScriptError for one that is computed."""
+    parts = place.parts()
+    names = ("x", "y", "z", "heading") if "z" in parts else ("x", "y", "heading")
+    found = []
+    for name in names:
+        part = parts.get(name)
+        always = constant(part)
+        if part is not None and always is None:
+            raise ScriptError("a place of a behaviour tree is written in numbers, not computed")
+        found.append("" if always is None else number(always.value))
+    return ";".join(found).rstrip(";") if "z" not in parts else ";".join(found)
+
+
+def _queue(statement: For) -> str:
+    numbers = counted(statement)
+    if numbers is None:
+        raise ScriptError("a loop of a behaviour tree counts from number to number, and has no lists")
+    return ";".join(number(one) for one in numbers)

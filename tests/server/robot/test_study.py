@@ -1,0 +1,52 @@
+"""The study on the robot page: tasks, clock, attempts, and results as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import TYPE_CHECKING
+
+from robotpage import needs_blocks, said, visited, wrote
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from browsing import Chromium, Visit
+
+
+@needs_blocks
+def test_a_study_gives_results(browser: Chromium, robot_site: str, tmp_path: Path) -> None:
+    """The clock starts when the task was read; each run counts; what is saved has the program and its size."""
+    kept = tmp_path / "study.csv"
+
+    async def study(visit: Visit) -> tuple[str, str]:
+        page = visit.page
+        await page.locator("#examples").click()
+        await page.locator("#study").click()
+        await page.get_by_label("Participant").fill('Ada "A"')
+        await page.get_by_role("button", name="Start", exact=True).click()
+        task = await said(page, "#study-task", "^1")
+        await page.locator("#study-read").click()
+        await said(page, "#study-clock", "0 attempts")
+        await wrote(page, 'log "one"\nwait 10 ms\n')
+        for attempts in ("1 attempt", "2 attempts"):
+            await page.locator("#run:not([disabled])").click()
+            await said(page, "#study-clock", attempts)
+        await said(page, "#log", "is done.*is done")
+        await page.locator("#study-next").click()
+        second = await said(page, "#study-task", "^2")
+        await page.locator("#study-end").click()
+        async with page.expect_download() as saved:
+            await page.get_by_role("link", name="Save results as CSV").click()
+        await (await saved.value).save_as(kept)
+        return task, second
+
+    task, second = visited(browser, robot_site, study)
+    assert (task, second[:2]) == ("1. Single command: Move to a room.", "2.")
+    (row,) = csv.DictReader(io.StringIO(kept.read_text("utf-8")))
+    assert float(row.pop("seconds")) > 0
+    assert row.pop("program") == 'log "one"\nwait 10 ms\n'
+    assert row == {
+        "participant": 'Ada "A"', "robot": "office", "exercise": "1", "title": "Single command",
+        "attempts": "2", "ended": "done", "blocks": "2", "capabilities": "0",
+    }  # fmt: skip
