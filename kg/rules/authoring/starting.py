@@ -1,4 +1,4 @@
-"""A new rule: a file that runs as it stands, and examples of it that pass."""
+"""A new rule: a file that runs as it is, and examples of it that pass."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def start(name: str, folder: Path, notation: str = "rq") -> tuple[Path, Path]:
     """Write the rule `name` and its examples below `folder`, and return the two files.
 
     Raises:
-        UsageError: KG003 for a name that is not `family/name`, a notation there is not, a rule that exists, and a
+        UsageError: KG003 for a name that is not `family/name`, an unknown notation, a rule that exists, and a
             folder that cannot be written.
     """
     ending = _ending(notation)

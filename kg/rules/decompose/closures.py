@@ -46,7 +46,7 @@ class Walk:
     def along(self, part: Part, start: Pattern, steps: Steps, end: Pattern) -> Part | None:
         """Return a part with steps from one term to another behind it; None if no atoms say that.
 
-        `part.subjects` are the variables that are no literals, those bound before the part among them.
+        `part.subjects` are the variables that are not literals, those bound before the part among them.
         """
         here = start
         for number, step in enumerate(steps, 1):
@@ -123,7 +123,7 @@ def _may_begin_at_literal(step: Step) -> bool:
 
 
 def _is_resource(end: Pattern, part: Part) -> bool:
-    """Tell whether what stands at an end is certainly no literal and no triple term."""
+    """Return whether what is at an end is certainly no literal and no triple term."""
     if isinstance(end, Variable):
         return end in part.subjects
     return not isinstance(end, Literal | Triple | TripleTerm)

@@ -80,12 +80,12 @@ class _Inquiry:
         return Attempt(rule, _named(chosen), _facts(before, chosen), element, text, others, deeper)
 
     def _worth_following(self, rule: Rule, before: Sequence[Element], missing: Triple) -> bool:
-        """Tell whether rules could derive a premise, and it is not the first of a rule that fits every property."""
+        """Return whether rules could derive a premise, and it is not the first of a rule that fits every property."""
         general = any(isinstance(atom.predicate, Variable) for atom in rule.head)
         return (bool(before) or not general) and any(True for _ in heads(self.rules, missing))
 
     def _blocking(self, element: Exists, solution: Mapping[str, Term]) -> Iterator[str]:
-        """Say which facts are there that must not be."""
+        """Return which facts exist that must not."""
         for inner in self.view.solutions(element.body, bound_by(element.body), solution, 1):
             for fact in _facts(element.body, inner):
                 yield f"there is {self.view.sentence(fact)}"
@@ -134,7 +134,7 @@ def _ordered(body: Sequence[Element], bindings: Mapping[str, Term]) -> list[Elem
 
 
 def _ready(element: Element, waiting: Sequence[Element], known: set[Variable]) -> bool:
-    """Tell whether nothing that stands before an element and is still waiting binds what it needs."""
+    """Return whether nothing that is before an element and is still waiting binds what it needs."""
     if isinstance(element, Atom | Values | Aggregate):
         return True
     before = waiting[: waiting.index(element)]

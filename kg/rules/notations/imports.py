@@ -24,7 +24,7 @@ __all__ = ["imported"]
 def imported(unit: RuleUnit, path: Path, text: str) -> Iterator[tuple[Path, str, RuleUnit]]:
     """Yield path, text and tree of each rule set that a rule set imports, also through others; cycles end.
 
-    Raises RuleError: KG208 for an import that is no file here, KG201 for one that does not parse.
+    Raises RuleError: KG208 for an import that is not a file here, KG201 for one that does not parse.
     """
     seen = {path.resolve()}
     waiting = [(unit, path, text)]

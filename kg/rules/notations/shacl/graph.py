@@ -23,7 +23,7 @@ __all__ = ["ShapesGraph"]
 
 
 class ShapesGraph:
-    """The triples of one file; `path` is what errors name."""
+    """The triples of one file; `path` is the path in errors."""
 
     def __init__(self, text: str, path: str) -> None:
         """Raise `RuleError` KG201 when the text is not Turtle or has a name that SHACL does not know."""
@@ -85,7 +85,7 @@ class ShapesGraph:
         return value
 
     def flag(self, node: Term, name: str) -> bool:
-        """Tell whether a property of SHACL is `true`; KG201 when it is no boolean."""
+        """Return whether a property of SHACL is `true`; KG201 when it is not a boolean."""
         value = self.one(node, name)
         if value is None:
             return False
@@ -94,7 +94,7 @@ class ShapesGraph:
         return value.value in {"true", "1"}
 
     def order(self, node: Term) -> float:
-        """Return `sh:order`, 0 without one; KG201 when it is no number."""
+        """Return `sh:order`, 0 without one; KG201 when it is not a number."""
         value = self.one(node, "order")
         try:
             return float(value.value) if isinstance(value, Literal) else 0.0 if value is None else float(str(value))
@@ -116,11 +116,11 @@ class ShapesGraph:
         return found
 
     def is_list(self, node: Term) -> bool:
-        """Tell whether a node is a list."""
+        """Return whether a node is a list."""
         return node == NIL or bool(self.values(node, REST))
 
     def is_instance(self, node: Term, kind: NamedNode) -> bool:
-        """Tell whether a node is a SHACL instance of a class, by rdf:type and rdfs:subClassOf in this file."""
+        """Return whether a node is a SHACL instance of a class, by rdf:type and rdfs:subClassOf in this file."""
         open_classes = self.values(node, TYPE)
         seen: set[Term] = set()
         while open_classes:

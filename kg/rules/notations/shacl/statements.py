@@ -41,7 +41,7 @@ class Statement:
     order: float
 
     def source(self, offset: int) -> int:
-        """Return the offset in the file of what the character at `offset` comes from."""
+        """Return the offset in the file of the character at `offset`."""
         index = bisect_right(self.anchors, (offset, len(self.text) * 1000)) - 1
         return self.anchors[max(index, 0)][1]
 
