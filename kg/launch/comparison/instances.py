@@ -1,4 +1,4 @@
-"""The comparison of one node of a launch file at both sides: its ends, what it is set to, and its remappings."""
+"""The comparison of one node of a launch file at both sides: its ends, its settings, and its remappings."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Instances:
         self._signs: dict[tuple[int, int, int], int] = {}
 
     def changes(self, one: NodeInstance, other: NodeInstance) -> Iterator[Change]:
-        """Yield what differs between two states of a node."""
+        """Yield the differences between two states of a node."""
         owner = other.name, one.name if one.name != other.name else ""
         for kind, say in _TOLD.items():
             values = say(one), say(other)
@@ -63,7 +63,7 @@ class Instances:
         before: Iterable[tuple[str, LaunchParameter]],
         after: Iterable[tuple[str, LaunchParameter]],
     ) -> Iterator[Change]:
-        """Yield what is set at one side only, or to another value; `owner` are the names after and before."""
+        """Yield settings of one side only, or with another value; `owner` are the names after and before."""
         known = [
             {self._renames.neutral(name): self._setting(number, name, each) for name, each in settings}
             for number, settings in enumerate((before, after))
@@ -136,7 +136,7 @@ class Instances:
             yield self._change(Level.END, kind, owner, *sides, str(one.declared.role))
 
     def _lone(self, owner: tuple[str, str], end: InstanceInterface, *, gone: bool) -> Iterator[Change]:
-        """Yield that an end came or went, unless that is told of its node type."""
+        """Yield an end added or removed, unless its node type reports that."""
         role, value = str(end.declared.role), end.declared.type or ""
         if gone and not self._told(Kind.GONE, end, None):
             yield self._change(Level.END, Kind.GONE, owner, self._end_side(0, end, value), None, role)
@@ -144,7 +144,7 @@ class Instances:
             yield self._change(Level.END, Kind.NEW, owner, None, self._end_side(1, end, value), role)
 
     def _told(self, kind: Kind, one: InstanceInterface | None, other: InstanceInterface | None) -> bool:
-        """Tell whether the same is told of the code of the node type."""
+        """Return whether the code of the node type reports the same change."""
         end = one or other
         if end is None or kind is Kind.QOS:
             return False

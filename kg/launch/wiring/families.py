@@ -1,4 +1,4 @@
-"""Which interfaces an instance has of those that its type may have: families, names that take turns, and switches.
+"""The interfaces of an instance among those that its type may have: families, alternative names, and switches.
 
 A name that is the value of a parameter `~/imu{}` stands for as many interfaces as parameters are set whose names fit
 (`imu0`, `imu1`), one of `~/topics[].name` for as many as the list or dictionary `~/topics` has elements, and one of

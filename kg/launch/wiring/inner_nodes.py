@@ -27,7 +27,7 @@ __all__ = ["Inner", "Spelling", "addressed", "filled_defaults", "inner_nodes", "
 
 @dataclass(frozen=True, slots=True)
 class Inner:
-    """A row of the table; its head says what the fields mean."""
+    """A row of the table; its head explains the fields."""
 
     of: tuple[str, ...]
     ros: int
@@ -80,7 +80,7 @@ def inner_nodes(typed: Typed | None) -> tuple[Inner, ...]:
 
 
 def without_inner(node: NodeType, made: Iterable[Inner]) -> NodeType:
-    """Return a node type without what stands in the code of the nodes that it makes."""
+    """Return a node type without what is in the code of the nodes that it makes."""
     rows_of = list(made)
     code = tuple(path for row in rows_of for path in row.code)
     outside = {name for row in rows_of for name in row.outside}
@@ -96,7 +96,7 @@ def without_inner(node: NodeType, made: Iterable[Inner]) -> NodeType:
 def started_inner(row: Inner, maker: StartedNode, place: Place, process: StartedNode | None) -> StartedNode:
     """Return what a node makes as if it were started; `process` is what has the command line, if that is known.
 
-    It shares the container of its maker; who made it stands among its settings as `made-by`.
+    It shares the container of its maker; who made it is among its settings as `made-by`.
     """
     package, _, executable = row.type.partition("/")
     return replace(

@@ -66,7 +66,7 @@ class _Channels:
                     yield min(name, other), max(name, other)
 
     def _both_meant(self, lonely: str, other: str) -> bool:
-        """Tell whether names differ in namespaces alone, and nobody waits for `other`: then both may be meant."""
+        """Return whether names differ in namespaces alone, and nobody waits for `other`: then both may be meant."""
         given = self.ends[lonely] == {0}
         return given and len(self.ends[other]) > 1 and (lonely.endswith(other) or other.endswith(lonely))
 
@@ -75,7 +75,7 @@ class _Channels:
         return not types or not others or not types.isdisjoint(others)
 
     def _lost(self, lonely: str, other: str) -> bool:
-        """Tell whether names that are only related are likely the two ends of one that was renamed.
+        """Return whether names that are only related are likely the two ends of one that was renamed.
 
         Types have to agree; where both names lack an end, and share a namespace, types that share a word will do, since
         messages are renamed with their topics.

@@ -26,7 +26,7 @@ def rows(key: str, kind: type[_Row]) -> tuple[_Row, ...]:
 
 
 def load_rows(path: Path, key: str, kind: type[_Row]) -> tuple[_Row, ...]:
-    """Return rows of a table file; a `UsageError` KG002 names what is wrong with one that cannot be used."""
+    """Return rows of a table file; a `UsageError` KG002 names the problems of one that cannot be used."""
     try:
         return tuple(_row(row, kind) for row in tomllib.loads(path.read_text("utf-8"))[key])
     except (OSError, KeyError, TypeError, ValueError) as error:

@@ -63,7 +63,7 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
 
 
 def _line_of(draft: Draft) -> str | None:
-    """Return the name of what has the command line of a node that has none of its own."""
+    """Return the name of the process with the command line of a node that has none of its own."""
     return draft.process or draft.started.host
 
 
