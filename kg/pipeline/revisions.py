@@ -1,4 +1,4 @@
-"""Stores of commits: what a repository was at a commit, read once and kept in the user's cache.
+"""Stores of commits: a repository at a commit, read once and kept in the user's cache.
 
 The commit is checked out into a folder of its own that borrows the objects of the repository, so that neither its work
 tree nor anything in it is touched; the folder goes when it was read, the store stays for the next time. Nothing is
@@ -44,10 +44,10 @@ Revision: TypeAlias = str
 
 
 def resolve(folder: Path, name: str) -> Revision:
-    """Return the hash of a commit that the repository of `folder` knows by `name`.
+    """Return the hash of the commit `name` in the repository of `folder`.
 
     Raises:
-        SourceError: KG101 where there is no repository or no git, KG104 where it knows no such commit.
+        SourceError: KG101 without a repository or git, KG104 for an unknown commit.
     """
     _top(folder)
     try:

@@ -59,7 +59,7 @@ def glances(
 ) -> Iterator[Glance]:
     """Yield a glance at the rules named, or at all of one's own, and then at each that is saved, without end.
 
-    `wait` is called between two looks. Raises UnknownNameError KG001 for a rule that there is not.
+    `wait` is called between two looks. Raises UnknownNameError KG001 for an unknown rule.
     """
     with _Desk(settings) as desk:
         wanted = {entry.name for entry in choose(desk.library, named)} if named else None

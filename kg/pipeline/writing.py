@@ -1,7 +1,7 @@
 """The graphs of a build on their way into the store.
 
 A source of which little changed is patched: the triples that only its changed packages stated are taken out, the new
-ones put in. Otherwise its graph is written anew, from the cache and, while packages are still being read, from
+ones put in. Otherwise its graph is written again, from the cache and, while packages are still being read, from
 what is ready.
 """
 
@@ -46,7 +46,7 @@ _SMALL: Final = 10
 
 
 class Written(NamedTuple):
-    """What stands in the store about a source itself, as N-Triples, and how many triples its graph has."""
+    """What is in the store about a source itself, as N-Triples, and how many triples its graph has."""
 
     head: str
     quads: int
@@ -80,7 +80,7 @@ class Writing:
         self.triples = 0
 
     def begin(self, changed: list[Source]) -> None:
-        """Decide how each source is written, and empty the graphs of those that are written anew."""
+        """Decide how each source is written, and empty the graphs of those that are written again."""
         self._patched = {source.repository.name for source in changed if self._is_small(source)}
         anew = [source for source in changed if source.repository.name not in self._patched]
         if not anew and self._state.version == self._plan.version:
@@ -143,7 +143,7 @@ class Writing:
             keep_shared(self._transaction, self._iris, contents, {*built, *others})
 
     def _is_small(self, source: Source) -> bool:
-        """Tell whether so little of a source changed that its graph is patched."""
+        """Return whether so little of a source changed that its graph is patched."""
         name = source.repository.name
         earlier = self._state.sources.get(name)
         if earlier is None or name not in self._trusted:

@@ -1,4 +1,4 @@
-"""A generation of a store as an rdflib `Dataset`, so that programs written for rdflib run on it unchanged."""
+"""A generation of a store as an rdflib `Dataset`: programs written for rdflib run on it unchanged."""
 
 from __future__ import annotations
 
