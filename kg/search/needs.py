@@ -69,7 +69,7 @@ _ASIDE: Final = ("side", "purpose", "unwanted")
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
-    """Terms that stand together for what was said, and how much that is worth."""
+    """Terms that are together for what was said, and how much that is worth."""
 
     terms: tuple[str, ...]
     weight: float
@@ -151,7 +151,7 @@ def parse(text: str, names: Names) -> Need:
 
 
 def _strict(text: str, names: Names) -> tuple[list[Wish], str]:
-    """Return the wishes that are said as filters, and the text without what is no word to look for."""
+    """Return the wishes that are said as filters, and the text without what is not a word to look for."""
     found: list[Wish] = []
     for match in _EXPLICIT.finditer(text):
         kind, at = _ROLES[match["role"]], match
@@ -210,7 +210,7 @@ def _weighed(text: str) -> list[_Token]:
 
 
 def _tokens(name: str) -> list[_Token]:
-    """Return the tokens of what stands between two spaces."""
+    """Return the tokens of what is between two spaces."""
     whole = next(iter(joined(name)), None)
     return [_Token(stem(word), word, whole=whole, typed=name.strip("\"'.,;:!?()")) for word in words(name)]
 
@@ -296,7 +296,7 @@ def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
 
 
 def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
-    """Return the direction of what stands at a place: by what follows at once, else by the nearest word before."""
+    """Return the direction of what is at a place: by what follows at once, else by the nearest word before."""
     cues = _cues()
     if end < len(tokens) and tokens[end].word in {"as", "into", "to"}:
         return _IN

@@ -44,14 +44,14 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Steps of which each takes what the one before gives; `cost` counts what stands between two steps too."""
+    """Steps of which each takes what the one before gives; `cost` counts what is between two steps too."""
 
     cost: int
     steps: tuple[Step, ...]
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """What puts chains of the same cost in order."""
+        """Order of chains of the same cost."""
         return tuple(step.key for step in self.steps)
 
 
@@ -74,7 +74,7 @@ _Waiting: TypeAlias = "list[tuple[int, tuple[str, ...], int, int | None, _Path]]
 
 @dataclass(slots=True)
 class Search:
-    """What is searched: chains of at most `length` steps from one of `starts` to one of `goals`.
+    """A search: chains of at most `length` steps from one of `starts` to one of `goals`.
 
     `steps` are all steps by the type they take. A chain must have all bits of `wanted`; `start_marks` are those of the
     types it may begin with. `between` is what it costs to put one step behind another, nothing at least. No family
