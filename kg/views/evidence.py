@@ -1,4 +1,4 @@
-"""Where facts stand in the sources, as faces can open it: the file, an editor at the line, the page of the commit."""
+"""Where facts are in the sources, as faces can open it: the file, an editor at the line, the page of the commit."""
 
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ class Places:
         return cls(known, Lines({name: one.root for name, one in known.items() if one.root}))
 
     def evidence(self, repository: str, location: Location) -> dict[str, Any]:
-        """Return a place for faces; `location` may name another repository than the one that it is told of.
+        """Return a place for interfaces; `location` may name another repository than that of the fact.
 
         The keys are `repository`, `commit`, `path`, `line` (from one, None where only the file is known), `file` (its
-        absolute path where it stands on this machine), `vscode` and `web` (addresses that open it); each of the last
+        absolute path where it is on this machine), `vscode` and `web` (addresses that open it); each of the last
         three is None where there is none.
         """
         name, line = location.repository or repository, location.line or None
@@ -65,7 +65,7 @@ class Places:
         }
 
     def file(self, repository: str, location: Location) -> Path | None:
-        """Return the file of a place, where its source stands on this machine and has it: no path leads out of it."""
+        """Return the file of a place, where its source is on this machine and has it: no path leads out of it."""
         source = self.sources.get(location.repository or repository)
         path = PurePath(location.path)
         inside = not path.is_absolute() and ".." not in path.parts
@@ -91,7 +91,7 @@ class Places:
         return found[0] if len(found) == 1 else None
 
     def text(self, repository: str, location: Location) -> str | None:
-        """Return the line of the file as it stands there now; None when it is not to be had."""
+        """Return the line of the file as it is there now; None when it is not to be had."""
         place = Evidence(location.path, location.line, location.repository or repository)
         return self._lines.at(place, location.line or None)
 

@@ -1,4 +1,4 @@
-"""Search: nodes by what they do, need and are wired to, with the reasons and the lines that show them."""
+"""Search: nodes by function, needs and wiring, with the reasons and their lines."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def find(
     `evidence` of the node, and in each of `reasons` an `evidence` or None.
 
     Raises:
-        UsageError: KG003 for a filter that there is none of, or nothing to search for; KG701, KG702, KG703 for a
+        UsageError: KG003 for an unknown filter, or nothing to search for; KG701, KG702, KG703 for a
             value that no node has.
     """
     given = {name: _values(value) for name, value in filters.items() if value.strip()}

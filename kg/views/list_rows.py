@@ -270,7 +270,7 @@ def findings(snapshot: EmbeddedSnapshot, base: str) -> Rows:
 
 
 def _held(snapshot: EmbeddedSnapshot) -> defaultdict[str, dict[str, list[str]]]:
-    """Return the labels of what nodes are for, work with and can do: by IRI of the node, then by list."""
+    """Return the labels of functions, hardware and capabilities: by IRI of the node, then by list."""
     found: defaultdict[str, dict[str, list[str]]] = defaultdict(dict)
     for row in select(snapshot, _HELD):
         labels = found[row["node"].value].setdefault(_CLASSES[row["property"].value], [])

@@ -1,4 +1,4 @@
-"""What views work out once for a snapshot: its content never changes while it is held."""
+"""Values that views compute once for a snapshot: its content never changes while it is held."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def once(
 ) -> Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found]:
     """Return `function`, so that it runs once for a snapshot and other arguments; these can be hashed.
 
-    What it returns is shared, so nobody changes it; it is let go of with the snapshot.
+    The result is shared and must not be changed; it is released with the snapshot.
     """
     return _kept(function, several=True)
 
