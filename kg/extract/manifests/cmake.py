@@ -1,4 +1,4 @@
-"""What the CMakeLists.txt of a package declares."""
+"""Declarations of the CMakeLists.txt of a package."""
 
 from __future__ import annotations
 

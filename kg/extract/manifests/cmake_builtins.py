@@ -60,7 +60,7 @@ def _unset(run: Run, words: list[str]) -> None:
 
 
 def _option(run: Run, words: list[str]) -> None:
-    """An option can be switched by whoever builds, so that it is never certain."""
+    """An option can be switched in each build, so it is never certain."""
     if words and words[0] not in run.scope.variables:
         run.scope.set(words[0], words[2] if len(words) > 2 else "OFF", certain=False)  # noqa: PLR2004  (option(NAME "help" VALUE))
 

@@ -143,7 +143,7 @@ class _Parser:
         return token.text if token.quoted else self.scope.variables.get(token.text, token.text)
 
     def _is_found(self, token: Token) -> bool:
-        """Tell whether an operand is a list of libraries that packages which are looked for export."""
+        """Return whether an operand is a list of libraries that packages which are looked for export."""
         found = self.scope.variables.get("catkin_LIBRARIES")
         return bool(found) and token.text in (found, "catkin_LIBRARIES")
 

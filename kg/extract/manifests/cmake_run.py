@@ -55,7 +55,7 @@ class _Flow(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A macro or function: its parameters, its body and the folder (as `SOURCE` path) of the file it stands in."""
+    """A macro or function: its parameters, its body and the folder (as `SOURCE` path) of the file it is in."""
 
     macro: bool
     parameters: tuple[str, ...]
@@ -135,7 +135,7 @@ class Run:
         return _Flow.NEXT
 
     def _may_go_on(self) -> bool:
-        """Count a statement or a round of a loop; tell whether the work allowed is not used up."""
+        """Count a statement or a round of a loop; return whether the work allowed is not used up."""
         self._work += _STATEMENT
         if self._work > _MOST_WORK:
             self.stopped = self.stopped or self.location
@@ -341,7 +341,7 @@ class CMakeFiles:
 
     @property
     def size(self) -> int:
-        """How many files the package has, which is what a pattern costs."""
+        """Number of files of the package, which is the cost of a pattern."""
         return len(self._entries)
 
     def parse(self, path: str) -> list[Statement] | None:
@@ -363,7 +363,7 @@ class CMakeFiles:
         return path
 
     def exists(self, path: str) -> bool:
-        """Tell whether the source has that file."""
+        """Return whether the source has that file."""
         return path in self._entries or self.reader.workspace.entry(self.reader.file(path)) is not None
 
     def source_file(self, written: str, base: str) -> str | None:

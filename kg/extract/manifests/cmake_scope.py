@@ -40,7 +40,7 @@ def _usable(written: str, text: str) -> re.Pattern[str] | None:
 
 
 def matches(written: str, text: str) -> bool | None:
-    """Tell whether the expression matches somewhere in `text`; None where it is not run."""
+    """Return whether the expression matches somewhere in `text`; None where it is not run."""
     pattern = _usable(written, text)
     return None if pattern is None else pattern.search(text) is not None
 

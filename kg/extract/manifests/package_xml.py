@@ -37,7 +37,7 @@ _DEEPEST: Final = 50
 
 
 def holds(condition: str | None, variables: Mapping[str, str]) -> bool:
-    """Tell whether a condition may hold; a comparison with a variable not in `variables`, or malformed, may."""
+    """Return whether a condition may hold; a comparison with a variable not in `variables`, or malformed, may."""
     if not condition or len(condition) > _MOST_TEXT:
         return True
 
@@ -97,7 +97,7 @@ class Manifest:
 
 
 def read_package_xml(reader: Reader, folder: PackageFolder) -> Manifest:
-    """Return what the manifest of a package says; what it lacks stays empty, what is malformed is a problem."""
+    """Return the manifest of a package; missing parts stay empty, malformed parts are problems."""
     root = _parse(reader, folder.manifest) if folder.manifest else None
     path = folder.manifest or folder.path
     if root is None or folder.manifest is None:
@@ -167,7 +167,7 @@ def _dependencies(root: _Element) -> Iterator[tuple[str | None, Dependency]]:
 
 
 def _exports(root: _Element) -> Iterator[tuple[str | None, Export]]:
-    """Yield what is exported with its conditions."""
+    """Yield the exports with their conditions."""
     for export in _all(root, "export"):
         for element in export:
             if not callable(element.tag):
@@ -176,7 +176,7 @@ def _exports(root: _Element) -> Iterator[tuple[str | None, Export]]:
 
 
 def _under(ros: int, conditional: Iterable[tuple[str | None, _Any]]) -> Iterator[_Any]:
-    """Yield what holds under a version of ROS."""
+    """Yield the elements valid under a version of ROS."""
     variables = {"ROS_VERSION": str(ros)}
     return (value for condition, value in conditional if holds(condition, variables))
 
@@ -229,7 +229,7 @@ def _by_code(reader: Reader, folder: PackageFolder) -> int:
 
 
 def _rosbuild(root: _Element, folder: PackageFolder, path: str) -> Manifest:
-    """Return what a manifest.xml says (wiki.ros.org/Manifest)."""
+    """Return the content of a manifest.xml (wiki.ros.org/Manifest)."""
     depends = tuple(
         Dependency(str(name), "depend", line_of(element))
         for element in _all(root, "depend")

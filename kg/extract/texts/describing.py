@@ -138,7 +138,7 @@ def _blank(match: re.Match[str]) -> str:
 
 
 def _is_description(text: str) -> bool:
-    """Tell whether a manifest says something; two words do, for they stand where a description is asked for."""
+    """Return whether a manifest says something; two words do, for they are where a description is asked for."""
     return not _EMPTY.search(text) and is_prose(f"It gives you {text}")
 
 

@@ -110,7 +110,7 @@ def _concerns(data: bytes, package: PackageFolder, names: Names) -> bool:
 
 
 def _is_main(file: FilePath, package: PackageFolder) -> bool:
-    """Tell whether a page is the README of its package, or the first page of its documentation."""
+    """Return whether a page is the README of its package, or the first page of its documentation."""
     folder = posixpath.dirname(file.path)
     near = folder in {"", package.path} or posixpath.basename(folder).lower() in _FOLDERS
     return near and _MAIN.match(posixpath.basename(file.path)) is not None

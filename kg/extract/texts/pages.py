@@ -75,7 +75,7 @@ class _Value:
 
 
 def is_wiki(text: str) -> bool:
-    """Tell whether a text is a page of the ROS wiki."""
+    """Return whether a text is a page of the ROS wiki."""
     return _BEGIN.search(text) is not None or "<<PackageHeader(" in text or "<<StackHeader(" in text
 
 
@@ -305,7 +305,7 @@ def read_page(text: str, *, rst: bool = False) -> tuple[Block, ...]:
 
 
 def _skipped(page: _Page, line: str) -> bool:
-    """Tell whether a line belongs to code, a directive or a definition, and keep in mind where these end."""
+    """Return whether a line belongs to code, a directive or a definition, and keep in mind where these end."""
     start = line.lstrip()[:1]
     fence = _FENCE.match(line) if start in "`~" else None
     if page.fence:

@@ -100,7 +100,7 @@ class Comments:
             self.header.extend(self._paragraphs(block))
 
     def _blocks(self) -> list[_Block]:
-        """Return the comments that stand alone on their lines; neighbouring line comments are one."""
+        """Return the comments that are alone on their lines; neighbouring line comments are one."""
         text = self._text
         found: list[_Block] = []
         line, counted = 1, 0
@@ -131,7 +131,7 @@ def read_comments(text: str) -> Comments:
 
 
 def _begins_line(text: str, start: int) -> bool:
-    """Tell whether only white space stands before a place in its line, of which so much is looked at."""
+    """Return whether only white space is before a place in its line, of which so much is looked at."""
     nearest = max(0, start - _DEEPEST_INDENTATION)
     before = text.rfind("\n", nearest, start)
     return (before >= 0 or nearest == 0) and not text[before + 1 : start].strip()
@@ -328,7 +328,7 @@ def _made(node: NodeType) -> list[str]:
 
 
 def _is_own(sources: _Sources, node: NodeType, path: str) -> bool:
-    """Tell whether the header of a file is about a node: it begins there, or the file has its name."""
+    """Return whether the header of a file is about a node: it begins there, or the file has its name."""
     if sources.uses[path] > _MOST_NODES:
         return False
     methods = node.plugin is not None and path in node.sources
@@ -346,7 +346,7 @@ def _is_class_of(sources: _Sources, node: NodeType, name: str, main: str) -> boo
 
 
 def _alike(name: str, node: NodeType) -> bool:
-    """Tell whether a class or file has the name of a node, but for words as `node` and `ros`."""
+    """Return whether a class or file has the name of a node, but for words as `node` and `ros`."""
     names = {one for one in (node.name, node.executable, node.node_name, last_part(node.plugin or "")) if one}
     return _core(name) in {_core(one.removesuffix(".py")) for one in names}
 
