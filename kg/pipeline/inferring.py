@@ -168,7 +168,7 @@ def note_run(cache: Path, run: LastRun) -> None:
 
 
 def unchanged(settings: Settings, layout: Layout) -> LastRun | None:
-    """Return the last run where neither the store nor a rule has changed since, so that another one would do nothing.
+    """Return the last run if neither the store nor a rule has changed since: another one would do nothing.
 
     Raises as `digest`.
     """
@@ -214,7 +214,7 @@ def _in_force(settings: Settings, problems: list[KgError] | None) -> bytes:
 
 
 class Inference:
-    """The rules in force, run inside a transaction; `remember` when it is committed, so that the next run is short.
+    """The rules in force, run inside a transaction; `remember` after the commit makes the next run short.
 
     A long-running process can run them repeatedly, in one transaction after the other. `digest` is that of the
     rules that ran, empty before, and where some could not.

@@ -24,7 +24,7 @@ _BYTES: Final = 16
 
 
 class State(NamedTuple):
-    """A file as its folder tells it; times in nanoseconds. Whatever changes a file sets the time `changed`."""
+    """A file by its entry in the folder; times in nanoseconds. Whatever changes a file sets the time `changed`."""
 
     path: str
     number: int

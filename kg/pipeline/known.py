@@ -30,7 +30,7 @@ def known_as(
     names: list[NodeName] = []
     for _, several in groupby(ordered, key=lambda one: one.node.name):
         same = list(several)
-        # A reference names all node types of a name, so that each depends on the others.
+        # A reference names all node types of a name, so each depends on the others.
         marks = " ".join(map(_mark, same))
         for at, one in enumerate(same):
             node, mark = one.node, digest(f"{at} {marks}".encode())

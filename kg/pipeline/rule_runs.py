@@ -117,7 +117,7 @@ def _check_output(output: Path) -> None:
 
 
 def _schema(file: Path) -> Iterator[Triple]:
-    """Yield the axioms of a file; of N-Triples only lines that can be one are parsed. What does not is told later."""
+    """Yield the axioms of a file; of N-Triples only candidate lines are parsed. Other errors are reported later."""
     kind = rdf_format(file)
     plain = kind == RdfFormat.N_TRIPLES
     try:

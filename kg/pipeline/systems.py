@@ -99,7 +99,7 @@ def _catalogue(
 
 
 class _Writing:
-    """Writes graphs of systems in batches, so that the content of few is held at a time; `changed` counts them."""
+    """Writes graphs of systems in batches, which bounds the content held at a time; `changed` counts them."""
 
     def __init__(self, transaction: EmbeddedTransaction, iris: Iris, present: set[str], intact: set[str]) -> None:
         self.changed = 0

@@ -39,7 +39,7 @@ _INTERVAL: Final = 0.2
 
 @dataclass(frozen=True, slots=True)
 class Glance:
-    """What is to be said of some rules: findings, results of their examples, what they would change in the store.
+    """Status of some rules: findings, results of their examples, changes they would make in the store.
 
     `problem` says why there is no difference to be had; `view` names things as the store does.
     """
@@ -112,7 +112,7 @@ class _Desk:
         return self._bench
 
     def look(self, entries: Sequence[Entry], gone: Sequence[str]) -> Glance:
-        """Return what is to be said of some rules."""
+        """Return the status of some rules."""
         begin = time.perf_counter()
         bench = self._open()
         names = [entry.name for entry in entries]

@@ -55,7 +55,7 @@ def groups(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> ND
 
 
 def _join_wrappers(nodes: Sequence[Document], found: list[int]) -> None:
-    """Put a program that only starts a nodelet or component into the group of this.
+    """Put a program that only starts a nodelet or component into its group.
 
     Such a program has all interfaces of the other, from the same lines. Where several might be meant, as those that
     have one base class are, a word that is in no rival's name has to tell which.
@@ -103,7 +103,7 @@ def order(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> NDA
 
 
 def is_main(node: Document, package: PackageDocument, variants: int, others: int) -> bool:
-    """Return whether what is said of a package is said of this node: there are no others, or it has the package's name.
+    """Return whether texts about a package are about this node: it is the only one, or has the package's name.
 
     `variants` nodes are one with it, itself counted, of `others` in the package.
     """

@@ -106,7 +106,7 @@ class Index:
         return len(self.nodes)
 
     def information(self, term: str) -> float:
-        """Return how much it tells that a node has a term: the more, the fewer have it, and most where none has.
+        """Return the information of a term (inverse document frequency): the fewer nodes have it, the more.
 
         A small store counts as one of `_ENOUGH` nodes, for few nodes do not show which words are rare.
         """

@@ -123,7 +123,7 @@ class Need:
 
     @property
     def unknown(self) -> tuple[str, ...]:
-        """The words of the need that no node knows, as they were typed."""
+        """The words of the need that no node has, as they were typed."""
         return tuple(one.text for one in self.wordings if one.unknown)
 
 
@@ -143,7 +143,7 @@ class _Token:
 
 
 def parse(text: str, names: Names) -> Need:
-    """Return what a text asks for; `names` are those that the store knows. Any text gives a need, always the same."""
+    """Parse a text into a need; `names` are those of the store. Any text gives a need, always the same."""
     strict, rest = _strict(text[:_MOST], names)
     tokens = _weighed(rest)
     wishes = [*strict, *_typed(tokens, names), *_classes(tokens, names)]
@@ -249,7 +249,7 @@ def _matches(tokens: Sequence[_Token], known: dict[tuple[str, ...], object]) -> 
 
 
 def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
-    """Yield a wording for every word that tells something, once each, with the synonyms of the phrase it is in."""
+    """Yield a wording for every significant word, once each, with the synonyms of the phrase it is in."""
     seen: set[str] = set()
     said = {token.whole for token in tokens} | {token.stem for token in tokens}
     spans = dict(_matches(tokens, names.synonyms))  # type: ignore[arg-type]  # only the keys are looked at

@@ -66,7 +66,7 @@ def meant(likeness: Floats) -> Floats:
 
 
 def covered(index: Index, need: Need) -> Floats:
-    """Return the share of what the need tells that each node has, from 0 to 1."""
+    """Return the share of the need's information that each node has, from 0 to 1."""
     total = np.zeros(index.size, np.float32)
     for wording in need.wordings:
         total += np.float32(share(index, need, wording)) * wording_scores(index, wording)
@@ -74,7 +74,7 @@ def covered(index: Index, need: Need) -> Floats:
 
 
 def fits(index: Index, need: Need, places: Sequence[int]) -> bool:
-    """Return whether one of the best nodes covers enough of what a need tells (`least` in `ontology/search.toml`).
+    """Return whether one of the best nodes covers enough of a need's information (`least` in `ontology/search.toml`).
 
     What it covers counts less by the share of words that no node knows; unknown names count twice, since a need is
     about what it names. What fulfils a filter for its interface, hardware or function fits, and so does anything where
@@ -88,12 +88,12 @@ def fits(index: Index, need: Need, places: Sequence[int]) -> bool:
 
 
 def share(index: Index, need: Need, wording: Wording) -> float:
-    """Return the share of a wording in what its need tells."""
+    """Return the share of a wording in the information of its need."""
     return _told(index, need, wording) / sum(_told(index, need, one) for one in need.wordings)
 
 
 def _told(index: Index, need: Need, wording: Wording) -> float:
-    """Return what a wording tells; an ordinary word that no node has less than a name that none has."""
+    """Return the information of a wording; of missing ones, an ordinary word has less than a name."""
     if not wording.unknown or wording.name:
         return wording.weight * index.information(_kept(index, wording).terms[0])
     known = [index.information(_kept(index, one).terms[0]) for one in need.wordings if not one.unknown]

@@ -1,4 +1,4 @@
-"""What a search tells about words: what they were taken for, and which name was meant where nothing was found."""
+"""Notes of a search about words: their interpretation, and suggestions if nothing was found."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def understood(need: Need) -> tuple[list[str], list[str]]:
 
 
 def unknown(need: Need) -> list[str]:
-    """Return sentences about the words of the need that no node knows: those without, and those with near spellings."""
+    """Return sentences about the words of the need that no node has: those without, and those with near spellings."""
     strange = [one for one in need.wordings if one.unknown]
     found = []
     for start, words in (

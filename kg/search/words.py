@@ -61,7 +61,7 @@ def _families() -> dict[str, str]:
 
 
 def is_stop(word: str) -> bool:
-    """Return whether a word tells nothing about a node: those of English grammar, and what every node is or has."""
+    """Return whether a word is insignificant: those of English grammar, and those true of every node."""
     return word in lexicon().stop_words
 
 

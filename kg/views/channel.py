@@ -1,4 +1,4 @@
-"""One topic, service or action: who uses it, in launched systems and in code, and whether the ends fit together."""
+"""One topic, service or action: its users in launched systems and in code, and whether the ends are compatible."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ _MOST: Final = 100
 def find(
     snapshot: EmbeddedSnapshot, settings: Settings, text: str = "", limit: str = "20", **filters: str
 ) -> dict[str, Any]:
-    """Return the nodes that `text` asks for and that all `filters` let through (`kg.search.options.FILTERS`).
+    """Return the nodes that match `text` and all `filters` (`kg.search.options.FILTERS`).
 
     Several values of one filter stand apart by commas. `limit` is at most 100. The answer has `text`, `filters`,
     `total`, `only` and `rather` (what the words were taken for, as strict and as loose wishes), `near` (a question

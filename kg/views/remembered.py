@@ -21,7 +21,7 @@ _KNOWN: WeakKeyDictionary[Any, dict[Any, Any]] = WeakKeyDictionary()
 def once(
     function: Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found],
 ) -> Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found]:
-    """Return `function`, so that it runs once for a snapshot and other arguments; these can be hashed.
+    """Cache `function`: it runs once for a snapshot and other arguments, which are hashable.
 
     The result is shared and must not be changed; it is released with the snapshot.
     """
@@ -31,7 +31,7 @@ def once(
 def while_last(
     function: Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found],
 ) -> Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found]:
-    """Return `function`, so that it runs again for other arguments only, as `once` does; what is large is kept so."""
+    """Cache the last result of `function`: it runs again only for other arguments, as `once`; for large results."""
     return _kept(function, several=False)
 
 

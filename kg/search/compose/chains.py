@@ -121,7 +121,7 @@ class Search:
                 self._look(waiting, path, place)
 
     def _look(self, waiting: _Waiting, path: _Path, place: int) -> None:
-        """Let a path grow by its step at a place, and wait for the step behind that."""
+        """Extend a path by its step at a place, and queue it for the step after that."""
         self.looks += 1
         self._wait(waiting, path, place + 1)
         step = self._follow(path)[place][2]
@@ -134,7 +134,7 @@ class Search:
             self._wait(waiting, grown, 0)
 
     def _wait(self, waiting: _Waiting, path: _Path, place: int) -> None:
-        """Let a path wait for its step at a place to be looked at."""
+        """Queue a path for its step at a place."""
         follow = self._follow(path)
         if place < len(follow):
             rest, key, _ = follow[place]

@@ -39,7 +39,7 @@ def purpose(chain: Composed, place: int) -> str:
 
 
 def remarks(chain: Composed, place: int) -> list[str]:
-    """Return what is to be known of a node of a chain, in lines: where its ends stand, and what else it needs."""
+    """Return remarks on a node of a chain, in lines: the places of its ends, and its other needs."""
     node, links = chain.nodes[place], chain.wiring.links
     start, part = node.start, node.part
     found = [

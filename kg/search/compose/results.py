@@ -88,7 +88,7 @@ class Composed:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The best chains; `more` tells that there are others, `cut_off` that the search ended before it had seen all."""
+    """The best chains; `more`: others exist, `cut_off`: the search ended before it had seen all."""
 
     chains: tuple[Composed, ...]
     asked: Asked

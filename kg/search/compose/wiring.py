@@ -64,7 +64,7 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class Wiring:
-    """What a launch file says: `links` has one topic more than there are nodes, the first and the last from outside.
+    """Content of a launch file: `links` has one topic more than nodes, the first and the last from outside.
 
     `host` is the name of what loads classes, None where there are none.
     """
