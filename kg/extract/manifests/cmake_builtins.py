@@ -1,4 +1,4 @@
-"""The commands of CMake that compute: variables, lists, strings, paths, files, and what they pull in."""
+"""The commands of CMake that compute: variables, lists, strings, paths, files, and includes."""
 
 from __future__ import annotations
 
@@ -174,7 +174,7 @@ def _file(run: Run, words: list[str]) -> None:
 
 
 def _configure_file(run: Run, words: list[str]) -> None:
-    """configure_file(template output): remember what the output is made of, in case a target compiles it."""
+    """configure_file(template output): record the template of the output, in case a target compiles it."""
     if len(words) > 1:
         template = run.files.locate(words[0], run.folder)
         folder = run.scope.variables.get("CMAKE_CURRENT_BINARY_DIR", BINARY)

@@ -42,7 +42,7 @@ class Token:
 
 
 def decide(tokens: Sequence[Token], scope: Scope) -> bool | None:
-    """Return whether the condition holds in `scope`; None when that depends on what is not known, or is malformed."""
+    """Return whether the condition holds in `scope`; None if it depends on unknown values, or is malformed."""
     if sum(token.text in {"(", "NOT"} for token in tokens) > _DEEPEST:
         return None
     parser = _Parser(tokens, scope)

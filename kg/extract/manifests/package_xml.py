@@ -90,7 +90,7 @@ _CLIENTS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """A package with what its manifest exports."""
+    """A package with the exports of its manifest."""
 
     package: Package
     exports: tuple[Export, ...] = ()
@@ -142,7 +142,7 @@ def _all(root: _Element, tag: str) -> Iterator[_Element]:
 
 
 def _flat(element: _Element) -> str:
-    """Return the text of an element and what is in it, white space folded."""
+    """Return the text of an element and its children, white space folded."""
     return " ".join("".join(str(part) for part in element.itertext("*")).split())
 
 
@@ -193,7 +193,7 @@ def _build_type(dependencies: tuple[Dependency, ...], exports: tuple[Export, ...
 
 
 def _ros_version(needed: list[tuple[str | None, Dependency]], exported: list[tuple[str | None, Export]]) -> int | None:
-    """Return 2 or 1 by build tool and client libraries; a package for both is one of ROS 2; None when nothing tells."""
+    """Return 2 or 1 by build tool and client libraries; for both it is 2; None if neither shows it."""
     for marks in (_TOOLS, _CLIENTS):
         for ros in (2, 1):
             names = {dependency.name for dependency in _under(ros, needed)}

@@ -42,7 +42,7 @@ _KINDS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class WikiEntry:
-    """What a wiki page documents of a node: a topic, service, action, parameter or transform.
+    """An entry of a node on a wiki page: a topic, service, action, parameter or transform.
 
     `kind` is a role as in `kg nodes --json` (`publishes`, `services`, ...), `parameters`, or `required_transforms`
     and `provided_transforms`, whose `name` is `from -> to`. `type` is as written, None where it is missing.
@@ -58,7 +58,7 @@ class WikiEntry:
 
 @dataclass(frozen=True, slots=True)
 class WikiNode:
-    """A node as a wiki page documents it; `line` is where its name stands, or its block begins."""
+    """A node as a wiki page documents it; `line` is that of its name, or the first of its block."""
 
     name: str | None
     description: str | None
@@ -206,7 +206,7 @@ LONGEST_LINE: Final = 4000
 
 
 class BlockKind(StrEnum):
-    """What a block of a page is."""
+    """The kind of a block of a page."""
 
     HEADING = "heading"
     PARAGRAPH = "paragraph"

@@ -1,4 +1,4 @@
-"""Prose told from everything else that is in comments and pages: licences, code, directives, templates.
+"""Separates prose from the rest of comments and pages: licences, code, directives, templates.
 
 `is_prose` judges one paragraph of plain text. It is a matter of words and signs alone, so it holds for any language
 of man; what it refuses by words is English, as licences and templates are.

@@ -71,7 +71,7 @@ def is_interface(heading: str) -> bool:
 
 @lru_cache(_REMEMBERED)
 def is_about(heading: str) -> bool:
-    """Return whether a section says what the thing is that the section around it is about."""
+    """Return whether a section describes the subject of the section around it."""
     return _ABOUT_PATTERN.search(heading) is not None
 
 
@@ -104,7 +104,7 @@ _MOST_NODES: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What a page is read for: the names of the nodes and of the package, and which names other packages have.
+    """Subjects of a page: the names of the nodes and of the package, and the names of other packages.
 
     `is_neighbour` tells whether another package of the repository has a name, given by its `kg.names.key`.
     `own` tells that the page belongs to the package, `alone` that the package is the only one it can be about.
@@ -128,7 +128,7 @@ class Found:
 
 @dataclass(slots=True)
 class _Section:
-    """The heading that the pass is below; `nodes` and `package` are what it is about."""
+    """The heading that the pass is below; `nodes` and `package` are its subjects."""
 
     heading: str
     level: int

@@ -162,7 +162,7 @@ _MOST_DEFINED: Final = 1000
 
 
 class Docstrings:
-    """What a Python file says of itself: comments (`header`), and docstrings by the names of what they document."""
+    """Documentation in a Python file: comments (`header`), and docstrings by the names that they document."""
 
     def __init__(self, text: str) -> None:
         self._text = text
@@ -210,7 +210,7 @@ class Docstrings:
 
 
 def read_docstrings(text: str) -> Docstrings:
-    """Return what a Python file says of itself, of its classes and of its functions."""
+    """Return the documentation of a Python file, its classes and its functions."""
     return Docstrings(text)
 
 
@@ -227,7 +227,7 @@ _HELPER: Final = re.compile(
 
 @dataclass(slots=True)
 class _Sources:
-    """The comments of the files of a package, each read when it is first asked for."""
+    """The comments of the files of a package, each read on first use."""
 
     reader: Reader
     package: PackageFolder
@@ -276,7 +276,7 @@ class _Sources:
 def of_sources(
     reader: Reader, package: PackageFolder, build: BuildModel, nodes: tuple[NodeType, ...]
 ) -> Iterator[Description]:
-    """Yield what the comments and docstrings in the sources of nodes say of them."""
+    """Yield descriptions of nodes from the comments and docstrings in their sources."""
     sources = _Sources(reader, package, {plugin.name: last_part(plugin.type) for plugin in build.plugins})
     for node in nodes:
         sources.uses.update({node.location.path, *node.sources})
