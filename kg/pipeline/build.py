@@ -139,7 +139,7 @@ class _Build:
         self._jobs = max(1, min(self._jobs, len(plan.read)))
         self._report.planned(len(plan.read), len(plan.reused), 0 if self._settings.cluster else self._jobs)
         results = dict(plan.reused)
-        changed, gone = self._changed(sources, plan), self._gone(sources, roots)
+        changed, gone = self._changed(sources, plan), self._removed_sources(sources, roots)
         written: dict[str, Written] = {}
         if changed or gone:
             written = self._write(workspace, plan, calls, changed, gone, results)
@@ -211,7 +211,7 @@ class _Build:
                 changed.append(source)
         return changed
 
-    def _gone(self, sources: Sequence[Source], roots: Sequence[str]) -> tuple[str, ...]:
+    def _removed_sources(self, sources: Sequence[Source], roots: Sequence[str]) -> tuple[str, ...]:
         """Return the sources of earlier builds that stood in the folders of this one and do not any more."""
         present = {source.repository.name for source in sources}
         inside = folders(roots)

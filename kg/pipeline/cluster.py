@@ -127,7 +127,7 @@ class ClusterPool:
             try:
                 news = self._news.get(timeout=_SILENT_SECONDS)
             except queue.Empty:
-                self._look()
+                self._require_worker()
                 continue
             if isinstance(news, tuple):  # what a worker logged, with its time
                 self._report.placed(news[1]["worker"], news[1]["source"])
@@ -195,7 +195,7 @@ class ClusterPool:
         """How many packages are read at a time: the threads of all workers."""
         return sum(self._client.nthreads().values())
 
-    def _look(self) -> None:
+    def _require_worker(self) -> None:
         """Raise if no worker is left to wait for."""
         try:
             self._client.wait_for_workers(1, timeout=_CONNECT_SECONDS)

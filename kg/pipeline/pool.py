@@ -131,7 +131,7 @@ class Pool:
             if worker.pipe in ready:
                 yield from self._receive(worker)
             elif worker.given and time.monotonic() - worker.since > self._deadline:
-                yield from self._bury(worker, f"the package took longer than {self._deadline:g} s and was left out")
+                yield from self._reap(worker, f"the package took longer than {self._deadline:g} s and was left out")
 
     def _start(self) -> None:
         here, there = self._context.Pipe()
@@ -158,13 +158,13 @@ class Pool:
         except (EOFError, OSError):
             worker.process.join()
             message = f"the process that read the package ended with {end_of(worker.process.exitcode or 0)}"
-            yield from self._bury(worker, message)
+            yield from self._reap(worker, message)
             return
         worker.given.popleft()
         worker.since = time.monotonic()
         yield outcome
 
-    def _bury(self, worker: _Worker, message: str) -> Iterator[Outcome]:
+    def _reap(self, worker: _Worker, message: str) -> Iterator[Outcome]:
         """Remove a worker and put its tasks back, but for the one it was at, which is yielded as failed."""
         worker.process.kill()
         worker.process.join()

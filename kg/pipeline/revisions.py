@@ -55,7 +55,7 @@ def resolve(folder: Path, name: str) -> Revision:
             ("rev-parse", "--verify", "--quiet", "--end-of-options", f"{name}^{{commit}}"), folder=folder
         ).strip()
     except subprocess.SubprocessError:
-        shallow = _asked(folder, "--is-shallow-repository") == "true"
+        shallow = _rev_parse(folder, "--is-shallow-repository") == "true"
         hint = (
             "The clone is shallow: `git fetch --unshallow` brings the rest." if shallow else "`git log` lists commits."
         )
@@ -184,7 +184,7 @@ def _top(folder: Path) -> Path:
         raise SourceError("KG101", "not a git repository", place=Place(str(folder)), hint=hint) from None
 
 
-def _asked(folder: Path, question: str) -> str:
+def _rev_parse(folder: Path, question: str) -> str:
     return run_git(("rev-parse", question), folder=folder).strip()
 
 
@@ -204,7 +204,7 @@ def _borrow(top: Path, tree: Path) -> None:
     """Make `tree` a repository that takes its objects from the one at `top`, and calls itself after the same remote."""
     tree.mkdir()
     run_git(("init", "--quiet"), folder=tree)
-    common = (top / _asked(top, "--git-common-dir")).resolve()
+    common = (top / _rev_parse(top, "--git-common-dir")).resolve()
     (tree / ".git" / "objects" / "info" / "alternates").write_text(f"{common / 'objects'}\n", encoding="utf-8")
     if (common / "shallow").is_file():
         shutil.copyfile(common / "shallow", tree / ".git" / "shallow")

@@ -148,12 +148,12 @@ class Writing:
         earlier = self._state.sources.get(name)
         if earlier is None or name not in self._trusted:
             return False
-        gone = self._gone(source, earlier)
+        gone = self._stale_results(source, earlier)
         number = sum(one.repository.name == name for one, _ in self._plan.read)
         triples = sum(package.counts.get("triples", 0) for package in gone)
         return max(len(gone), number) * _SMALL < len(source.packages) and triples * _SMALL < earlier.quads
 
-    def _gone(self, source: Source, earlier: SourceState) -> list[PackageState]:
+    def _stale_results(self, source: Source, earlier: SourceState) -> list[PackageState]:
         """Return the earlier results that do not hold any more."""
         name = source.repository.name
         return [package for path, package in earlier.packages.items() if (name, path) not in self._plan.reused]
@@ -164,7 +164,7 @@ class Writing:
         earlier = self._state.sources[name]
         before = set(earlier.head.encode().splitlines(keepends=True))
         after = set(head.splitlines(keepends=True))
-        for gone in self._gone(source, earlier):
+        for gone in self._stale_results(source, earlier):
             before.update(self._content(gone).splitlines(keepends=True))
         kept = []
         for package in source.packages:

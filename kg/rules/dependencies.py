@@ -62,7 +62,7 @@ _Bindings: TypeAlias = "dict[Variable, _Node]"
 def reads(rule: Rule) -> Iterator[Read]:
     """Yield what a body reads and rules may derive; atoms on asserted data only are left out.
 
-    A block of SPARQL reads one atom for each of its predicates, or every triple.
+    A block of SPARQL reads one atom for each of its predicates, or all triples.
     """
     yield from _reads(rule.body, negated=False)
 
@@ -195,7 +195,7 @@ def expressions_of(body: tuple[Element, ...]) -> Iterator[Expression]:
 
 
 def mints(rule: Rule) -> bool:
-    """Return whether a rule can derive terms that neither data nor rules have, so that feeding itself may never end.
+    """Return whether a rule can derive new terms: feeding itself, it may then never end.
 
     Blank nodes and triple terms with variables in the head do, and assigned values that are computed.
     """

@@ -109,7 +109,7 @@ class Reasoner:
         graphs = [*(graph for graph in source.graphs() if graph not in excluded), None]
         if self.memory is None or changes.graphs is None:
             return self._anew(source, graphs, rule_set, limits, written)
-        return self._again(self.memory, source, graphs, changes, rule_set, limits)
+        return self._evaluate_again(self.memory, source, graphs, changes, rule_set, limits)
 
     def _anew(
         self,
@@ -125,7 +125,7 @@ class Reasoner:
         parts |= read(source, self._what, [graph for graph in graphs if graph not in parts], dictionary)
         data = self._data(rule_set, dictionary)
         asserted = union_of([*parts.values(), data])
-        now = self._held(source, dictionary)
+        now = self._read_inferred(source, dictionary)
         return self._full(Memory(None, self._digest, dictionary, parts, asserted), data, now, begin, limits)
 
     def _full(self, memory: Memory, data: Facts, now: Facts, begin: float, limits: Limits) -> Outcome:
@@ -137,7 +137,7 @@ class Reasoner:
         seconds = (middle - begin, time.perf_counter() - middle)
         return Outcome(memory.dictionary, memory.asserted, now, then, "full", tuple(found.reports), *seconds)
 
-    def _again(  # noqa: PLR0913, PLR0917 - all that evaluation depends on
+    def _evaluate_again(  # noqa: PLR0913, PLR0917 - all that evaluation depends on
         self,
         memory: Memory,
         source: Tables,
@@ -177,10 +177,10 @@ class Reasoner:
         known = _shown(memory, data)
         patches = (changes.graphs or {}).get(self._names.inferred.value, [])
         if patches is None:
-            return self._held(source, memory.dictionary)
+            return self._read_inferred(source, memory.dictionary)
         return patched(known, patches, EVERYTHING, memory.dictionary)[0] if patches else known
 
-    def _held(self, source: Tables, dictionary: Dictionary) -> Facts:
+    def _read_inferred(self, source: Tables, dictionary: Dictionary) -> Facts:
         """Return what the graph of inferred triples holds: usually what these rules may infer and nothing else."""
         graph = self._names.inferred
         if graph not in source.graphs():

@@ -212,7 +212,7 @@ def _is_axiom(element: Element, hidden: AbstractSet[NamedNode]) -> TypeGuard[Ato
 
 
 def _open(rule: Rule) -> Iterator[Variable]:
-    """Yield the variables that stand for predicates or classes."""
+    """Yield the variables in the place of predicates or classes."""
     for atom in (*rule.head, *(element for element in rule.body if isinstance(element, Atom))):
         if isinstance(atom.predicate, Variable):
             yield atom.predicate

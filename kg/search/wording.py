@@ -22,8 +22,8 @@ _LONGEST_NAME: Final = 80
 
 def understood(need: Need) -> tuple[list[str], list[str]]:
     """Return what words were taken for: wishes that must hold, and those that had better hold."""
-    strict = dict.fromkeys(_said(wish) for wish in need.wishes if wish.strict)
-    rather = dict.fromkeys(_said(wish) for wish in need.wishes if not wish.strict)
+    strict = dict.fromkeys(_wish_words(wish) for wish in need.wishes if wish.strict)
+    rather = dict.fromkeys(_wish_words(wish) for wish in need.wishes if not wish.strict)
     return list(strict), list(rather)
 
 
@@ -47,7 +47,7 @@ def near(words: str, search: Search) -> str | None:
     return did_you_mean(words, sorted({search.index.nodes[place].name for place in range(search.index.size)}))
 
 
-def _said(wish: Wish) -> str:
+def _wish_words(wish: Wish) -> str:
     """Return a wish in words: types as they were typed, hardware and the like by their labels."""
     label = wish.features[0].partition(":")[2]
     if wish.kind == "ros":

@@ -98,7 +98,7 @@ def trial(view: View, file: RuleFile, told: int) -> Tried:
     for number, rule in enumerate(rules):
         now = time.monotonic()
         until = now + (end - now) / (len(rules) - number)
-        whole = _look(view, rule, facts, until) and whole
+        whole = _search(view, rule, facts, until) and whole
     found: list[Found] = []
     for fact, match in sorted(facts.items(), key=lambda item: item[1].known):
         if len(found) == told:
@@ -110,7 +110,7 @@ def trial(view: View, file: RuleFile, told: int) -> Tried:
     return Tried(tuple(found), len(facts), fresh, whole, _recursive(file.rules))
 
 
-def _look(view: View, rule: Rule, facts: dict[Triple, _Match], until: float) -> bool:
+def _search(view: View, rule: Rule, facts: dict[Triple, _Match], until: float) -> bool:
     """Add the inferences of a rule to `facts` until a deadline; return whether these are all.
 
     Each EXISTS is asked for by itself. Inside of a query the engine does not see there what is bound around it, and

@@ -60,7 +60,7 @@ _LAST: Final[dict[str, _Known]] = {}
 """What was read last, by the digest of the rules."""
 
 
-def _known(settings: Settings, mark: str) -> _Known:
+def _load(settings: Settings, mark: str) -> _Known:
     """Return the rules of the settings; they are read again when the digest of their files is another."""
     if mark not in _LAST:
         library = Library.of(settings)
@@ -85,7 +85,7 @@ def rules(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
     (of all rules), `fired` and `ran` (how many rules derived something, and how many there were). `problems` are
     errors as texts.
     """
-    known = _known(settings, digest(settings))
+    known = _load(settings, digest(settings))
     library, costs = known.library, _costs(settings)
     families: dict[str, list[dict[str, Any]]] = defaultdict(list)
     for entry in library.entries.values():
@@ -114,7 +114,7 @@ def rule(snapshot: EmbeddedSnapshot, settings: Settings, name: str) -> dict[str,
         UnknownNameError: KG001 with suggestions.
         RuleError: KG2xx for a rule that cannot be read.
     """
-    every = _known(settings, digest(settings))
+    every = _load(settings, digest(settings))
     entry = find_rule(every.library, name)
     known = manual(every.library, entry, ontology_schema(settings), every.graph)
     problem = next(iter((known.problem, *every.errors)), None)

@@ -127,7 +127,7 @@ class Instances:
     def _end(self, owner: tuple[str, str], one: InstanceInterface, other: InstanceInterface) -> Iterator[Change]:
         for kind, say in _END_TOLD.items():
             values = say(one), say(other)
-            if values[0] == values[1] or self._told(kind, one, other):
+            if values[0] == values[1] or self._is_reported(kind, one, other):
                 continue
             if kind is Kind.RENAMED and self._renames.follows(*values):
                 continue
@@ -138,12 +138,12 @@ class Instances:
     def _lone(self, owner: tuple[str, str], end: InstanceInterface, *, gone: bool) -> Iterator[Change]:
         """Yield an end added or removed, unless its node type reports that."""
         role, value = str(end.declared.role), end.declared.type or ""
-        if gone and not self._told(Kind.GONE, end, None):
+        if gone and not self._is_reported(Kind.GONE, end, None):
             yield self._change(Level.END, Kind.GONE, owner, self._end_side(0, end, value), None, role)
-        elif not gone and not self._told(Kind.NEW, None, end):
+        elif not gone and not self._is_reported(Kind.NEW, None, end):
             yield self._change(Level.END, Kind.NEW, owner, None, self._end_side(1, end, value), role)
 
-    def _told(self, kind: Kind, one: InstanceInterface | None, other: InstanceInterface | None) -> bool:
+    def _is_reported(self, kind: Kind, one: InstanceInterface | None, other: InstanceInterface | None) -> bool:
         """Return whether the code of the node type reports the same change."""
         end = one or other
         if end is None or kind is Kind.QOS:
@@ -161,7 +161,7 @@ class Instances:
     def _remaps(
         self, owner: tuple[str, str], one: NodeInstance, other: NodeInstance, causes: set[Remap | None]
     ) -> Iterator[Change]:
-        """Yield the remappings that are others now, but those that gave ends the names that are told of."""
+        """Yield changed remappings, except those behind reported names of ends."""
         known = [
             {
                 self._renames.neutral(each.source): self.side(number, each.source, each.target, each.remap.location)

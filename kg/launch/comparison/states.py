@@ -124,7 +124,7 @@ class _Node:
     def _settable(self, record: Record) -> dict[str, Side]:
         found = _parameters(record.node, every=self._every)
         return {
-            name: Side(name, _told(accesses), accesses[0].location, record.repository)
+            name: Side(name, _parameter_detail(accesses), accesses[0].location, record.repository)
             for name, accesses in found.items()
         }
 
@@ -157,7 +157,7 @@ def _parameters(node: NodeType, *, every: bool) -> dict[str, list[Parameter]]:
     return dict(found)
 
 
-def _told(accesses: list[Parameter]) -> str:
+def _parameter_detail(accesses: list[Parameter]) -> str:
     """Return type and defaults of a parameter, of all lines that give them."""
     types = sorted({one.type for one in accesses if one.type})
     defaults = sorted({canonical(one.default) for one in accesses if one.default is not None})

@@ -200,7 +200,7 @@ def _natural(name: str) -> list[tuple[int, str]]:
 def switched_on(node: NodeType, settings: Settings, place: Place) -> NodeType:
     """Return a node type without the interfaces that parameters, as they are set or by default, keep from being made.
 
-    `place` is that of the node, or of the plugin whose type it is. What is not known turns nothing off.
+    `place` is that of the node, or of the plugin whose type it is. Unknown values turn nothing off.
     """
     if not any(one.switches for one in node.interfaces):
         return node

@@ -123,7 +123,7 @@ def loads(draft: Draft, types: NodeTypes, repository: str) -> None:
 
 
 def _outside(plugin: Loaded, makes: tuple[Inner, ...]) -> Loaded:
-    """Return a plugin without what is in the code of the inner nodes that it is handed."""
+    """Return a plugin without the code of the inner nodes that it is handed."""
     if plugin.found is None or not makes:
         return plugin
     owner, node = plugin.found

@@ -1,4 +1,4 @@
-"""Names of interfaces whose text comes from a parameter: which part of it the parameter is, and what becomes of that.
+"""Names of interfaces whose text comes from a parameter: the part that the parameter gives, and its value.
 
 A fact has the name with the parameter's default in it (`~/front/scan`, of the parameter `~/topic` with the default
 `scan`), or a hole with its label where it has none. Where the default is in the name tells which part is the
@@ -77,7 +77,7 @@ def _in_own_namespace(declared: Interface, node: NodeType) -> bool:
 
 
 def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, bool]:
-    """Return what is before and after the parameter's part of a name, and whether that is sure."""
+    """Return the text before and after the parameter's part of a name, and whether it is certain."""
     name = declared.name
     if name is None:
         return "", "", not (declared.written or "").strip() or _plain(declared.written)

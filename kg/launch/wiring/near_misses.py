@@ -136,7 +136,7 @@ def _in_other_namespace(
     only a name with one possible partner counts, of the same type. One of the two namespaces has no name at which
     anybody meets, or the two differ in numbers (`drone1`, `drone2`).
 
-    `ends` tells which ends (0 gives, 1 takes) a name has, `types` of which types; `met` are the first namespaces of
+    `ends` has the ends of a name (0 gives, 1 takes), `types` their types; `met` are the first namespaces of
     names at which somebody meets.
     """
     found: defaultdict[tuple[str, int], list[str]] = defaultdict(list)

@@ -1,4 +1,4 @@
-"""The table of what nodes load and make by themselves, `ontology/plugins.toml`, whose head explains it."""
+"""The table of the plugins and inner nodes of nodes, `ontology/plugins.toml`, whose head explains it."""
 
 from __future__ import annotations
 

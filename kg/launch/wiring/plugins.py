@@ -54,7 +54,7 @@ class Framework:
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
-    """A plugin that an instance loads under the name `id`; `scope` is before the parameter that says so.
+    """A plugin that an instance loads under the name `id`; `scope` is the prefix of the parameter that loads it.
 
     `found` is None for a class that the build does not have.
     """
@@ -211,7 +211,7 @@ def _classes(value: Any) -> Iterator[tuple[str | None, str]]:
 
 
 def _listed(values: Mapping[str, str | None]) -> set[str] | None:
-    """Return the ids that lists of plugins name; None where there is no list that could be meant."""
+    """Return the ids in lists of plugins; None without such a list."""
     lists = [parsed(value) for name, value in values.items() if name.endswith(_LISTS) and value is not None]
     known = [entry for entry in lists if isinstance(entry, list)]
     return {str(item) for entry in known for item in entry} if known else None

@@ -1,12 +1,12 @@
 """Names that are likely meant to be one: typing errors, a namespace too many or too few, plurals, case, separators.
 
-What differs on purpose is told apart: numbers (`camera1`, `camera2`), short words (`min_x`, `max_x`), and words that
+Deliberate differences are excluded: numbers (`camera1`, `camera2`), short words (`min_x`, `max_x`), and words that
 differ in their first letter (`increase`, `decrease`). A misspelt name differs in one word only. Candidates are found by
 keys that alike names share, so that a system of thousands of names costs in proportion to their number.
 
 Two names are related if one has more to it: `imu/data` and `imu/data_compass`, `found/objects` and
 `found/tracker/objects`. Names of the same words in another order are related too, if they end alike:
-`camera/left/image`, `left_camera/image`. By itself that says little, since many topics of a node are named so. Where
+`camera/left/image`, `left_camera/image`. By itself this is weak evidence: many topics of a node are named so. Where
 one end of each is missing, or the types agree and only one name has both ends, it is how a topic gets lost when a part
 of a system is renamed.
 """
@@ -55,7 +55,7 @@ def alike(one: str, other: str) -> bool:
 def alike_when_short(one: str, other: str) -> bool:
     """Return whether a letter was put into a name, left out or swapped, in a word that is too short for `alike`.
 
-    So many short words are one letter apart that this says little, unless one of the names is known to be wrong.
+    So many short words are one letter apart that this is weak evidence, unless one of the names is known to be wrong.
     """
     words, others = words_of(one), words_of(other)
     if is_partial(one) or is_partial(other) or len(words) != len(others):

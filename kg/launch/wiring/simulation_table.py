@@ -92,7 +92,7 @@ class Simulator:
 
 @dataclass(frozen=True, slots=True)
 class Spawner:
-    """A row for programs that hand a description to a simulator: their options for what is said how."""
+    """A row for programs that hand a description to a simulator: their options by meaning."""
 
     ros: int
     package: str

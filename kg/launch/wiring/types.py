@@ -33,7 +33,7 @@ class NodeTypes:
     types; `programs` what else packages install to be started, in which no node was found; `data` are the files.
 
     Whatever wiring learns of other packages it asks by one of `has`, `installed`, `executables`, `started`, `loaded`,
-    `data` and `like`, so that a build knows which answers a system depends on.
+    `data` and `like`, so a build can record the answers that a system depends on.
     """
 
     def __init__(

@@ -109,7 +109,7 @@ class Settings:
     def get(self, name: str, place: Place) -> LaunchParameter | None:
         """Return the value of a parameter that code of the instance reads as `name`.
 
-        An argument of the command line comes as a parameter that is set where the node is started.
+        An argument of the command line is a parameter set at the start of the node.
         """
         if name.startswith(COMMAND_LINE):
             word = self.word(name)

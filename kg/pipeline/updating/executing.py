@@ -129,9 +129,9 @@ class Executor:
             return
         source, target = self._graph(operation, operation.source), self._graph(operation, operation.target)
         if operation.verb == "create":
-            if isinstance(target, NamedNode) and self._found(operation, target, wanted=False):
+            if isinstance(target, NamedNode) and self._check_exists(operation, target, wanted=False):
                 self.create(target)
-        elif source != target and self._found(operation, source, wanted=True):
+        elif source != target and self._check_exists(operation, source, wanted=True):
             self._copy(operation.verb, source, target)
 
     def _copy(self, verb: str, source: NamedNode | DefaultGraph, target: NamedNode | DefaultGraph) -> None:
@@ -151,7 +151,7 @@ class Executor:
             self.remove(_DEFAULT, drop=False)
         if operation.target not in {"NAMED", "DEFAULT", "ALL"}:
             target = self._graph(operation, operation.target)
-            if self._found(operation, target, wanted=True):
+            if self._check_exists(operation, target, wanted=True):
                 self.remove(target, drop=operation.verb == "drop")
 
     def remove(self, graph: NamedNode | DefaultGraph, *, drop: bool) -> None:
@@ -169,7 +169,7 @@ class Executor:
     def _graph(self, operation: Manage, name: str) -> NamedNode | DefaultGraph:
         return _DEFAULT if name == "DEFAULT" else iris(operation.prologue, [name])[0]
 
-    def _found(self, operation: Manage, graph: NamedNode | DefaultGraph, *, wanted: bool) -> bool:
+    def _check_exists(self, operation: Manage, graph: NamedNode | DefaultGraph, *, wanted: bool) -> bool:
         """Return whether a graph is there as `wanted`; where not, KG560 is raised unless the operation is SILENT."""
         if isinstance(graph, DefaultGraph) or self._transaction.has_graph(graph) == wanted:
             return True

@@ -148,7 +148,7 @@ class Writer:
         process = await self._ready()
         whole = False
         try:
-            answer = await _asked(process, Call("apply", {"change": msgspec.msgpack.encode(change)}))
+            answer = await _request(process, Call("apply", {"change": msgspec.msgpack.encode(change)}))
             whole = True
         finally:
             if not whole:
@@ -185,7 +185,7 @@ class Writer:
             await process.wait()
 
 
-async def _asked(process: asyncio.subprocess.Process, request: Call) -> bytes | Failure:
+async def _request(process: asyncio.subprocess.Process, request: Call) -> bytes | Failure:
     """Send a request and return the response of the process."""
     assert process.stdin is not None  # noqa: S101 - it was asked for a pipe
     assert process.stdout is not None  # noqa: S101 - the same

@@ -87,7 +87,7 @@ def difference(
     prefixes = {file.name: {**common, **(file.prefixes or {})} for file in files}
     changes = [
         Changed(sign, triple, rules, prefixes[rules[0]] if rules else common)
-        for sign, triple, rules in (*_come(bench, tried, come), *_gone(bench, tried, gone))
+        for sign, triple, rules in (*_added(bench, tried, come), *_removed(bench, tried, gone))
         if sign == "+" or fed is None or fed.intersection(rules)
     ]
     return Difference(tuple(changes), tried)
@@ -110,7 +110,7 @@ def _fed_by(rules: Sequence[Rule], names: set[str]) -> set[str]:
 _Found: TypeAlias = "tuple[str, Triple, tuple[str, ...]]"
 
 
-def _come(bench: Workbench, tried: Try, come: Facts) -> Iterator[_Found]:
+def _added(bench: Workbench, tried: Try, come: Facts) -> Iterator[_Found]:
     """Yield the triples added, in the order of their spelling, with the rules that derive them."""
     rules: dict[tuple[int, int], set[str]] = {}
     for firing in fire(_deriving(bench, tried, come), bench.dictionary, tried.asserted, tried.known):
@@ -132,7 +132,7 @@ def _deriving(bench: Workbench, tried: Try, come: Facts) -> Iterator[Rule]:
             yield rule
 
 
-def _gone(bench: Workbench, tried: Try, gone: Facts) -> Iterator[_Found]:
+def _removed(bench: Workbench, tried: Try, gone: Facts) -> Iterator[_Found]:
     """Yield the triples removed, in the order of their spelling, with the rules whose heads match."""
     for triple in triples_of(gone, bench.dictionary):
         atom = Atom(triple.subject, triple.predicate, triple.object)

@@ -172,7 +172,7 @@ def _drafts(text: str, path: str) -> Iterator[_Draft]:
         if isinstance(part, Heading):
             if part.level > 2:  # noqa: PLR2004 - deeper headings stand inside an example
                 continue
-            if draft and _speaks(draft):
+            if draft and _has_blocks(draft):
                 yield draft
             draft = _Draft(part.title, place) if part.level == 2 else None  # noqa: PLR2004 - examples have `##`
         elif not part.closed:
@@ -181,11 +181,11 @@ def _drafts(text: str, path: str) -> Iterator[_Draft]:
             draft.add(part, place)
         elif _kind(part, place)[0]:
             raise RuleError("KG221", "the block stands under no example", place=place, hint="Begin it with `## TITLE`.")
-    if draft and _speaks(draft):
+    if draft and _has_blocks(draft):
         yield draft
 
 
-def _speaks(draft: _Draft) -> bool:
+def _has_blocks(draft: _Draft) -> bool:
     """Return whether a heading has any block of an example; prose may have headings too."""
     return bool(draft.given or draft.others or draft.expectations or draft.why)
 

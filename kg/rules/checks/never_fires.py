@@ -81,7 +81,7 @@ def _place(element: Element) -> Place | None:
 
 
 def _hint(element: Element | None, file: RuleFile, context: Context) -> str:
-    """Return what can be done about a part that lets nothing through."""
+    """Return a hint for a part that no solution passes."""
     if isinstance(element, Atom):
         heads = ((rule.name, head) for rule in context.cut or context.rules.rules for head in rule.head)
         writer = next((name for name, head in heads if name != file.name and depends(element, head)), None)

@@ -1,4 +1,4 @@
-"""Running the checks: files are read one by one, so that one that does not parse leaves the others checked."""
+"""Running the checks: files are read one by one; one that does not parse does not stop the others."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ STEPS: Final = 20_000
 
 def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     """Yield one finding for a file whose every rule is subsumed by a rule of another file, or by what it reads."""
-    if file.rules and all(_idle(rule) for rule in file.rules):
+    if file.rules and all(_is_tautology(rule) for rule in file.rules):
         message = "the rule derives only what it reads"
         yield Finding(CODE, "warning", file.name, message, at_rule(file), "Change its head, or remove it.")
         return
@@ -43,7 +43,7 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     yield Finding(CODE, "warning", file.name, f"the rule {words} {by.name} ({by.place})", at_rule(file), hint)
 
 
-def _idle(rule: Rule) -> bool:
+def _is_tautology(rule: Rule) -> bool:
     """Return whether each triple of the head is in the body."""
     read = [atom.positions for atom in rule.body if isinstance(atom, Atom)]
     return all(atom.positions in read for atom in rule.head)

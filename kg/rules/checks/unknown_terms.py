@@ -53,11 +53,11 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
 
 
 def _finding(file: RuleFile, iri: str, kind: str, message: str, known: Iterable[str]) -> Finding:
-    hint = _meant(iri, kind, known) or "Define it in an ontology, or correct the name."
+    hint = _suggestion(iri, kind, known) or "Define it in an ontology, or correct the name."
     return Finding(CODE, "warning", file.name, message, place_of_name(file, iri), hint)
 
 
-def _meant(iri: str, kind: str, known: Iterable[str]) -> str | None:
+def _suggestion(iri: str, kind: str, known: Iterable[str]) -> str | None:
     """Return the hint with similar terms: those of its kind, by the case of the first letter, come first."""
     namespace = namespace_of(iri)
     # Of terms of one name the one in the namespace that was written is meant.

@@ -44,7 +44,7 @@ class Walk:
         self._place = place
 
     def along(self, part: Part, start: Pattern, steps: Steps, end: Pattern) -> Part | None:
-        """Return a part with steps from one term to another behind it; None if no atoms say that.
+        """Return a part followed by steps from one term to another; None if atoms cannot express them.
 
         `part.subjects` are the variables that are not literals, those bound before the part among them.
         """
@@ -91,7 +91,7 @@ class Walk:
         return None
 
     def _predicate(self, step: Closure) -> NamedNode | None:
-        """Return the auxiliary predicate of a closure, making its rules when there are none yet."""
+        """Return the auxiliary predicate of a closure; its rules are created on first use."""
         predicate = _name(step)
         if predicate.value in self._auxiliary:
             return predicate

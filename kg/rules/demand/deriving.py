@@ -1,6 +1,6 @@
 """Derive the triples that one query needs from those of a store.
 
-Reading these takes far longer than evaluation where a query needs little: they are kept for the next query.
+Reading these takes far longer than evaluation if a query needs little: they are cached for the next query.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ class Base:
     def of(cls, rule_set: RuleSet, source: Tables, generation: int, names: Names, cache: Path) -> Self:
         """Read the triples that a set of rules may read or derive.
 
-        It is kept below the folder `cache`, where that can be written, for the next query of the same generation.
+        It is cached below the folder `cache`, if writable, for the next query of the same generation.
         """
         what = wanted(rule_set.rules) | Wanted(frozenset(triple.predicate for triple in rule_set.data))
         digest = blake2b(f"{names} {rule_set.digest}".encode(), digest_size=16).hexdigest()

@@ -34,7 +34,7 @@ _EVERYTHING: Final[Goal] = (Atom(Variable("s"), Variable("p"), Variable("o")),)
 
 
 def goals_of(text: str) -> tuple[Goal, ...]:
-    """Return the goals of a query that guards let through; none for a text that is not SPARQL."""
+    """Return the goals of a query that guards let through; none for invalid SPARQL."""
     try:
         unit = parse_query(text, "query")
     except RuleError:

@@ -1,4 +1,4 @@
-"""Magic sets: rules rewritten so that evaluation derives what some goals need.
+"""Magic sets: rules rewritten to derive only the triples that some goals need.
 
     rule       ?x :ancestor ?z  from  ?x :parent ?y . ?y :ancestor ?z
     goal       ?who :ancestor :a

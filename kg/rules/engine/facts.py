@@ -155,7 +155,7 @@ class Facts:
     def __iter__(self) -> Iterator[tuple[int, Keys]]:
         """Yield each predicate with its keys, none of them empty."""
         for predicate in list(self._runs):
-            self._settle(predicate)
+            self._merge_runs(predicate)
         return iter(self._keys.items())
 
     @property
@@ -166,13 +166,13 @@ class Facts:
     def keys(self, predicate: int) -> Keys:
         """Return the pairs of a predicate, sorted by subject."""
         if predicate in self._runs:
-            self._settle(predicate)
+            self._merge_runs(predicate)
         return self._keys.get(predicate, EMPTY)
 
     def by_object(self, predicate: int) -> Keys:
         """Return the pairs of a predicate as `object << 32 | subject`, sorted."""
         if predicate in self._runs:
-            self._settle(predicate)
+            self._merge_runs(predicate)
         found = self._flipped.get(predicate)
         if found is None:
             found = self._flipped[predicate] = flipped(self.keys(predicate))
@@ -253,7 +253,7 @@ class Facts:
             last = runs.pop()
             runs[-1] = merged(runs[-1], last)
 
-    def _settle(self, predicate: int) -> None:
+    def _merge_runs(self, predicate: int) -> None:
         """Merge the waiting runs into the array; an existing order by object is updated."""
         runs = self._runs.pop(predicate)
         new = runs[0] if len(runs) == 1 else np.sort(np.concatenate(runs))

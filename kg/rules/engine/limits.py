@@ -38,7 +38,7 @@ class Clock:
         self.round = 0
 
     def check(self, inferred: int = 0) -> None:
-        """Raise `RuleError` KG205 when the time is over or there are more triples than allowed."""
+        """Raise `RuleError` KG205 after the time limit or with more triples than allowed."""
         if self._end is not None and time.monotonic() > self._end:
             raise self._error(f"the deadline of {self._limits.deadline:g} s is over", "Raise the deadline")
         most = self._limits.max_triples

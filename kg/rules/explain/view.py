@@ -117,7 +117,7 @@ class View:
     def stream(
         self, body: Sequence[Element], names: Sequence[str], bindings: Mapping[str, Term], limit: int | None = None
     ) -> Iterator[dict[str, Term]]:
-        """Yield what `solutions` returns as the engine finds it, all of it where there is no limit."""
+        """Yield the results of `solutions` as the engine finds them, all of them without a limit."""
         given = {Variable(name): term for name, term in bindings.items()}
         blank = substitutions(given)
         wanted = [Variable(name) for name in names if name not in bindings or spelling(Variable(name))[1:] in blank]

@@ -47,7 +47,7 @@ class _Inquiry:
         return WhyNot(fact, tuple(ordered), instead(self.view, fact))
 
     def _attempt(self, rule: Rule, bindings: dict[str, Term], depth: int) -> Attempt:
-        """Extend what holds by one element of the body after the other, until there is no solution."""
+        """Extend the matching part of the body element by element, until no solution is left."""
         order = _ordered(rule.body, bindings)
         solutions: list[dict[str, Term]] = [dict(bindings)]
         for index, element in enumerate(order):
@@ -76,7 +76,7 @@ class _Inquiry:
                 deeper = self.about(missing, depth - 1)
         elif isinstance(element, Exists) and element.negated:
             others = tuple(self._blocking(element, chosen))
-        text = self._told(element, chosen)
+        text = self._missing(element, chosen)
         return Attempt(rule, _named(chosen), _facts(before, chosen), element, text, others, deeper)
 
     def _worth_following(self, rule: Rule, before: Sequence[Element], missing: Triple) -> bool:
@@ -90,7 +90,7 @@ class _Inquiry:
             for fact in _facts(element.body, inner):
                 yield f"there is {self.view.sentence(fact)}"
 
-    def _told(self, element: Element, solution: Mapping[str, Term]) -> str:
+    def _missing(self, element: Element, solution: Mapping[str, Term]) -> str:
         if isinstance(element, Atom):
             subject, predicate, value = (self._shown(position, solution) for position in element.positions)
             return f"no {subject} {predicate} {value}"

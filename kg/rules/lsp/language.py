@@ -71,7 +71,7 @@ def width(text: str, place: Place) -> int:
 
 
 def complete(text: str, offset: int, suffix: str, terms: Terms) -> list[Suggestion]:
-    """Return what may stand where the text ends at `offset`: variables, terms of a prefix, words of the notation."""
+    """Return completions at `offset`: variables, terms of a prefix, words of the notation."""
     match = _WORD.search(text, 0, offset)
     word = match.group() if match else ""
     start = offset - len(word)

@@ -84,13 +84,13 @@ class Maintained:
         try:
             self._strata.maintain(progress)
         except LargeChangeError:
-            return self._again(progress.after.asserted, limits)
+            return self._evaluate_again(progress.after.asserted, limits)
         change = _change(progress)
         self.asserted, self._known = progress.after.asserted, progress.after.known
         self.inferred = self._inferred(change)
         return change
 
-    def _again(self, asserted: Facts, limits: Limits) -> Change:
+    def _evaluate_again(self, asserted: Facts, limits: Limits) -> Change:
         """Evaluate everything again, and return the change of the inferred triples."""
         most = limits.max_triples
         wider = limits if most is None else replace(limits, max_triples=most + len(self.inferred))

@@ -153,13 +153,13 @@ class _Work:
         """Remove triples that may have lost all derivations."""
         progress = self.progress
         if self.recursive:
-            stays = self._founded(self._own(progress.gone.known))
+            stays = self._supported(self._removed_here(progress.gone.known))
             take_out(progress.gone.known, stays)
             for predicate, keys in stays:
                 progress.after.known.extend(predicate, keys)
-        frontier = self._lose(self._consequences(progress.came, progress.gone, after=False))
+        frontier = self._record_lost(self._consequences(progress.came, progress.gone, after=False))
         while self.recursive and len(frontier):
-            frontier = self._lose(self._consequences(None, self._delta(frontier), after=False))
+            frontier = self._record_lost(self._consequences(None, self._delta(frontier), after=False))
         if self.recursive:
             self._discard_lost()
 
@@ -237,20 +237,20 @@ class _Work:
         self.progress.clock.rule = rule.name
         self.progress.clock.check(self.progress.added)
 
-    def _lose(self, found: Facts) -> Facts:
+    def _record_lost(self, found: Facts) -> Facts:
         """Record the triples to remove, all but those asserted, and return them.
 
         Triples derived in the world before are known there, which saves a search among all.
         """
         going = lacking(lacking(lacking(found, self.progress.after.asserted), self.progress.gone.known), self.lost)
         if self.recursive and len(going) > self._size:
-            going = lacking(going, self._founded(going))
+            going = lacking(going, self._supported(going))
         self._size = len(going)
         for predicate, keys in going:
             self.lost.extend(predicate, keys)
         return going
 
-    def _own(self, gone: Facts) -> Facts:
+    def _removed_here(self, gone: Facts) -> Facts:
         """Return the removed triples that this stratum may derive; others have put theirs back already."""
         written = _written(self.rules)
         found = Facts()
@@ -259,7 +259,7 @@ class _Work:
                 found.replace(predicate, keys)
         return found
 
-    def _founded(self, candidates: Facts) -> Facts:
+    def _supported(self, candidates: Facts) -> Facts:
         """Return the candidates that follow in one step from asserted triples and those of other strata."""
         found = Facts()
         written = _written(self.rules)

@@ -59,7 +59,7 @@ def _read(file: Path, target: NamedNode, source: Path, text: str) -> str:
 
 
 def _error(message: str, target: NamedNode, source: Path, text: str, hint: str) -> RuleError:
-    """Return an error at the statement that imports, as far as its text tells."""
+    """Return an error at the importing statement, if the text allows to find it."""
     written = normalise(text)
     name = target.value.rpartition("/")[2]
     keyword = max(written.upper().find("IMPORTS"), 0)

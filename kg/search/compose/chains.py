@@ -105,10 +105,10 @@ class Search:
         What waits comes in that order too, and what follows from it is never before it, so that what is complete when
         its turn comes is the next. Where the search is cut off, the complete chains that wait are all there is.
         """
-        self._look_back()
+        self._bound_costs()
         waiting: _Waiting = []
         for start in sorted(set(self.starts)):
-            self._wait(waiting, _Path(0, (), start, self.start_marks.get(start, 0) & self.wanted), 0)
+            self._queue(waiting, _Path(0, (), start, self.start_marks.get(start, 0) & self.wanted), 0)
         seen: set[tuple[int, ...]] = set()
         while waiting:
             _, _, _, place, path = heappop(waiting)
@@ -118,12 +118,12 @@ class Search:
                     seen.add(families)
                     yield Chain(path.cost, path.steps)
             elif not self.cut_off:
-                self._look(waiting, path, place)
+                self._extend(waiting, path, place)
 
-    def _look(self, waiting: _Waiting, path: _Path, place: int) -> None:
+    def _extend(self, waiting: _Waiting, path: _Path, place: int) -> None:
         """Extend a path by its step at a place, and queue it for the step after that."""
         self.looks += 1
-        self._wait(waiting, path, place + 1)
+        self._queue(waiting, path, place + 1)
         step = self._follow(path)[place][2]
         grown = self._grown(path, step)
         if grown is None:
@@ -131,9 +131,9 @@ class Search:
         if self._ends(step, grown.marks):
             heappush(waiting, (grown.cost, grown.keys, next(self._numbers), None, grown))
         else:
-            self._wait(waiting, grown, 0)
+            self._queue(waiting, grown, 0)
 
-    def _wait(self, waiting: _Waiting, path: _Path, place: int) -> None:
+    def _queue(self, waiting: _Waiting, path: _Path, place: int) -> None:
         """Queue a path for its step at a place."""
         follow = self._follow(path)
         if place < len(follow):
@@ -155,7 +155,7 @@ class Search:
     def _ends(self, step: Step, marks: int) -> bool:
         return step.target in self.goals and marks & self.wanted == self.wanted
 
-    def _look_back(self) -> None:
+    def _bound_costs(self) -> None:
         """Find what the rest of a chain costs at least, by the type and the bits it has, for each number of steps."""
         edges = self._edges()
         subsets = [marks for marks in range(self.wanted + 1) if marks & self.wanted == marks]

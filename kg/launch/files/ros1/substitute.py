@@ -128,7 +128,7 @@ class _Commands:
         written = f"$({command})"
         if name == "find":
             before, _, after = text.partition(written)
-            return f"{before}{self._found(_only(words, command))}{_path(after)}"
+            return f"{before}{self._find_package(_only(words, command))}{_path(after)}"
         return text.replace(written, self._value(name, words, command))
 
     def _value(self, name: str, words: list[str], command: str) -> str:
@@ -160,7 +160,7 @@ class _Commands:
         self._note(LaunchProblemKind.UNRESOLVED, f"$(anon {name}) is a name made up at run time", name)
         return f"{name}_{HOLE}"
 
-    def _found(self, package: str) -> str:
+    def _find_package(self, package: str) -> str:
         return self._owner.find(package, self._note)
 
     def evaluate(self, expression: str) -> str:
@@ -169,7 +169,7 @@ class _Commands:
             raise _SubstitutionError("$(eval ...) may not contain double underscores")
         functions: dict[str, Callable[..., object]] = {
             "arg": lambda name: automatic(self._argument(name)),
-            "find": self._found,
+            "find": self._find_package,
             "env": lambda name: self._owner.environment(name, self._note),
             "optenv": lambda name, default="": self._owner.optional(name, default),
             "anon": self._anonymous,

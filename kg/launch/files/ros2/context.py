@@ -163,7 +163,7 @@ class Context:
 
     @contextmanager
     def inside(self, file: FilePath) -> Iterator[None]:
-        """Let `file`, which the action executed now includes, be executed; settings that it makes stay."""
+        """Execute `file`, included by the current action, in the body; its settings stay."""
         before = self.file, self.chain, self.stack, self.location
         self.chain, self.file, self.stack = (*self.chain, self.location), file, (*self.stack, file)
         self.location = place(self.files, file, 1)

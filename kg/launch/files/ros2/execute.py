@@ -56,7 +56,7 @@ The trees hold on to that reader, so no other is kept.
 
 
 def dialect_by_ending(file: FilePath) -> LaunchDialect:
-    """Return the language of a file by its ending, as `AnyLaunchDescriptionSource` tells them apart."""
+    """Return the language of a file by its ending, as `AnyLaunchDescriptionSource` distinguishes them."""
     ending = file.path.rpartition(".")[2]
     if ending == "py":
         return LaunchDialect.ROS2_PYTHON

@@ -302,7 +302,7 @@ class _Builder:
         return kinds.Executable(command=self.words(element, element.need("cmd")), **self.common(element))
 
     def malformed(self, error: Malformed) -> None:
-        """Note the problems of the file."""
+        """Record the problems of the file."""
         where = self.place(error.line)
         self.problems.append(LaunchProblem(LaunchProblemKind.MALFORMED, error.message, where))
 

@@ -87,7 +87,7 @@ _COMMANDS: Final = frozenset({"property", "macro", "include", "insert_block", "i
 
 @dataclass(slots=True)
 class Made:
-    """An element of the description that has or is a plugin; `file`, `line` and `steps` tell where it is.
+    """An element of the description that has or is a plugin; `file`, `line` and `steps` are its place.
 
     `steps` are the places of the includes and calls of macros that led to it.
     """

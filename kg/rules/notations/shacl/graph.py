@@ -159,7 +159,7 @@ class ShapesGraph:
     def _of_property(self, node: Term, predicate: NamedNode) -> int | None:
         """Return where a node has a property, when all of its values are names or literals.
 
-        The parser gives such triples in the order of the text, so they are told apart by counting.
+        The parser gives such triples in the order of the text, so counting distinguishes them.
         """
         owners: list[Term] = [triple.subject for triple in self._triples if triple.predicate == predicate]
         offsets = self.places.names.get(predicate.value, [])
@@ -169,7 +169,7 @@ class ShapesGraph:
         return offsets[owners.index(node)]
 
     def string(self, text: Literal, node: Term) -> StringToken | None:
-        """Return the token of a string that is a value of `node`; equal strings are told apart by their order."""
+        """Return the token of a string that is a value of `node`; equal strings are distinguished by their order."""
         tokens = self.places.strings.get(text.value, [])
         owners = [subject for subject, _ in self._by_object.get(text, ())]
         number = owners.index(node) if node in owners and len(owners) == len(tokens) else 0

@@ -65,7 +65,7 @@ def _order(graph: ShapesGraph, shape: Term, rule: Term) -> float:
 
 
 def _check_orders(graph: ShapesGraph) -> None:
-    """Refuse orders that cannot be told apart in one number."""
+    """Refuse orders that one number cannot distinguish."""
     pairs = {
         (graph.order(shape), graph.order(rule)): rule
         for shape in graph.subjects(sh("rule"))

@@ -246,9 +246,9 @@ class LaunchPython(Python):
         """Return a text with variables of the environment as far as they are known now, else by their defaults."""
         from kg.launch.files.ros2.python.machine import settle  # noqa: PLC0415 - each needs the other
 
-        return settle(value, self._settle)
+        return settle(value, self._perform_variable)
 
-    def _settle(self, part: Substitution) -> str | None:
+    def _perform_variable(self, part: Substitution) -> str | None:
         if part.kind != "env":
             return None
         if self.reading.context is not None:
