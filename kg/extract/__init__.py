@@ -1,1 +1,1 @@
-"""Stage 2: files become facts. Nothing here knows of RDF."""
+"""Stage 2: files become facts. Nothing here depends on RDF."""

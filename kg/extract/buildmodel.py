@@ -1,4 +1,4 @@
-"""What build files say of a package: which files make which executable, library, component or plugin.
+"""Build model of a package: which files make which executable, library, component or plugin.
 
 `kg.extract.manifests` reads CMake, setup.py and plugin descriptions into a `BuildModel`; the readers of
 C++ and Python take it as the answer to "which node does this code belong to".
@@ -88,7 +88,7 @@ class EntryPoint:
 
 @dataclass(frozen=True, slots=True)
 class BuildModel:
-    """All that the build files of one package say."""
+    """The content of the build files of one package."""
 
     targets: tuple[Target, ...] = ()
     plugins: tuple[PluginClass, ...] = ()

@@ -1,6 +1,6 @@
-"""What frameworks make of a node by themselves, as the table `ontology/implicit.toml` says.
+"""Interfaces that frameworks add to a node by themselves, by the table `ontology/implicit.toml`.
 
-The table's head explains its form. The facts made here are marked `implicit`, stand at the line of code that brought
+The table's head explains its form. The facts made here are marked `implicit`, are at the line of code that brought
 the framework in, and name the mark (and the condition, if there is one) as their `origin`.
 """
 
@@ -42,7 +42,7 @@ class Use:
     condition: str | None = None
 
     def applies(self, mark: Mark, node: NodeType) -> bool:
-        """Tell whether a node gets this for a mark."""
+        """Return whether a node gets this for a mark."""
         return self.mark == mark.key and self.ros in (None, node.ros) and self.language in (None, node.language)
 
     @property
@@ -129,7 +129,7 @@ def _table() -> tuple[Use, ...]:
 
 
 def load_table(path: Path) -> tuple[Use, ...]:
-    """Return the rows of a table file; a `UsageError` KG002 names what is wrong with one that cannot be used."""
+    """Return the rows of a table file; a `UsageError` KG002 names the problems of one that cannot be used."""
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
         uses = tuple(_use(row) for row in content["use"])

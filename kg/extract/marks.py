@@ -1,7 +1,7 @@
-"""Marks: what the readers of C++ and Python saw of frameworks, before anybody says what the frameworks make of it.
+"""Marks: what the readers of C++ and Python saw of frameworks, before it is known what the frameworks make of it.
 
 A reader of code records that a node *uses* a framework; which topics, services and parameters that framework then
-makes by itself stands in `ontology/implicit.toml`, as data, and is added by `kg.extract.implicit`.
+makes by itself is in `ontology/implicit.toml`, as data, and is added by `kg.extract.implicit`.
 
 The keys (`namespace` and `detail` are empty where a line does not name them; names follow `kg.facts.Interface.name`):
 

@@ -1,4 +1,4 @@
-"""The assembly of a package's facts: every reader is called once, and what they say becomes one `PackageFacts`.
+"""The assembly of a package's facts: every reader is called once, and their results become one `PackageFacts`.
 
 `extract_package` is a pure function of the files of the package and of those that they include, so that it can run in
 any process of a pool, or on another machine. A defect in one reader costs that reader's facts of that package only.
@@ -281,7 +281,7 @@ def guard(reader: Reader, read: Callable[..., _Result], instead: _Result, *argum
 
 
 def _undescribed(package: PackageFolder) -> Package:
-    """Return what the scan alone knows of a package."""
+    """Return the facts of the scan alone about a package."""
     return Package(package.name, package.path, _ROS_UNKNOWN, Location(package.manifest or package.path, 1))
 
 

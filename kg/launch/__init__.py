@@ -1,1 +1,1 @@
-"""What starts: launch files read without running anything, their wiring to a computation graph, and its comparison."""
+"""Launch files read without running anything, their wiring to a computation graph, and its comparison."""

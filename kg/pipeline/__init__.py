@@ -1,1 +1,1 @@
-"""From sources to the store: what to read again, in which process, and how the result takes the place of the old."""
+"""From sources to the store: what to read again, in which process, and how the result replaces the old one."""

@@ -1,4 +1,4 @@
-"""Results of extraction that machines share, each found by a digest of the version of `kg` and of its own inputs.
+"""Results of extraction shared by machines, each found by a digest of the version of `kg` and of its own inputs.
 
     artifacts = Artifacts("/shared/kg-artifacts")       # or any address that fsspec opens, such as s3://bucket/kg
     found = artifacts.result(version, job, source, package, read)
@@ -98,9 +98,9 @@ class Artifacts:
             raise self._unusable(error) from error
 
     def keep_job(self, version: str, code: str, job: Job) -> str:
-        """Write what workers have to know of a build and return its name.
+        """Write the job of a build for its workers, and return its name.
 
-        `version` is that of results, `code` what stands for the code that makes them.
+        `version` is that of results, `code` the digest of the code that makes them.
         """
         workspace = job.workspace
         described = _Build(
@@ -176,7 +176,7 @@ class Artifacts:
         return None
 
     def _write(self, folder: str, content: bytes) -> str:
-        """Write a file under a temporary name, then rename it, so that its name always has its whole content."""
+        """Write a file under a temporary name, then rename it. A named file is always complete."""
         name = f"{folder}/{_digest(content)}"
         temporary = f"{self._root}/{folder}/{os.urandom(8).hex()}.tmp"
         try:
@@ -223,7 +223,7 @@ def _packed(outcome: Outcome) -> bytes:
 
 
 def _holds(job: Job, outcome: Outcome, marks: Mapping[str, str]) -> bool:
-    """Tell whether all that a result was read from is the same now; `marks` are those of the package's own files."""
+    """Return whether all that a result was read from is the same now; `marks` are those of the package's own files."""
     recorded = {**cache.lookups_of(outcome.packed), **outcome.outside}
     if any(answer(job.workspace, lookup) != before for lookup, before in recorded.items()):
         return False

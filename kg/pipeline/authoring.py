@@ -1,4 +1,4 @@
-"""What trying rules needs of settings and store: the rules at hand, and a snapshot to try them on."""
+"""Input for trying rules: the rules in force, and a snapshot to try them on."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ class Attempt:
 
     @classmethod
     def of(cls, settings: Settings, snapshot: EmbeddedSnapshot, named: Sequence[str] = ()) -> Attempt:
-        """Return the rules as settings say, with those `named`.
+        """Return the rules of the settings, with those `named`.
 
         Raises:
-            UnknownNameError: KG001 for a rule that there is not.
+            UnknownNameError: KG001 for an unknown rule.
             RuleError: for the first file that cannot be read.
         """
         library = Library.of(settings)
@@ -58,6 +58,6 @@ class Attempt:
 
 @contextmanager
 def attempt(settings: Settings, named: Sequence[str] = ()) -> Iterator[Attempt]:
-    """Yield the rules in force beside the store in force; raises as `Attempt.of`, and KG301 without a store."""
+    """Yield the rules in force next to the store in force; raises as `Attempt.of`, and KG301 without a store."""
     with reading(settings) as snapshot:
         yield Attempt.of(settings, snapshot, named)

@@ -69,9 +69,9 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
 ) -> BuildReport:
     """Read the sources `named` (folders, git addresses, lists of them) into `store` and return what was done.
 
-    Without names it reads what earlier builds read. Other sources in the store stay. `report` is told of the
-    progress; `command` is what another writer is told is running. The rules in force run in the same transaction,
-    those that cannot be used are left out and told in the report; without `rules` what they inferred stays as it is.
+    Without names it reads what earlier builds read. Other sources in the store stay. `report` receives the
+    progress; `command` is the running command in errors of other writers. The rules in force run in the same
+    transaction; unusable ones are left out and listed in the report; without `rules` their inferences stay as they are.
 
     Raises:
         RuleError: KG208 for a pack of rules that cannot be loaded, KG231 for a folder of rules that is closed.
@@ -139,7 +139,7 @@ class _Build:
         self._jobs = max(1, min(self._jobs, len(plan.read)))
         self._report.planned(len(plan.read), len(plan.reused), 0 if self._settings.cluster else self._jobs)
         results = dict(plan.reused)
-        changed, gone = self._changed(sources, plan), self._gone(sources, roots)
+        changed, gone = self._changed(sources, plan), self._removed_sources(sources, roots)
         written: dict[str, Written] = {}
         if changed or gone:
             written = self._write(workspace, plan, calls, changed, gone, results)
@@ -200,7 +200,7 @@ class _Build:
         return found
 
     def _changed(self, sources: Sequence[Source], plan: Plan) -> list[Source]:
-        """Return the sources whose graph is not what it has to become."""
+        """Return the sources whose graph differs from its new content."""
         trusted = self._trusted(sources, plan)
         read = {source.repository.name for source, _ in plan.read}
         changed = []
@@ -211,7 +211,7 @@ class _Build:
                 changed.append(source)
         return changed
 
-    def _gone(self, sources: Sequence[Source], roots: Sequence[str]) -> tuple[str, ...]:
+    def _removed_sources(self, sources: Sequence[Source], roots: Sequence[str]) -> tuple[str, ...]:
         """Return the sources of earlier builds that stood in the folders of this one and do not any more."""
         present = {source.repository.name for source in sources}
         inside = folders(roots)
@@ -222,7 +222,7 @@ class _Build:
         )
 
     def _trusted(self, sources: Sequence[Source], plan: Plan) -> set[str]:
-        """Return the sources whose graph in the store is what the last build put there."""
+        """Return the sources whose graph in the store is still that of the last build."""
         current = self._store.layout.current()
         if self._state.version != plan.version or current is None:
             return set()
@@ -236,9 +236,9 @@ class _Build:
 
     @cached_property
     def _touched(self) -> frozenset[str] | None:
-        """The graphs that were written since the last build left its state, None where that is not known.
+        """The graphs written since the last build saved its state, None if that is unknown.
 
-        A build that was killed after its generation came into force is among those who write.
+        A build killed after its generation came into force counts as such a write.
         """
         current = self._store.layout.current()
         if current is None or current == self._state.generation:
@@ -247,11 +247,11 @@ class _Build:
         return None if graphs is None else frozenset(graphs)
 
     def _shared_holds(self) -> bool:
-        """Tell whether the graph of what sources share is as the last build left it."""
+        """Return whether the graph shared by sources is as the last build left it."""
         return self._touched is not None and Iris(self._settings.base).graph(SHARED) not in self._touched
 
     def _systems_hold(self) -> bool:
-        """Tell whether nobody else wrote the graphs of launch files."""
+        """Return whether nobody else wrote the graphs of launch files."""
         beginning = f"{self._settings.base}graph/launch/"
         return self._touched is not None and not any(graph.startswith(beginning) for graph in self._touched)
 
@@ -264,7 +264,7 @@ class _Build:
         gone: tuple[str, ...],
         results: dict[Key, PackageState],
     ) -> dict[str, Written]:
-        """Read what has to be read, adding it to `results`, and write the graphs of the `changed` sources."""
+        """Read the packages of the plan into `results`, and write the graphs of the `changed` sources."""
         with self._pool(workspace, plan, calls) as pool:
             self._jobs = pool.size if pool else self._jobs
             # After the workers have started: they neither need what this loads nor may they inherit an open engine.
@@ -300,9 +300,9 @@ class _Build:
     def _pool(
         self, workspace: RecordingWorkspace, plan: Plan, calls: tuple[str, ...]
     ) -> AbstractContextManager[Pool | ClusterPool | None]:
-        """Return the workers for what is read, None for nothing; the largest packages are begun first.
+        """Return the workers for the packages to read, None for none; the largest packages start first.
 
-        So the workers end at about the same time.
+        The workers then end at about the same time.
         """
         if not plan.read:
             return nullcontext()
@@ -354,7 +354,7 @@ class _Build:
         return before.result if before else ""
 
     def _kept(self, package: PackageFolder, outcome: Outcome, mark: str) -> PackageState:
-        """Put a result into the cache and return what the next build compares with."""
+        """Put a result into the cache and return the state that the next build compares with."""
         with translated(str(self._cache)):
             name = cache.store(self._cache, outcome.packed)
         result = outcome.result
@@ -407,7 +407,7 @@ class _Build:
 
 
 def _same(source: Source, earlier: SourceState) -> bool:
-    """Tell whether what stands about a source itself, and which packages it has, is as it was."""
+    """Return whether the facts about a source itself, and its list of packages, are unchanged."""
     present = {package.path for package in source.packages}
     return (source.repository, source.problems, present) == (
         earlier.repository,

@@ -1,6 +1,6 @@
 """Results of extraction on disk: the N-Triples of a package, its own and those that sources share, compressed.
 
-The look-ups that they depend on, what its launch files start, its descriptions and its node types stand before them.
+The look-ups that they depend on, what its launch files start, its descriptions and its node types are before them.
 
 A file is named by the digest of its content, so a damaged or foreign one is noticed, and two builds cannot disturb
 each other.
@@ -120,12 +120,12 @@ def nodes(folder: Path, name: str) -> tuple[Stated, ...]:
 
 
 def exists(folder: Path, name: str) -> bool:
-    """Tell whether a result is there, without reading it."""
+    """Return whether a result is there, without reading it."""
     return (folder / f"{name}{_ENDING}").exists()
 
 
 def keep_only(folder: Path, names: Iterable[str]) -> None:
-    """Remove all results but those of these names, and what a killed build left half written."""
+    """Remove all results but those of these names, and partial files of a killed build."""
     kept = {f"{name}{_ENDING}" for name in names}
     for path in folder.iterdir():
         if path.name not in kept and (path.suffix in {_ENDING, ".tmp"}):

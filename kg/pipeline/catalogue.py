@@ -1,4 +1,4 @@
-"""The node types of all packages of a store, from their cached results, and what wiring asked about them.
+"""The node types of all packages of a store, from their cached results, and the questions of wiring about them.
 
 What could be started contributes its names, which the state of a build holds. A node type is decoded when a question
 names it. Questions are noted with digests of their answers, so that a system is wired again when an answer changes.
@@ -31,8 +31,8 @@ __all__ = ["Catalogue"]
 class Catalogue(NodeTypes):
     """The node types of `packages`, whose results are in the cache `folder`, and those of other sources of the store.
 
-    `programs` are what packages of other sources install, `data` their files that nodes read. `asked` are the questions
-    since it was emptied.
+    `programs` are those that packages of other sources install, `data` their files that nodes read. `asked` are the
+    questions since it was emptied.
     """
 
     def __init__(
@@ -76,12 +76,12 @@ class Catalogue(NodeTypes):
             self._programs.setdefault(package, set()).update(names)
 
     def has(self, package: str) -> bool:
-        """Tell whether the build has a package."""
+        """Return whether the build has a package."""
         self.asked["has", package] = None
         return super().has(package)
 
     def installed(self, package: str) -> list[str]:
-        """Return what else a package installs to be started, sorted."""
+        """Return the other programs that a package installs, sorted."""
         self.asked["installed", package] = None
         return super().installed(package)
 
@@ -91,12 +91,12 @@ class Catalogue(NodeTypes):
         return super().executables(package)
 
     def started(self, package: str, name: str) -> list[Typed]:
-        """Return what is started by the name of a program of a package."""
+        """Return the node types started by the name of a program of a package."""
         self.asked["started", package, name] = None
         return super().started(package, name)
 
     def loaded(self, name: str) -> list[Typed]:
-        """Return what is loaded by the name of a class."""
+        """Return the node types loaded by the name of a class."""
         self.asked["loaded", name] = None
         return super().loaded(name)
 
@@ -106,7 +106,7 @@ class Catalogue(NodeTypes):
         return super().data(package)
 
     def like(self, package: str) -> tuple[str, ...]:
-        """Return the packages that the name of one which is not there is likely meant to be."""
+        """Return suggestions for the name of a package that does not exist."""
         self.asked["like", package] = None
         return super().like(package)
 

@@ -1,4 +1,4 @@
-"""The workers of a build on a Dask cluster, used as those of `kg.pipeline.pool` are.
+"""The workers of a build on a Dask cluster, with the interface of `kg.pipeline.pool`.
 
     with ClusterPool("tcp://scheduler:8786", task_groups, request, report) as pool:
         for outcome in pool.outcomes(): ...
@@ -65,7 +65,7 @@ def batches(tasks: Iterable[tuple[Task, int]]) -> list[list[Task]]:
 
 
 def read_packages(request: Request, tasks: Sequence[Task]) -> list[Reading]:
-    """Read packages, in a process of this thread of a worker; this is what a cluster runs."""
+    """Read packages, in a process of this thread of a worker; a cluster runs this function."""
     from distributed import get_worker  # noqa: PLC0415 - part of the extra `cluster`
 
     worker = get_worker()
@@ -87,7 +87,7 @@ class ClusterPool:
 
     Raises:
         UsageError: KG125 without the extra `cluster`.
-        SourceError: KG126 when there is no cluster at the address, or no worker in it, be it in the middle; KG127 when
+        SourceError: KG126 if no cluster is at the address, or it has or keeps no worker; KG127 when
             a worker cannot read the sources as this machine does; KG128 when results cannot be written or read.
     """
 
@@ -127,7 +127,7 @@ class ClusterPool:
             try:
                 news = self._news.get(timeout=_SILENT_SECONDS)
             except queue.Empty:
-                self._look()
+                self._require_worker()
                 continue
             if isinstance(news, tuple):  # what a worker logged, with its time
                 self._report.placed(news[1]["worker"], news[1]["source"])
@@ -160,7 +160,7 @@ class ClusterPool:
                 yield failed(*task[:3], problem)
 
     def _submit(self, batch: list[Task]) -> None:
-        # The name is what Dask's own pages show.
+        # Dask's own pages show this name.
         key = f"{batch[0].source}:{batch[0].path}-{len(self._given)}-{id(batch):x}"
         future = self._client.submit(read_packages, self._request, batch, key=key, pure=False)
         self._given[future] = batch
@@ -172,7 +172,7 @@ class ClusterPool:
             from distributed import Client, LocalCluster  # noqa: PLC0415 - the same
         except ImportError as error:
             raise without_extra() from error
-        for name in _NOISY:  # what goes wrong is reported in our words
+        for name in _NOISY:  # errors are reported in our words
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
         kind, _, number = self._address.partition(":")
         try:
@@ -195,8 +195,8 @@ class ClusterPool:
         """How many packages are read at a time: the threads of all workers."""
         return sum(self._client.nthreads().values())
 
-    def _look(self) -> None:
-        """Go on waiting as long as there is a worker."""
+    def _require_worker(self) -> None:
+        """Raise if no worker is left to wait for."""
         try:
             self._client.wait_for_workers(1, timeout=_CONNECT_SECONDS)
         except (OSError, TimeoutError, ValueError) as error:

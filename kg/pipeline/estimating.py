@@ -1,4 +1,4 @@
-"""What a build would read, and about how long that takes: counted by a scan, without opening a source file."""
+"""Estimates of the packages, files and time of a build: counted by a scan, without opening a source file."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _STORE_BYTES: Final = 14.5
 
 @dataclass(frozen=True, slots=True)
 class Volume:
-    """What a build would read of one source: packages, files, bytes of code; and what earlier results hold for.
+    """Volume of one source in a build: packages, files, bytes of code; and the part covered by earlier results.
 
     The other figures are estimates: seconds of reading by one processor, seconds of writing, triples with those that
     rules infer, and bytes of the store.
@@ -72,13 +72,13 @@ class Volume:
 
 
 def estimate(named: Sequence[str], settings: Settings, report: Report) -> list[Volume]:
-    """Return what a build of the sources `named` would read, source by source.
+    """Return the volume of a build of the sources `named`, source by source.
 
-    Git addresses are fetched: into the store where there is one, else into a temporary folder.
+    Git addresses are fetched: into the store if it exists, else into a temporary folder.
 
     Raises:
         SourceError: KG101, KG102, KG103 when a source cannot be read at all.
-        StoreError: KG301 for a store that the settings name and that is not there.
+        StoreError: KG301 for a store of the settings that does not exist.
     """
     with TemporaryDirectory(prefix="kg-") as temporary:
         try:

@@ -43,9 +43,9 @@ class Request(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What became of one package on a worker.
+    """Outcome of one package on a worker.
 
-    `artifact` is the name of its result, empty where it gave none; then `problem` is the reason. `again` tells whether
+    `artifact` is the name of its result, empty where it gave none; then `problem` is the reason. `again` is whether
     another attempt may succeed. With `code`, an error of `kg`, no package can be read there.
     """
 
@@ -65,7 +65,7 @@ class Extractor:
         self._request: Request | None = None
 
     def read(self, request: Request, task: Task) -> Reading:
-        """Return what became of a package of a build, after at most the time that one may take."""
+        """Return the outcome of a package of a build, after at most the time limit of a package."""
         if self._process is not None and self._process.poll() is not None:
             self.close()  # it ended while it had nothing to do
         is_new = self._pipe is None
@@ -111,7 +111,7 @@ class Extractor:
         return found
 
     def _start(self) -> Connection:
-        """Start the process; what keeps it from reading comes as its first answer."""
+        """Start the process; an error that keeps it from reading is its first response."""
         here, there = Pipe()
         command = [sys.executable, "-c", f"from {__name__} import main; main()", str(there.fileno())]
         # A worker of Dask is a daemon of its nanny, so it may not start a process by `multiprocessing`. The standard
@@ -175,7 +175,7 @@ class _Reader:
 
 @cache
 def _code(model: str) -> str:
-    """Return what stands for the code of this process, found out when it is loaded."""
+    """Return the digest of the code of this process, computed when it is loaded."""
     return code_version(model)
 
 

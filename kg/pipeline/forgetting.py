@@ -1,4 +1,4 @@
-"""Taking sources out of a store for good: their graphs, and their place among what a build without names reads."""
+"""Remove sources from a store for good: their graphs, and their place in builds without names."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = ["forget"]
 def forget(
     store: EmbeddedStore, settings: Settings, names: Sequence[str], command: str = "kg forget", *, rules: bool = True
 ) -> Inferred | None:
-    """Take sources out of the store and out of what a build without names reads; names it does not know do nothing.
+    """Remove sources from the store and from builds without names; unknown names do nothing.
 
     What rules inferred from them goes too, rules that cannot be used being left out; without `rules` it stays until the
     next build, and None is returned.
@@ -60,7 +60,7 @@ def forget(
 
 
 def _without(state: State, names: frozenset[str]) -> State:
-    """Return the state without sources; a root stays as long as another source that stands in it does."""
+    """Return the state without sources; a root stays as long as another source that is in it does."""
     kept = {name: source for name, source in state.sources.items() if name not in names}
     gone = [source.repository.root for name, source in state.sources.items() if name in names]
     left = [source.repository.root for source in kept.values()]

@@ -1,10 +1,10 @@
-"""Rules inside the transactions of the pipeline: what is inferred changes together with what it is inferred from.
+"""Rules inside the transactions of the pipeline: inferences change together with the asserted triples.
 
 The ontologies belong to the rules: their graph is patched where a file of theirs changed, and the rules follow.
 
-What was read is never lost for the sake of a rule. A file that cannot be used is left out. Where the others cannot run
-together, those of the user's folders are left out too; where that does not help, nothing is inferred. So what stands
-in the graph of inferred triples follows from the rules that ran, and is never left from an earlier state of the data.
+A failing rule never loses the triples that were read. An unusable file is left out. If the others cannot run together,
+those of the user's folders are left out too; if that does not help, nothing is inferred. So the graph of inferred
+triples always follows from the rules that ran, and never holds triples from an earlier state of the data.
 """
 
 from __future__ import annotations
@@ -67,13 +67,13 @@ _ONTOLOGY_DIGEST: Final = "ontologies-digest"
 
 
 def digest(settings: Settings, cache: Path | None = None) -> str:
-    """Return what changes whenever a file of a rule or an ontology in force changes, comes or goes.
+    """Return a digest of all files of rules and ontologies in force.
 
-    It is kept in the folder `cache` for the next process, where one is given.
+    It is kept in the folder `cache` for the next process, if given.
 
     Raises:
         RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
-        UsageError: KG002 for a folder or a family of the settings that is not there.
+        UsageError: KG002 for a folder or a family of the settings that does not exist.
     """
     folders = (resources.folder("rules"), *(pack.folder for pack in installed_packs(cache)), *user_folders(settings))
     seen, families = tuple(state for folder in folders for state in states(folder)), families_in_force(settings)
@@ -83,7 +83,7 @@ def digest(settings: Settings, cache: Path | None = None) -> str:
 
 
 def _ontology_digest(settings: Settings, cache: Path | None) -> str:
-    """Return what changes whenever an ontology in force changes, comes or goes; raises as `ontologies_in_force`."""
+    """Return a digest of the ontologies in force; raises as `ontologies_in_force`."""
     files = ontologies_in_force(settings)
     seen = tuple(state for file in files for state in states(file))
     made = _digest_of if settled(seen) else _digest_of.__wrapped__
@@ -123,7 +123,7 @@ def _digest(families: tuple[str, ...], folders: tuple[Path, ...], _seen: tuple[S
 
 @dataclass(frozen=True, slots=True)
 class LastRun:
-    """What is known of the last run: the digest of its rules, empty where some could not run, and what it counted.
+    """Record of the last run: the digest of its rules, empty if some could not run, and its counts.
 
     What is inferred follows from the generation `generation` of the store and these rules, with this `base`. `costs`
     are those of the last full run: for each rule by name the seconds, the triples that it was the first to derive, and
@@ -140,7 +140,7 @@ class LastRun:
 
 
 def costs(report: RunReport, cache: Path) -> Mapping[str, tuple[float, int, int]]:
-    """Return what each rule cost: in this run if it was a full one, else in the last that was."""
+    """Return the cost of each rule: in this run if it was full, else in the last full one."""
     if not report.rules:
         last = last_run(cache)
         return last.costs if last else {}
@@ -153,7 +153,7 @@ def costs(report: RunReport, cache: Path) -> Mapping[str, tuple[float, int, int]
 
 
 def last_run(cache: Path) -> LastRun | None:
-    """Return what the last run left in the folder `cache`; None where it is not known."""
+    """Return the record of the last run in the folder `cache`; None if missing."""
     try:
         return LastRun(**json.loads((cache / _LAST).read_bytes()))
     except (OSError, ValueError, TypeError):
@@ -161,14 +161,14 @@ def last_run(cache: Path) -> LastRun | None:
 
 
 def note_run(cache: Path, run: LastRun) -> None:
-    """Keep what is known of a run for the next one; StoreError KG304 when the disk is full."""
+    """Save the record of a run for the next one; StoreError KG304 when the disk is full."""
     with translated(str(cache)):
         cache.mkdir(parents=True, exist_ok=True)
         write_atomically(cache / _LAST, json.dumps(asdict(run)).encode(), durable=False)
 
 
 def unchanged(settings: Settings, layout: Layout) -> LastRun | None:
-    """Return the last run where neither the store nor a rule has changed since, so that another one would do nothing.
+    """Return the last run if neither the store nor a rule has changed since: another one would do nothing.
 
     Raises as `digest`.
     """
@@ -181,7 +181,7 @@ def unchanged(settings: Settings, layout: Layout) -> LastRun | None:
 def _content(path: Path) -> bytes:
     try:
         return path.read_bytes()
-    except OSError as error:  # told where the file is read
+    except OSError as error:  # reported where the file is read
         return str(error).encode()
 
 
@@ -214,9 +214,9 @@ def _in_force(settings: Settings, problems: list[KgError] | None) -> bytes:
 
 
 class Inference:
-    """The rules in force, run inside a transaction; `remember` when it is committed, so that the next run is short.
+    """The rules in force, run inside a transaction; `remember` after the commit makes the next run short.
 
-    A process that stays can run them again and again, in one transaction after the other. `digest` is that of the
+    A long-running process can run them repeatedly, in one transaction after the other. `digest` is that of the
     rules that ran, empty before, and where some could not.
     """
 
@@ -230,7 +230,7 @@ class Inference:
         """The ontologies that the transaction gave to the store; None where it left them alone."""
 
     def prepare(self) -> None:
-        """Load the rules in force and what their last run left, for a process that waits for its first transaction.
+        """Load the rules in force and the memory of their last run, for a process that waits for its first transaction.
 
         Raises as `run`, and StoreError as `EmbeddedStore.read`.
         """
@@ -242,14 +242,14 @@ class Inference:
         self._runner.prepare(rules)
 
     def watch(self, transaction: EmbeddedTransaction) -> None:
-        """Keep what a transaction writes into an empty store, so that the run in it need not read that back."""
+        """Keep the triples that a transaction writes into an empty store: its run need not read them back."""
         from kg.rules.written import Written  # noqa: PLC0415 - numbers are loaded here
 
         if transaction.base is None and not transaction.changed:
             transaction.changes = Written()
 
     def outdated(self) -> bool:
-        """Tell whether the ontologies in force are others than those that the store was given; raises KG002."""
+        """Return whether the ontologies in force are others than those that the store was given; raises KG002."""
         cache = self._store.layout.cache
         given = _given(cache)
         return given is not None and given.digest != _ontology_digest(self._settings, cache)
@@ -257,14 +257,14 @@ class Inference:
     def update_ontologies(
         self, transaction: EmbeddedTransaction, problems: list[KgError] | None = None, *, anew: bool = False
     ) -> None:
-        """Give a store the ontologies in force: where it has none, or where their files have changed since.
+        """Write the ontologies in force to a store: if it has none, or if their files have changed since.
 
-        What users add to their graph stays. So does a graph that users made themselves, unless it is written `anew`.
+        What users add to their graph stays. So does a graph that users made themselves, unless it is written `again`.
         A file that cannot be read is left out and its error added to `problems`, where they are given.
 
         Raises:
             GraphError: KG601 for a file that cannot be read, without `problems`.
-            UsageError: KG002 for a folder or file of the settings that is not there.
+            UsageError: KG002 for a folder or file of the settings that does not exist.
         """
         cache, graph = self._store.layout.cache, NamedNode(Iris(self._settings.base).graph("ontology"))
         given, present = _given(cache), graph in transaction.graphs()
@@ -292,7 +292,7 @@ class Inference:
 
         Ontologies whose files have changed are updated first. Raises:
             RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
-            UsageError: KG002 for a folder or a family of the settings that is not there.
+            UsageError: KG002 for a folder or a family of the settings that does not exist.
         """
         found = digest(self._settings, self._store.layout.cache)
         unreadable: list[KgError] = []
@@ -332,7 +332,7 @@ class Inference:
         return Inferred(found.inferred, found.added, found.removed, found.seconds.total, found.mode)
 
     def _nothing(self, transaction: EmbeddedTransaction) -> Inferred:
-        """Take out what was inferred."""
+        """Remove all inferred triples."""
         graph = NamedNode(Iris(self._settings.base).graph("inferred"))
         removed = transaction.count(graph) if graph in transaction.graphs() else 0
         if removed:
@@ -340,7 +340,7 @@ class Inference:
         return Inferred(0, 0, removed, 0.0, "none")
 
     def remember(self, generation: int | None, *, save: bool = True) -> None:
-        """Keep what the run read and inferred, as of the generation that its transaction made.
+        """Keep the triples that the run read and inferred, as of the generation that its transaction made.
 
         Without `save` the columns stay in this process; the next one starts from those that were saved last.
         """
@@ -358,6 +358,6 @@ class Inference:
             note_run(self._store.layout.cache, replace(self._last, generation=current))
 
     def save(self) -> None:
-        """Write what was remembered to the cache."""
+        """Write the memory to the cache."""
         if self._runner is not None:
             self._runner.save()

@@ -1,4 +1,4 @@
-"""What was computed from files of an installation, kept between processes as long as none of these files changes."""
+"""Values computed from files of an installation, cached between processes until one of these files changes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _BYTES: Final = 16
 
 
 class State(NamedTuple):
-    """A file as its folder tells it; times in nanoseconds. Whatever changes a file sets the time `changed`."""
+    """A file by its entry in the folder; times in nanoseconds. Whatever changes a file sets the time `changed`."""
 
     path: str
     number: int
@@ -34,7 +34,7 @@ class State(NamedTuple):
 
 
 def states(root: Path | str) -> Iterator[State]:
-    """Yield the state of each file below a folder, or of a file; none of what cannot be looked at."""
+    """Yield the state of each file below a folder, or of a file; unreadable ones are skipped."""
     try:
         entries = sorted(os.scandir(root), key=lambda entry: entry.name)
     except NotADirectoryError:
@@ -58,7 +58,7 @@ def installations() -> Iterator[State]:
 
 
 def settled(seen: tuple[State, ...]) -> bool:
-    """Tell whether the next change of any of some files gives it another state: all changed a while ago."""
+    """Return whether the next change of any of some files gives it another state: all changed a while ago."""
     return time.time_ns() - max((state.changed for state in seen), default=0) > _SETTLED
 
 

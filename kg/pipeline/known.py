@@ -1,4 +1,4 @@
-"""What the other packages of a build know of the node types of one: their names, and a digest of the rest."""
+"""The node types of a package as other packages of a build see them: their names, and a digest of the rest."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _BYTES: Final = 16
 def known_as(
     stated: Iterable[Stated], programs: Iterable[str] = (), data: Iterable[DataFile] = ()
 ) -> tuple[tuple[Stated, ...], Known]:
-    """Return the node types of a package in the order that results have, and what others know of them."""
+    """Return the node types of a package in the order of results, and their view for other packages."""
     ordered = sorted(stated, key=lambda one: (one.node.name, str(one.node.location)))
     names: list[NodeName] = []
     for _, several in groupby(ordered, key=lambda one: one.node.name):
         same = list(several)
-        # A reference names all node types of a name, so that each depends on the others.
+        # A reference names all node types of a name, so each depends on the others.
         marks = " ".join(map(_mark, same))
         for at, one in enumerate(same):
             node, mark = one.node, digest(f"{at} {marks}".encode())

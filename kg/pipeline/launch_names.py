@@ -25,8 +25,8 @@ def find(names: Sequence[SystemName], text: str, roots: Mapping[str, str]) -> Sy
     `roots` has the folder of each source.
 
     Raises:
-        UnknownNameError: KG422 when there is none.
-        UsageError: KG003 when there are several.
+        UnknownNameError: KG422 if none matches.
+        UsageError: KG003 if several match.
     """
     found = _on_disk(names, Path(text), roots) or matching(names, text)
     if not found:

@@ -49,7 +49,7 @@ def chosen(
     arguments: Mapping[str, str],
     environment: Mapping[str, str],
 ) -> list[System]:
-    """Return the systems of the store, or that of `launch`, evaluated anew where anything is given.
+    """Return the systems of the store, or that of `launch`, evaluated again where anything is given.
 
     Raises as `find` and `check_given` of `kg.pipeline.launch_names`, and as `LaunchFile`.
     """
@@ -94,7 +94,7 @@ class LaunchFile:
         self._types: NodeTypes | None = None
 
     def system(self, arguments: Mapping[str, str], environment: Mapping[str, str]) -> System:
-        """Return what it starts.
+        """Return the system.
 
         Raises:
             SourceError: KG101 when it cannot be read.
@@ -143,7 +143,7 @@ def _owner(sources: Sequence[Source], name: SystemName) -> tuple[Source, Package
 
 @contextmanager
 def trial(settings: Settings, store: EmbeddedStore, system: System) -> Iterator[EmbeddedTransaction]:
-    """Yield the content of the store as it would be with this system in place of what it has; nothing is kept.
+    """Yield the content of the store with this system in place of the stored one; nothing is kept.
 
     The rules have run over it. Another process that writes waits or is refused meanwhile (KG302).
     """

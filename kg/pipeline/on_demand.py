@@ -33,10 +33,10 @@ _FOLDER: Final = "on-demand"
 def with_family(
     settings: Settings, snapshot: EmbeddedSnapshot, family: str, text: str
 ) -> Iterator[tuple[EmbeddedSnapshot, Derived]]:
-    """Yield a snapshot that also has what the rules of a family derive for a query, and what that was.
+    """Yield a snapshot with the triples that the rules of a family derive for a query, and these triples.
 
     Raises:
-        UnknownNameError: KG001 for a family that there is not.
+        UnknownNameError: KG001 for an unknown family.
         RuleError: KG2xx for rules that cannot be read or evaluated, KG205 at the deadline for queries.
         StoreError: KG304, KG306 where the copy of the store cannot be written.
     """

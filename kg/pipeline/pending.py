@@ -1,4 +1,4 @@
-"""What a build would read again, and whether rules changed: found out without reading, fetching or waiting."""
+"""The packages that a build would read again, and whether rules changed: without reading, fetching or waiting."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["pending", "rules_changed"]
 def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | None]:
     """Return for each source that builds have read the packages that a build would read again.
 
-    None stands for a source that is not there any more. Git addresses are looked at as they were fetched last.
+    None stands for a source that no longer exists. Git addresses are looked at as they were fetched last.
     """
     state = load(layout.cache)
     named = [root for root in _roots(state, layout) if Path(root).exists()]
@@ -43,7 +43,7 @@ def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | N
 
 
 def rules_changed(layout: Layout, settings: Settings) -> bool:
-    """Tell whether the rules in force are not those that ran last; False where none ran.
+    """Return whether the rules in force are not those that ran last; False where none ran.
 
     Raises as `kg.pipeline.inferring.digest`.
     """

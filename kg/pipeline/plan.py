@@ -54,7 +54,7 @@ _VERSION: Final = "version"
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What to do: packages to read, and the earlier results that still hold."""
+    """Packages to read, and the earlier results that still hold."""
 
     version: str
     shape: str
@@ -63,7 +63,7 @@ class Plan:
 
 
 def version(settings: Settings, folder: Path | None = None) -> str:
-    """Return what stands for the code and data of `kg`, its libraries, and the settings that results depend on.
+    """Return a digest of the code and data of `kg`, its libraries, and the settings that results depend on.
 
     Code and data count by their contents, so that an installation of the same files has the same version. So do the
     users' descriptions of framework calls. What stands for code, data and libraries is kept in the cache `folder`, as
@@ -74,7 +74,7 @@ def version(settings: Settings, folder: Path | None = None) -> str:
 
 
 def code_version(model: str, folder: Path | None = None) -> str:
-    """Return what stands for the code and data of `kg`, its libraries and the spaCy pipeline `model`, as `version`."""
+    """Return a digest of the code and data of `kg`, its libraries and the spaCy pipeline `model`, as `version`."""
     package = Path(__file__).resolve().parent.parent
     knowledge = [path for path in resources.folder("ontology").iterdir() if path.suffix != ".ttl"]  # for rules alone
     own = [*(package / name for name in CODE), *sorted(knowledge)]
@@ -91,7 +91,7 @@ def _libraries() -> list[str]:
 
 
 def shape(sources: Iterable[Source]) -> str:
-    """Return what stands for the paths of all files of a build and the packages that own them."""
+    """Return a digest of the paths of all files of a build and the packages that own them."""
     lines: list[str] = []
     for source in sources:
         lines.append(f"{source.repository.name} {source.root}")
@@ -104,7 +104,7 @@ def shape(sources: Iterable[Source]) -> str:
 
 
 def listing(package: PackageFolder) -> str:
-    """Return what stands for the paths, kinds and rights of the files of a package."""
+    """Return a digest of the paths, kinds and permissions of the files of a package."""
     lines = [f"{entry.kind} {entry.executable} {entry.path}" for entry in package.files]
     return _digest([f"{package.name} {package.manifest}", *lines])
 
@@ -112,7 +112,7 @@ def listing(package: PackageFolder) -> str:
 def stamp(
     workspace: Workspace, source: str, package: PackageFolder, inputs: Iterable[str], entries: dict[str, FileEntry]
 ) -> str:
-    """Return what stands for size and time of all files that the result of a package depends on."""
+    """Return a digest of size and time of all files that the result of a package depends on."""
     own = {f"{source}:{entry.path}": entry for entry in package.files}
     lines = [f"{key} {entry.bytes} {entry.mtime_ns}" for key, entry in own.items()]
     for key in inputs:
@@ -186,7 +186,7 @@ def _mark(workspace: Workspace, key: str, limit_bytes: int) -> str:
 
 
 def _size_and_time(workspace: Workspace, key: str) -> str:
-    """Return what tells whether a file changed that no scan lists: one of another ending, or installed."""
+    """Return size and time of a file that no scan lists: one of another ending, or installed."""
     path = _path(workspace, key)
     try:
         status = path.stat() if path else None
@@ -196,7 +196,7 @@ def _size_and_time(workspace: Workspace, key: str) -> str:
 
 
 def _path(workspace: Workspace, key: str) -> Path | None:
-    """Return where a file that was read stands on disk; None where its source is no part of the build."""
+    """Return where a file that was read is on disk; None where its source is no part of the build."""
     repository, _, path = key.partition(":")
     source = workspace.source(repository)
     if source is not None:

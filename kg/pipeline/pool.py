@@ -1,4 +1,4 @@
-"""A pool of worker processes in which a package that kills its worker, or never ends, costs itself only.
+"""A pool of worker processes. A package that kills its worker, or never ends, fails alone.
 
 Workers are forked where the system can, so that they share the indexes of the workspace. Of several, each is given its
 next package before it has ended the one before, so that it never waits for the writing of the store; a single one
@@ -55,7 +55,7 @@ class Task(NamedTuple):
 
 @dataclass(slots=True)
 class _Worker:
-    """A process with its pipe and what it was given, oldest first; `since` is when it began the oldest."""
+    """A process with its pipe and its tasks, oldest first; `since` is when it began the oldest."""
 
     process: BaseProcess
     pipe: Connection
@@ -112,7 +112,7 @@ class Pool:
         return any(worker.given for worker in self._workers)
 
     def _hand_out(self) -> None:
-        """Give tasks to workers that have less than they can keep; start workers as long as there are tasks."""
+        """Give tasks to workers with free capacity; start workers while tasks remain."""
         while self._queue and len(self._workers) < self._size:
             self._start()
             self._give(self._workers[-1])
@@ -131,7 +131,7 @@ class Pool:
             if worker.pipe in ready:
                 yield from self._receive(worker)
             elif worker.given and time.monotonic() - worker.since > self._deadline:
-                yield from self._bury(worker, f"the package took longer than {self._deadline:g} s and was left out")
+                yield from self._reap(worker, f"the package took longer than {self._deadline:g} s and was left out")
 
     def _start(self) -> None:
         here, there = self._context.Pipe()
@@ -158,13 +158,13 @@ class Pool:
         except (EOFError, OSError):
             worker.process.join()
             message = f"the process that read the package ended with {end_of(worker.process.exitcode or 0)}"
-            yield from self._bury(worker, message)
+            yield from self._reap(worker, message)
             return
         worker.given.popleft()
         worker.since = time.monotonic()
         yield outcome
 
-    def _bury(self, worker: _Worker, message: str) -> Iterator[Outcome]:
+    def _reap(self, worker: _Worker, message: str) -> Iterator[Outcome]:
         """Remove a worker and put its tasks back, but for the one it was at, which is yielded as failed."""
         worker.process.kill()
         worker.process.join()
@@ -178,7 +178,7 @@ class Pool:
 
 @contextlib.contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Let Ctrl-C wait: a worker that it reached before `_serve` would undo what the build has begun, as the build does.
+    """Defer Ctrl-C: a worker interrupted before `_serve` would clean up the build's work, as the build does.
 
     A worker starts with the signals held that its parent holds.
     """

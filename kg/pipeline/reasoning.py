@@ -1,4 +1,4 @@
-"""Rules over a store of RNKG: which are in force, and what of the graph they and explanations know."""
+"""Rules over a store of RNKG: those in force, and the parts of the graph for them and for explanations."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def rules_in_force(settings: Settings, broken: list[RuleError] | None = None, *,
 
     Raises:
         RuleError: KG201 and others of KG2xx for a file that cannot be used, without `broken`.
-        UsageError: KG002 for a folder or a family of the settings that is not there.
+        UsageError: KG002 for a folder or a family of the settings that does not exist.
     """
     made_of = (rule_folders(settings), installed_packs(), families_in_force(settings), digest(settings))
     return _sound(_read(*made_of) if cache is None else _read_before(cache, *made_of), broken)
@@ -123,7 +123,7 @@ def rule_folders(settings: Settings) -> tuple[Path, ...]:
 
 
 def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Context:
-    """Return what rules are checked against: the ontologies, the stored queries, and a store where there is one."""
+    """Return the context of checks: the ontologies, the stored queries, and a store if there is one."""
     # Builds need none of this.
     from kg.query.stored import discover as discover_queries  # noqa: PLC0415 - see above
     from kg.query.terms import iris_of  # noqa: PLC0415 - see above
@@ -143,7 +143,7 @@ def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Cont
 
 
 def ontology_schema(settings: Settings) -> tuple[Triple, ...]:
-    """Return the axioms of the ontologies in force, for what is asked of rules without a store."""
+    """Return the axioms of the ontologies in force, for use of rules without a store."""
     return schema_of(_ontologies(settings))
 
 
@@ -218,7 +218,7 @@ def _packed(
 
 @lru_cache(maxsize=1)
 def _code() -> str:
-    """Return what stands for the code that reads rules and puts them in order."""
+    """Return a digest of the code that reads and orders rules."""
     own = Path(__file__).resolve().parent.parent / "rules"
     files = ("compiled.py", "dependencies.py", "form.py", "reading.py", "specialise.py", "stratify.py")
     parts = (*files, "decompose", "notations", "syntax")
@@ -269,7 +269,7 @@ def _terms(rows: Any) -> frozenset[str]:
 
 
 def explained_vocabulary(settings: Settings) -> Vocabulary:
-    """Return what explanations need to know of the graph of these settings."""
+    """Return the vocabulary of explanations for the graph of these settings."""
     from kg.rules.explain.view import Vocabulary  # noqa: PLC0415 - builds explain nothing
 
     iris, ontologies = Iris(settings.base), ontologies_in_force(settings)

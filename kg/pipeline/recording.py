@@ -1,4 +1,4 @@
-"""A workspace that remembers what was looked up in it, so that a later build knows whether the answers would differ."""
+"""A workspace that records its look-ups. A later build can then check whether the results would differ."""
 
 from __future__ import annotations
 
@@ -66,11 +66,11 @@ class RecordingWorkspace(Workspace):
         return self._record(super().files(place, kind), "files", *place, kind.value)
 
     def is_alone(self, place: Place) -> bool:
-        """Tell whether a package is the only one of its source."""
+        """Return whether a package is the only one of its source."""
         return self._record(super().is_alone(place), "is_alone", *place)
 
     def is_package(self, repository: str, name: str) -> bool:
-        """Tell whether a source has a package of such a name."""
+        """Return whether a source has a package of such a name."""
         return self._record(super().is_package(repository, name), "is_package", repository, name)
 
     def links(self, repository: str) -> tuple[tuple[str, str], ...]:
@@ -108,7 +108,7 @@ class RecordingWorkspace(Workspace):
         return found
 
     def is_file(self, file: FilePath) -> bool:
-        """Tell whether there is such a file."""
+        """Return whether the file exists."""
         found = super().is_file(file)
         record = self.outside if super().entry(file) is None else self.lookups
         record["is_file", *file] = _text(found)

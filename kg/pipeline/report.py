@@ -1,4 +1,4 @@
-"""What a build tells while it runs and when it has ended."""
+"""Progress and final reports of a build."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ __all__ = ["BuildReport", "Inferred", "PackageResult", "Report", "Silent", "Sour
 
 @dataclass(frozen=True, slots=True)
 class PackageResult:
-    """What one package gave.
+    """Result of one package.
 
-    `counts` has the keys of `kg.graph.Counts`; `unresolved` counts the names that are not known by the reason why.
+    `counts` has the keys of `kg.graph.Counts`; `unresolved` counts the unknown names by reason.
     """
 
     source: str
@@ -33,7 +33,7 @@ class PackageResult:
 
 @dataclass(frozen=True, slots=True)
 class SourceReport:
-    """What became of one source: how many of its packages were read, taken from the last build, or are gone.
+    """Result of one source: how many of its packages were read, reused from the last build, or removed.
 
     `problems` are those that belong to none of its packages.
     """
@@ -52,7 +52,7 @@ class SourceReport:
 
 @dataclass(frozen=True, slots=True)
 class Inferred:
-    """What rules did: how many triples are inferred now, how many came and went.
+    """Result of rules: how many triples are inferred now, how many were added and removed.
 
     `mode` is full or incremental, or none where the rules could not run, so that nothing is inferred. `problems` are
     the errors of the rules and ontologies that were left out.
@@ -85,9 +85,9 @@ def totals(systems: Systems) -> SystemsReport:
 
 @dataclass(frozen=True, slots=True)
 class BuildReport:
-    """What a build did; `generation` is the snapshot it made, None when nothing had changed. Times in seconds.
+    """Result of a build; `generation` is the snapshot it made, None if nothing had changed. Times in seconds.
 
-    `gone` are the sources that stood in the folders built and do not any more; they were taken out of the store.
+    `gone` are the sources no longer in the folders built; they were removed from the store.
     `inferred` is None when no rules ran.
     """
 
@@ -133,49 +133,49 @@ class BuildReport:
 
 
 class Report(Protocol):
-    """Who is told of the progress of a build; every call comes from the process that called `build`."""
+    """Receiver of the progress of a build; every call comes from the process that called `build`."""
 
     def fetching(self, message: str) -> None:
-        """Tell what happens to a git address."""
+        """Report the state of a git address."""
         ...
 
     def source(self, repository: Repository, packages: int, problems: tuple[Problem, ...]) -> None:
-        """Tell of a source that was found, with how many packages."""
+        """Report a source that was found, with how many packages."""
         ...
 
     def planned(self, read: int, reused: int, jobs: int) -> None:
-        """Tell how many packages will be read, how many are as the last build left them, and by how many processes.
+        """Report how many packages will be read, how many are unchanged, and the number of processes.
 
         `jobs` is 0 for a cluster.
         """
         ...
 
     def placed(self, worker: str, source: str) -> None:
-        """Tell that a worker of a cluster, by its address, begins to read packages of a source."""
+        """Report that a worker of a cluster, by its address, begins to read packages of a source."""
         ...
 
     def done(self, result: PackageResult) -> None:
-        """Tell that a package was read."""
+        """Report that a package was read."""
         ...
 
     def writing(self, triples: int) -> None:
-        """Tell that so many triples go into the store."""
+        """Report the number of triples being written."""
         ...
 
     def inferring(self) -> None:
-        """Tell that the rules run."""
+        """Report that the rules run."""
         ...
 
     def finished(self, report: BuildReport) -> None:
-        """Tell that the build has ended and is in force."""
+        """Report that the build has ended and is in force."""
         ...
 
 
 class Silent:
-    """A report that says nothing."""
+    """A report that prints nothing."""
 
     def fetching(self, message: str) -> None:
-        """Take note of what happens to a git address."""
+        """Ignore the state of a git address."""
 
     def source(self, repository: Repository, packages: int, problems: tuple[Problem, ...]) -> None:
         """Take note of a source."""
@@ -184,7 +184,7 @@ class Silent:
         """Take note of the plan."""
 
     def placed(self, worker: str, source: str) -> None:
-        """Take note of what a worker of a cluster reads."""
+        """Ignore what a worker of a cluster reads."""
 
     def done(self, result: PackageResult) -> None:
         """Take note of a package that was read."""

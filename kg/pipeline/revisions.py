@@ -1,4 +1,4 @@
-"""Stores of commits: what a repository was at a commit, read once and kept in the user's cache.
+"""Stores of commits: a repository at a commit, read once and kept in the user's cache.
 
 The commit is checked out into a folder of its own that borrows the objects of the repository, so that neither its work
 tree nor anything in it is touched; the folder goes when it was read, the store stays for the next time. Nothing is
@@ -44,10 +44,10 @@ Revision: TypeAlias = str
 
 
 def resolve(folder: Path, name: str) -> Revision:
-    """Return the hash of a commit that the repository of `folder` knows by `name`.
+    """Return the hash of the commit `name` in the repository of `folder`.
 
     Raises:
-        SourceError: KG101 where there is no repository or no git, KG104 where it knows no such commit.
+        SourceError: KG101 without a repository or git, KG104 for an unknown commit.
     """
     _top(folder)
     try:
@@ -55,7 +55,7 @@ def resolve(folder: Path, name: str) -> Revision:
             ("rev-parse", "--verify", "--quiet", "--end-of-options", f"{name}^{{commit}}"), folder=folder
         ).strip()
     except subprocess.SubprocessError:
-        shallow = _asked(folder, "--is-shallow-repository") == "true"
+        shallow = _rev_parse(folder, "--is-shallow-repository") == "true"
         hint = (
             "The clone is shallow: `git fetch --unshallow` brings the rest." if shallow else "`git log` lists commits."
         )
@@ -184,7 +184,7 @@ def _top(folder: Path) -> Path:
         raise SourceError("KG101", "not a git repository", place=Place(str(folder)), hint=hint) from None
 
 
-def _asked(folder: Path, question: str) -> str:
+def _rev_parse(folder: Path, question: str) -> str:
     return run_git(("rev-parse", question), folder=folder).strip()
 
 
@@ -204,7 +204,7 @@ def _borrow(top: Path, tree: Path) -> None:
     """Make `tree` a repository that takes its objects from the one at `top`, and calls itself after the same remote."""
     tree.mkdir()
     run_git(("init", "--quiet"), folder=tree)
-    common = (top / _asked(top, "--git-common-dir")).resolve()
+    common = (top / _rev_parse(top, "--git-common-dir")).resolve()
     (tree / ".git" / "objects" / "info" / "alternates").write_text(f"{common / 'objects'}\n", encoding="utf-8")
     if (common / "shallow").is_file():
         shutil.copyfile(common / "shallow", tree / ".git" / "shallow")

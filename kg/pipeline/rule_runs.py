@@ -38,7 +38,7 @@ __all__ = ["run_on_files", "run_on_server", "run_on_store"]
 def run_on_store(
     settings: Settings, *, full: bool = False, dry_run: bool = False, limits: Limits | None = None
 ) -> RunReport:
-    """Make what the store in force holds as inferred follow from the rest of it; only with `full` from scratch.
+    """Update the inferred triples of the store in force from its other graphs; only with `full` from scratch.
 
     Ontologies whose files have changed are updated first. Raises:
         GraphError: KG601 for an ontology that cannot be read; the store is as it was.
@@ -117,7 +117,7 @@ def _check_output(output: Path) -> None:
 
 
 def _schema(file: Path) -> Iterator[Triple]:
-    """Yield the axioms of a file; of N-Triples only lines that can be one are parsed. What does not is told later."""
+    """Yield the axioms of a file; of N-Triples only candidate lines are parsed. Other errors are reported later."""
     kind = rdf_format(file)
     plain = kind == RdfFormat.N_TRIPLES
     try:

@@ -1,4 +1,4 @@
-"""The graphs of what sources share (`kg.graph.shared`) and systems (`kg.graph.starts`), kept in step with these."""
+"""The graphs shared by sources (`kg.graph.shared`) and systems (`kg.graph.starts`), kept consistent with these."""
 
 from __future__ import annotations
 

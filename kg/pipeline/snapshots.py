@@ -1,4 +1,4 @@
-"""Graphs that others publish: a folder, here or on a web server, that `kg pull` makes a store of.
+"""Published graphs: a folder, local or on a web server, from which `kg pull` makes a store.
 
     manifest.json            what the snapshot holds, with sizes and digests; written last
     graph-DIGEST.nq.gz       all quads, sorted (`kg.store.backups.canonical`)
@@ -63,7 +63,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """What a snapshot holds.
+    """Content of a snapshot.
 
     `snapshot` is the generation of the publisher's store, `made` a time (ISO 8601), `unpacked` the bytes of the graph
     as N-Quads, `digest` that of these bytes: equal graphs have equal digests.
@@ -92,7 +92,7 @@ def publish(
 ) -> Manifest:
     """Write a snapshot with the rules in folders and a search index to a folder, or to a web server that takes PUT.
 
-    What was published there before is replaced; whoever fetches it meanwhile gets the one or the other.
+    An earlier snapshot there is replaced; a client fetching meanwhile gets the one or the other.
 
     Raises:
         StoreError: KG225 when the server refuses, KG304, KG306 when the folder cannot be written, KG566 for a folder
@@ -141,7 +141,7 @@ def publish(
 
 
 def pull(address: str, store: EmbeddedStore, max_bytes: int, *, with_index: bool = False) -> Manifest:
-    """Make what is published at an address the content of a store, as a new generation, or leave the store as it is.
+    """Replace the content of a store by a published snapshot, as a new generation; on errors the store is unchanged.
 
     At most `max_bytes` bytes are fetched, and unpacked. `with_index` takes the search index too, which nothing compares
     with the graph. Rules go to the folder `published/rules` of the store.

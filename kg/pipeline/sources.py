@@ -1,4 +1,4 @@
-"""From what a user names (folders, git addresses, lists of both) to sources that are scanned."""
+"""Resolves names of users (folders, git addresses, lists of both) to scanned sources."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool
     but earlier: when one cannot be fetched, the clone is taken as it is.
 
     Raises:
-        SourceError: KG101 for what does not exist, KG102 when there is no package in any, KG103 when git fails.
+        SourceError: KG101 for a missing folder, KG102 if none has a package, KG103 when git fails.
     """
     found: dict[str, Source] = {}
     texts = tuple(named)
@@ -61,7 +61,7 @@ def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool
 
 
 def folders(named: Iterable[str]) -> tuple[str, ...]:
-    """Return the folders among what `named` stands for: what once stood in them and does not now is gone."""
+    """Return the folders among `named`: sources that were once in them and are not now are gone."""
     listed = (one.address for text in named for one in _listed(text))
     return tuple(address for address in listed if not is_address(address))
 
@@ -97,7 +97,7 @@ def _folder(listed: ListedSource, checkouts: Path, report: Report, *, again: boo
 
 
 def _add(found: dict[str, Source], source: Source) -> None:
-    """Add a source: two folders of one checkout are one source, two checkouts of one repository are told apart."""
+    """Add a source: two folders of one checkout are one source, two checkouts of one repository are kept apart."""
     name, number = source.repository.name, 1
     while name in found and found[name].root != source.root:
         number += 1

@@ -1,6 +1,6 @@
-"""What a build leaves behind for the next one: which packages gave what, from which files.
+"""State of a build for the next one: results of packages, with the files they depend on.
 
-It stands in `.kg/cache/state.json`. It is never needed to answer queries; when it is lost or not readable,
+It is in `.kg/cache/state.json`. It is never needed to answer queries; when it is lost or not readable,
 everything is read again.
 """
 
@@ -63,7 +63,7 @@ class PackageState:
     known: Known = field(default_factory=Known)
 
     def report(self, source: str) -> PackageResult:
-        """Return what the report of a build says of the package."""
+        """Return the entry of the package in the report of a build."""
         return PackageResult(source, self.name, self.path, self.counts, self.unresolved, self.problems)
 
 
@@ -72,7 +72,7 @@ class WiredSystem:
     """A system as it was wired last.
 
     `configuration` is a digest of what its launch file starts, `graph` one of its triples, `instances` counts what it
-    starts, `asked` tells which of the `answers` of all systems it depends on.
+    starts, `asked` lists those of the `answers` of all systems that it depends on.
     """
 
     configuration: str
@@ -118,7 +118,7 @@ class State:
     """All sources of a store.
 
     `version` stands for everything in `kg` that results depend on, `shape` for the paths of all files of the build,
-    `generation` is the snapshot of the store that the sources stand in, `roots` what the user named, `rules` the digest
+    `generation` is the snapshot of the store that the sources are in, `roots` what the user named, `rules` the digest
     of the rules that ran last.
     """
 
@@ -132,7 +132,7 @@ class State:
 
 
 def load(cache: Path) -> State:
-    """Return the state that the last build left in the folder `cache`; an empty one when there is none to be read."""
+    """Return the state that the last build left in the folder `cache`; an empty one if none can be read."""
     try:
         return _state(json.loads((cache / _NAME).read_bytes()))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):

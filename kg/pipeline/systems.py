@@ -1,4 +1,4 @@
-"""The graphs of launch configurations, kept in step with the sources of a store inside the transaction of a build.
+"""The graphs of launch configurations, kept consistent with a store's sources in the transaction of a build.
 
 What launch files start is read with their packages (`kg.launch.files`); which node types that are, and what names
 they get, depends on other packages too. So each system remembers which questions its wiring asked about node types
@@ -99,7 +99,7 @@ def _catalogue(
 
 
 class _Writing:
-    """Writes graphs of systems in batches, so that the content of few is held at a time; `changed` counts them."""
+    """Writes graphs of systems in batches, which bounds the content held at a time; `changed` counts them."""
 
     def __init__(self, transaction: EmbeddedTransaction, iris: Iris, present: set[str], intact: set[str]) -> None:
         self.changed = 0
@@ -148,7 +148,7 @@ class _Writing:
         self._waiting, self._bytes = {}, 0
 
     def finish(self) -> None:
-        """Write what waits, and what the systems are started with."""
+        """Write the waiting graphs, and the start records of the systems."""
         if self._waiting:
             self._flush()
         if self.changed:
@@ -230,7 +230,7 @@ class _Work:
         return made, tuple(self._catalogue.asked)
 
     def systems(self) -> Systems:
-        """Return what the next build compares with."""
+        """Return the state that the next build compares with."""
         places: dict[Question, int] = {}
         packages: dict[str, dict[str, PackageSystems]] = {}
         for key, found in sorted(self._found.items()):

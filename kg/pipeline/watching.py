@@ -39,7 +39,7 @@ _INTERVAL: Final = 0.2
 
 @dataclass(frozen=True, slots=True)
 class Glance:
-    """What is to be said of some rules: findings, results of their examples, what they would change in the store.
+    """Status of some rules: findings, results of their examples, changes they would make in the store.
 
     `problem` says why there is no difference to be had; `view` names things as the store does.
     """
@@ -59,7 +59,7 @@ def glances(
 ) -> Iterator[Glance]:
     """Yield a glance at the rules named, or at all of one's own, and then at each that is saved, without end.
 
-    `wait` is called between two looks. Raises UnknownNameError KG001 for a rule that there is not.
+    `wait` is called between two looks. Raises UnknownNameError KG001 for an unknown rule.
     """
     with _Desk(settings) as desk:
         wanted = {entry.name for entry in choose(desk.library, named)} if named else None
@@ -112,7 +112,7 @@ class _Desk:
         return self._bench
 
     def look(self, entries: Sequence[Entry], gone: Sequence[str]) -> Glance:
-        """Return what is to be said of some rules."""
+        """Return the status of some rules."""
         begin = time.perf_counter()
         bench = self._open()
         names = [entry.name for entry in entries]

@@ -1,7 +1,7 @@
 """The graphs of a build on their way into the store.
 
 A source of which little changed is patched: the triples that only its changed packages stated are taken out, the new
-ones put in. Otherwise its graph is written anew, from the cache and, while packages are still being read, from
+ones put in. Otherwise its graph is written again, from the cache and, while packages are still being read, from
 what is ready.
 """
 
@@ -46,7 +46,7 @@ _SMALL: Final = 10
 
 
 class Written(NamedTuple):
-    """What stands in the store about a source itself, as N-Triples, and how many triples its graph has."""
+    """What is in the store about a source itself, as N-Triples, and how many triples its graph has."""
 
     head: str
     quads: int
@@ -80,7 +80,7 @@ class Writing:
         self.triples = 0
 
     def begin(self, changed: list[Source]) -> None:
-        """Decide how each source is written, and empty the graphs of those that are written anew."""
+        """Decide how each source is written, and empty the graphs of those that are written again."""
         self._patched = {source.repository.name for source in changed if self._is_small(source)}
         anew = [source for source in changed if source.repository.name not in self._patched]
         if not anew and self._state.version == self._plan.version:
@@ -143,17 +143,17 @@ class Writing:
             keep_shared(self._transaction, self._iris, contents, {*built, *others})
 
     def _is_small(self, source: Source) -> bool:
-        """Tell whether so little of a source changed that its graph is patched."""
+        """Return whether so little of a source changed that its graph is patched."""
         name = source.repository.name
         earlier = self._state.sources.get(name)
         if earlier is None or name not in self._trusted:
             return False
-        gone = self._gone(source, earlier)
+        gone = self._stale_results(source, earlier)
         number = sum(one.repository.name == name for one, _ in self._plan.read)
         triples = sum(package.counts.get("triples", 0) for package in gone)
         return max(len(gone), number) * _SMALL < len(source.packages) and triples * _SMALL < earlier.quads
 
-    def _gone(self, source: Source, earlier: SourceState) -> list[PackageState]:
+    def _stale_results(self, source: Source, earlier: SourceState) -> list[PackageState]:
         """Return the earlier results that do not hold any more."""
         name = source.repository.name
         return [package for path, package in earlier.packages.items() if (name, path) not in self._plan.reused]
@@ -164,7 +164,7 @@ class Writing:
         earlier = self._state.sources[name]
         before = set(earlier.head.encode().splitlines(keepends=True))
         after = set(head.splitlines(keepends=True))
-        for gone in self._gone(source, earlier):
+        for gone in self._stale_results(source, earlier):
             before.update(self._content(gone).splitlines(keepends=True))
         kept = []
         for package in source.packages:

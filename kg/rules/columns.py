@@ -37,7 +37,7 @@ _OBJECT: Final = np.int64((1 << 32) - 1)
 
 
 class Tables(Protocol):
-    """What columns are read from: a snapshot of a store, or a transaction under way."""
+    """Source of columns: a snapshot of a store, or an open transaction."""
 
     def table(self, select: str, graph: NamedNode | None) -> bytes:
         """Return the rows of a SELECT over one graph (None: the default graph) as TSV, without the line of names."""
@@ -54,7 +54,7 @@ class Wanted:
     members: frozenset[tuple[NamedNode, Term]] = frozenset()
 
     def __or__(self, other: Wanted) -> Wanted:
-        """Return what either wants."""
+        """Return the union of both."""
         if self.predicates is None or other.predicates is None:
             return EVERYTHING
         return _simplified(self.predicates | other.predicates, self.members | other.members)
@@ -64,7 +64,7 @@ EVERYTHING: Final = Wanted(None)
 
 
 def wanted(rules: Iterable[Rule]) -> Wanted:
-    """Return what rules read, and what they might infer: a triple that is asserted is not inferred."""
+    """Return the triples that rules read or might infer: an asserted triple is not inferred."""
     predicates: set[NamedNode] = set()
     members: set[tuple[NamedNode, Term]] = set()
     for rule in rules:
@@ -206,7 +206,7 @@ def _queries(what: Wanted) -> list[_Query]:
 def _texts(
     source: Tables, queries: list[_Query], graphs: list[NamedNode | None]
 ) -> Iterator[tuple[_Query, NamedNode | None, bytes]]:
-    """Yield the rows of each query over each graph; a few are read ahead, so that memory stays bounded."""
+    """Yield the rows of each query over each graph; only a few are read ahead, which bounds memory."""
     with ThreadPoolExecutor(_THREADS) as pool:
         tasks = ((query, graph, pool.submit(source.table, query.text, graph)) for graph in graphs for query in queries)
         pending = deque(islice(tasks, 2 * _THREADS))

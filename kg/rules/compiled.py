@@ -1,9 +1,9 @@
-"""Rules as they were read last, kept for the next process: a small change or a proof costs less than reading them.
+"""Cache of parsed rules for the next process: reading them costs more than a small change or a proof.
 
     .kg/cache/compiled        cut to the axioms of the store, in their order: what evaluation needs
     .kg/cache/uncut           as their files have them: what proofs need
 
-A file holds what the rules were made of, as a digest, one of the rest, and the rules pickled. Only the classes of the
+A file holds a digest of the sources of the rules, one of the rest, and the rules pickled. Only the classes of the
 internal form and of terms are made from it, so a file that somebody else put there can do no harm.
 """
 
@@ -69,9 +69,9 @@ class _Reader(pickle.Unpickler):
 
 
 def load(cache: Path, mark: str, *, cut: bool = True) -> RuleSet | None:
-    """Return the rules below the folder `cache` that were made of what `mark` stands for; None without such.
+    """Return the cached rules below `cache` whose digest is `mark`; None without such.
 
-    They stand in one file without text or documentation.
+    They are in one file without text or documentation.
     """
     try:
         content = (cache / (_NAME if cut else _UNCUT)).read_bytes()

@@ -1,6 +1,6 @@
-"""What a rule reads and writes, and whether one rule's head can match what another's body reads.
+"""The atoms that a rule reads and writes, and whether one rule's head can match what another's body reads.
 
-A body atom depends on a head atom if the two unify: constants tell them apart, so `?x a :A` does not depend on a head
+A body atom depends on a head atom if the two unify: constants distinguish them, so `?x a :A` does not depend on a head
 `?x a :B`. A blank node of a head is a term that nothing else has: it unifies with variables only.
 """
 
@@ -38,7 +38,7 @@ __all__ = ["Read", "depends", "expressions_of", "mints", "reads", "unifies", "vo
 class Read:
     """An atom that a body reads; with `negated` more matches may take solutions away (NOT, aggregates).
 
-    A filter beside the atom keeps its predicate, a variable, from being one of `excluded`.
+    A filter next to the atom keeps its predicate, a variable, from being one of `excluded`.
     """
 
     atom: Atom
@@ -62,7 +62,7 @@ _Bindings: TypeAlias = "dict[Variable, _Node]"
 def reads(rule: Rule) -> Iterator[Read]:
     """Yield what a body reads and rules may derive; atoms on asserted data only are left out.
 
-    A block of SPARQL reads one atom for each of its predicates, or every triple.
+    A block of SPARQL reads one atom for each of its predicates, or all triples.
     """
     yield from _reads(rule.body, negated=False)
 
@@ -109,14 +109,14 @@ def writes(rule: Rule) -> tuple[Atom, ...]:
 
 
 def depends(reader: Atom, head: Atom) -> bool:
-    """Tell whether a triple derived by `head` can match `reader`: whether they unify, variables renamed apart.
+    """Return whether a triple derived by `head` can match `reader`: whether they unify, variables renamed apart.
 
-    A predicate that decomposition introduced is no triple of the data: a variable predicate does not match it.
+    A predicate that decomposition introduced is not a triple of the data: a variable predicate does not match it.
     """
     if isinstance(reader.predicate, Variable) and _auxiliary(head.predicate):
         return False
     pairs = list(zip(reader.positions, head.positions, strict=True))
-    # Most are told apart by a name, which is seen before anything is renamed.
+    # A name distinguishes most, which needs no renaming.
     if any(isinstance(one, NamedNode) and isinstance(other, NamedNode) and one != other for one, other in pairs):
         return False
     if _plain(reader) and _plain(head):
@@ -126,7 +126,7 @@ def depends(reader: Atom, head: Atom) -> bool:
 
 
 def _plain(atom: Atom) -> bool:
-    """Tell whether an atom has names and different variables alone: whatever has its names unifies with it."""
+    """Return whether an atom has only names and different variables: any atom with these names unifies with it."""
     variables = [one.name for one in atom.positions if isinstance(one, Variable)]
     named = sum(isinstance(one, NamedNode) for one in atom.positions)
     return len(set(variables)) + named == len(atom.positions)
@@ -195,7 +195,7 @@ def expressions_of(body: tuple[Element, ...]) -> Iterator[Expression]:
 
 
 def mints(rule: Rule) -> bool:
-    """Tell whether a rule can derive terms that neither data nor rules have, so that feeding itself may never end.
+    """Return whether a rule can derive new terms: feeding itself, it may then never end.
 
     Blank nodes and triple terms with variables in the head do, and assigned values that are computed.
     """
@@ -214,5 +214,5 @@ def _open(pattern: TripleTerm) -> bool:
 
 
 def volatile(rule: Rule) -> bool:
-    """Tell whether a rule has an expression whose value differs from call to call."""
+    """Return whether a rule has an expression whose value differs from call to call."""
     return any(expression.volatile for expression in expressions_of(rule.body))

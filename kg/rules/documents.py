@@ -1,4 +1,4 @@
-"""On which lines files in Turtle state what they state, for explanations and for editors."""
+"""The lines of the statements of Turtle files, for explanations and editors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SUBJECT: Final = re.compile(r"^(?:([\w.-]*):([\w.-]+)|<([^>\s]+)>)(?=\s)")
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """What a file says about one subject: its lines, numbered from one, and the prefixes of the file."""
+    """The statements of a file about one subject: lines, numbered from one, and the prefixes of the file."""
 
     path: Path
     prefixes: Mapping[str, str]

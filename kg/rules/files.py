@@ -1,4 +1,4 @@
-"""Rules as files: what a file of rules is once it is read, whatever its notation.
+"""Rules as files: the content of a rule file of any notation.
 
     rules/communication/publishes.rq       the rule, its documentation in a header of comments
     rules/communication/publishes.md       its examples
@@ -81,7 +81,7 @@ class RuleFile:
 
     @property
     def family(self) -> str:
-        """The first part of the name; empty for a file that stands in no folder of its own."""
+        """The first part of the name; empty for a file that is in no folder of its own."""
         return family_of(self.name)
 
     @property
@@ -91,7 +91,7 @@ class RuleFile:
 
     @property
     def examples(self) -> Path:
-        """Where its examples stand, whether there are any or not."""
+        """Path of its examples, whether it exists or not."""
         return self.path.with_suffix(".md")
 
 
@@ -107,7 +107,7 @@ class RuleSet:
 
     @property
     def digest(self) -> str:
-        """What tells the rules and data of one set from those of another."""
+        """Digest that distinguishes the rules and data of one set from others."""
         return self.kept_digest or blake2b(repr((self.rules, self.data)).encode(), digest_size=_BYTES).hexdigest()
 
     @property

@@ -1,6 +1,6 @@
-"""The rules that users keep and choose: the settings `rules` and `rule_families`, checked against what there is.
+"""The rules of users: the settings `rules` and `rule_families`, checked against the files.
 
-By default rules stand in `rules/` beside kg.toml or in the working folder.
+By default rules are in `rules/` next to kg.toml or in the working folder.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ _NAME: Final = "rules"
 
 
 def user_folders(settings: Settings) -> tuple[Path, ...]:
-    """Return the folders of rules in force beside those that `kg` ships; the default one only where it exists.
+    """Return the folders of rules in force in addition to those that `kg` ships; the default one only if it exists.
 
-    Raises UsageError KG002 for one that the setting `rules` names and that is not there.
+    Raises UsageError KG002 for a folder of the setting `rules` that does not exist.
     """
     named = user_paths(settings, _NAME)
     own = shipped(_NAME).resolve()
@@ -44,7 +44,7 @@ def own_folder(settings: Settings) -> Path:
 def families_in_force(settings: Settings) -> tuple[str, ...]:
     """Return the families that the setting `rule_families` names, as `kg.rules.reading.rule_files` takes them.
 
-    Raises UsageError KG002 for one of which there is no rule, with what was probably meant.
+    Raises UsageError KG002 for one without rules, with suggestions.
     """
     if not settings.rule_families:
         return ()

@@ -1,4 +1,4 @@
-"""The one internal form of rules: what every notation becomes and every evaluator reads.
+"""The internal form of rules: every notation becomes it, every evaluator reads it.
 
 A rule is a head (triples to derive) and a body (a sequence of elements, joined from left to right):
 
@@ -74,8 +74,8 @@ class Atom:
 class Expression:
     """A SPARQL expression: its text with all names as IRIs in brackets, and the names of its variables in order.
 
-    `mints` tells that its value may be a term that neither data nor rule has (`IRI`, `STRDT`, `BNODE`, arithmetic,
-    string functions); `volatile` that it differs from call to call (`RAND`, `NOW`, `UUID`, `STRUUID`, `BNODE`).
+    `mints`: its value may be a term that neither data nor rule has (`IRI`, `STRDT`, `BNODE`, arithmetic,
+    string functions); `volatile`: it differs from call to call (`RAND`, `NOW`, `UUID`, `STRUUID`, `BNODE`).
     """
 
     text: str
@@ -144,7 +144,7 @@ class Aggregate:
 
 @dataclass(frozen=True, slots=True)
 class EngineBlock:
-    """A group of SPARQL that was not decomposed: `text` stands between the braces of a WHERE clause.
+    """A group of SPARQL that was not decomposed: `text` is between the braces of a WHERE clause.
 
     It binds `variables`. One of `optional` may stay unbound in a solution: no other element mentions it, and a triple
     of the head that has it is not derived from that solution. `reads` are the predicates it reads, None when it may

@@ -1,7 +1,7 @@
-"""From the graphs of a store to what rules infer from them, with what the last run left.
+"""Infer triples from the graphs of a store, starting from the results of the last run.
 
-What was read and inferred last is kept (`kg.rules.memory`). Of the graphs that changed since, patches are applied or
-the graph is read again; what follows from the difference is maintained (`kg.rules.maintain`), unless much changed.
+The triples read and inferred last are kept (`kg.rules.memory`). Of the graphs that changed since, patches are applied
+or the graph is read again; the inferences are maintained (`kg.rules.maintain`), unless much changed.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _LARGE: Final = 4
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What was inferred: `now` is what the graph holds, `then` what it is to hold; wall time in seconds."""
+    """Result of inference: `now` is the content of the graph, `then` the content to write; wall time in seconds."""
 
     dictionary: Dictionary
     asserted: Facts
@@ -57,7 +57,7 @@ class Outcome:
 
 
 class Reasoner:
-    """One set of rules at a time, over one store; `memory` is what it knows, with its generation."""
+    """One set of rules at a time, over one store; `memory` is its state, with its generation."""
 
     def __init__(self, names: Names, cache: Path | None) -> None:
         self.memory: Memory | None = None
@@ -80,7 +80,7 @@ class Reasoner:
         return self._program.levels
 
     def take(self, rule_set: RuleSet) -> None:
-        """Take the rules, and what a run of the same ones left; KG202, KG203 for rules that cannot run."""
+        """Set the rules, and load the memory of their last run; KG202, KG203 for rules that cannot run."""
         digest = self._digest if rule_set is self._taken else _digest(rule_set, self._names)
         self._taken = rule_set
         if digest != self._digest:
@@ -94,13 +94,13 @@ class Reasoner:
             self.memory = memories.load(self._cache, digest)
 
     def forget(self) -> None:
-        """Let go of what the last run left."""
+        """Drop the memory of the last run."""
         self.memory, self._maintained = None, None
 
     def infer(
         self, source: Tables, changes: Changes, rule_set: RuleSet, limits: Limits, written: Written | None = None
     ) -> Outcome:
-        """Return what the rules taken infer, where `changes` is what happened since the generation of the memory.
+        """Return the inferences of the rules set; `changes` are those since the generation of the memory.
 
         `written` is what was written since the store was empty, where that is known.
         The memory is then of this outcome, and of no generation until it is given one. Raises RuleError: KG204, KG205.
@@ -109,7 +109,7 @@ class Reasoner:
         graphs = [*(graph for graph in source.graphs() if graph not in excluded), None]
         if self.memory is None or changes.graphs is None:
             return self._anew(source, graphs, rule_set, limits, written)
-        return self._again(self.memory, source, graphs, changes, rule_set, limits)
+        return self._evaluate_again(self.memory, source, graphs, changes, rule_set, limits)
 
     def _anew(
         self,
@@ -125,7 +125,7 @@ class Reasoner:
         parts |= read(source, self._what, [graph for graph in graphs if graph not in parts], dictionary)
         data = self._data(rule_set, dictionary)
         asserted = union_of([*parts.values(), data])
-        now = self._held(source, dictionary)
+        now = self._read_inferred(source, dictionary)
         return self._full(Memory(None, self._digest, dictionary, parts, asserted), data, now, begin, limits)
 
     def _full(self, memory: Memory, data: Facts, now: Facts, begin: float, limits: Limits) -> Outcome:
@@ -137,7 +137,7 @@ class Reasoner:
         seconds = (middle - begin, time.perf_counter() - middle)
         return Outcome(memory.dictionary, memory.asserted, now, then, "full", tuple(found.reports), *seconds)
 
-    def _again(  # noqa: PLR0913, PLR0917 - all that evaluation depends on
+    def _evaluate_again(  # noqa: PLR0913, PLR0917 - all that evaluation depends on
         self,
         memory: Memory,
         source: Tables,
@@ -173,15 +173,15 @@ class Reasoner:
         return self._maintained.inferred
 
     def _held_since(self, memory: Memory, data: Facts, source: Tables, changes: Changes) -> Facts:
-        """Return what the graph of inferred triples holds, from what it held when a memory was left."""
+        """Return the content of the graph of inferred triples, updated from that of the memory."""
         known = _shown(memory, data)
         patches = (changes.graphs or {}).get(self._names.inferred.value, [])
         if patches is None:
-            return self._held(source, memory.dictionary)
+            return self._read_inferred(source, memory.dictionary)
         return patched(known, patches, EVERYTHING, memory.dictionary)[0] if patches else known
 
-    def _held(self, source: Tables, dictionary: Dictionary) -> Facts:
-        """Return what the graph of inferred triples holds: as a rule, what these rules may infer and nothing else."""
+    def _read_inferred(self, source: Tables, dictionary: Dictionary) -> Facts:
+        """Return what the graph of inferred triples holds: usually what these rules may infer and nothing else."""
         graph = self._names.inferred
         if graph not in source.graphs():
             return Facts()
@@ -237,7 +237,7 @@ def _differing(before: Facts, after: Facts) -> set[int]:
 
 
 def _shown(memory: Memory, data: Facts) -> Facts:
-    """Return what belongs into the graph: what was inferred, and what rule files state and no graph does."""
+    """Return the triples for the graph: those inferred, and those of rule files that no graph states."""
     found = stored(memory.inferred, memory.dictionary)
     for predicate, keys in lacking(data, union_of(memory.graphs.values())) if len(data) else ():
         found.add(predicate, keys)
@@ -245,5 +245,5 @@ def _shown(memory: Memory, data: Facts) -> Facts:
 
 
 def _digest(rule_set: RuleSet, names: Names) -> str:
-    """Return what tells sets of rules apart, with the graphs that they leave out."""
+    """Return the digest of a set of rules and of the graphs that it leaves out."""
     return blake2b(f"{names} {rule_set.digest}".encode(), digest_size=16).hexdigest()

@@ -1,8 +1,8 @@
-"""What a run of rules leaves for the next one: terms, columns graph by graph, what was inferred.
+"""State that a run of rules leaves for the next one: terms, columns graph by graph, inferred triples.
 
     .kg/cache/columns/12        of the run that saw, or made, generation 12
 
-A process that stays keeps it in memory. A file holds a header of JSON and the arrays and spellings as they are in
+A long-running process keeps it in memory. A file holds a header of JSON and the arrays and spellings as they are in
 memory. It is mapped, and what a small change needs of it is read; a digest over sums of its pages tells a damaged one.
 """
 
@@ -101,7 +101,7 @@ def load(cache: Path, digest: str) -> Memory | None:
 
 
 def _read(content: memoryview, generation: int, digest: str) -> Memory | None:
-    """Return what a sound file holds; None where it is of other rules."""
+    """Return the content of an intact file; None if it belongs to other rules."""
     size = int.from_bytes(content[_DIGEST_BYTES:_HEADER], "little")
     place = _HEADER + size
     header = json.loads(content[_HEADER:place].tobytes())

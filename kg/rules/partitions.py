@@ -4,8 +4,8 @@ A graph is divided by what its things belong to: a source with its launch files.
 (topics, types, the ontologies) are copied to each part. A rule is local if its body can only match facts of one part:
 all subjects of its atoms are one variable, or are joined by properties that never lead from one part to another.
 
-Which properties do so is read from a store. So the answer holds for graphs like this one, and is checked by nothing
-when the graph changes.
+Which properties do so is read from a store. So the answer holds for graphs like this one. Nothing
+checks it again when the graph changes.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Parts:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Whether a rule, or a part of one, is local; `reason` says why not, empty where it is."""
+    """Whether a rule, or a part of one, is local; `reason` is why not, empty if it is."""
 
     rule: Rule
     reason: str
@@ -66,7 +66,7 @@ class Verdict:
 def parts_of(
     quads: Callable[[], Iterable[Quad]], part: Callable[[str, str], str | None], copied: frozenset[str]
 ) -> Parts:
-    """Return what the quads of a store show; they are gone through twice.
+    """Return the division that the quads of a store show; they are read twice.
 
     `part` gives the part that a graph and a subject in it belong to, None for what belongs to all; `copied` are the
     graphs that each part has.
@@ -167,7 +167,7 @@ def _together(start: Pattern, links: Sequence[tuple[Pattern, Pattern]]) -> set[P
 
 
 def _any(atom: Atom, known: frozenset[_Key]) -> bool:
-    """Tell whether an atom may match one of the properties; a type that is not named may be any class."""
+    """Return whether an atom may match one of the properties; a type that is not named may be any class."""
     key = _key_of(atom)
     return any(each[0] == _TYPE for each in known) if key == (_TYPE, "") else key in known
 

@@ -162,9 +162,9 @@ def _read_once(path: Path, name: str, pack: str, found: Mapping[str, RuleFile]) 
 def rival(path: Path, name: str, other: Path) -> RuleError | None:
     """Return KG207 about a file whose name `other` has already.
 
-    None for a copy of it: in a checkout beside an installed `kg`, every rule stands twice.
+    None for a copy of it: in a checkout with an installed `kg`, every rule exists twice.
     """
-    with suppress(OSError):  # what cannot be compared is none
+    with suppress(OSError):  # a file that cannot be compared is not a copy
         if path.suffix == other.suffix and filecmp.cmp(path, other, shallow=False):
             return None
     return RuleError("KG207", f"the rule `{name}` is in {other} already", place=Place(str(path)), hint=_TWICE)
@@ -190,7 +190,7 @@ def rule_files(folder: Path, families: Collection[str] = (), *, every: bool = Fa
 
 
 def _visible(folder: Path) -> Iterator[Path]:
-    """Yield the files below a folder that are not hidden; one that is closed is told, not passed over."""
+    """Yield the files below a folder that are not hidden; one that is closed raises, instead of being skipped."""
     for inner, folders, names in os.walk(folder, onerror=_closed):
         folders[:] = [name for name in folders if not name.startswith(".")]
         yield from (Path(inner, name) for name in names if not name.startswith("."))

@@ -1,4 +1,4 @@
-"""What the graph of builds says of a run of rules: one activity (PROV-O), and which rules inferred how much.
+"""The record of a run of rules in the graph of builds: one activity (PROV-O), and the triples by rule.
 
     <run/2026-01-31T12:00:00+00:00> a prov:Activity, rnkg:RuleRun ;
         prov:startedAtTime, prov:endedAtTime "..."^^xsd:dateTime ; prov:generated <graph/inferred> ;
@@ -6,7 +6,7 @@
     <run/...#communication/feeds> a prov:Usage ; prov:entity <rule/communication/feeds> ;
         sh:sourceRule <rule/communication/feeds> ; rnkg:inferredCount 5120 .
 
-No triple is said of an inferred one: which rule gives it is found out when somebody asks.
+Inferred triples carry no statement of their rule; it is computed on request.
 """
 
 from __future__ import annotations

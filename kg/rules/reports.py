@@ -1,4 +1,4 @@
-"""What a run of rules tells."""
+"""Report of a run of rules."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Seconds:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """The triples that a run adds to what is inferred, and those that it takes out."""
+    """The inferred triples that a run adds and removes."""
 
     dictionary: Dictionary
     added: Facts
@@ -40,9 +40,9 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class RunReport:
-    """What a run did; `asserted` counts the triples that rules may read, `inferred` what the graph holds then.
+    """Report of a run; `asserted` counts the triples that rules may read, `inferred` what the graph holds then.
 
-    `mode` is `full` or `incremental`; only a full run tells what each rule did. `applied` are the rules, cut to the
+    `mode` is `full` or `incremental`; only a full run reports each rule. `applied` are the rules, cut to the
     schema, `strata` is how many levels they have. `generation` is the one that the run
     made: None when it changed nothing, was a dry run, or is part of a transaction that goes on.
     """

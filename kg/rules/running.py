@@ -1,4 +1,4 @@
-"""Runs a set of rules over a store and writes the difference to what is inferred now.
+"""Runs a set of rules over a store and writes the difference to the triples inferred now.
 
     report = run(store, rule_set, names)                     # `kg rules run`
 
@@ -73,7 +73,7 @@ def run(  # noqa: PLR0913 - each is a decision of the caller
 
 
 class Runner:
-    """Runs rules again and again over one store; `cache` is the folder where it keeps what helps the next process."""
+    """Runs rules repeatedly over one store; `cache` is the folder of its state for the next process."""
 
     def __init__(self, names: Names, cache: Path | None = None) -> None:
         self._names = names
@@ -128,7 +128,7 @@ class Runner:
         return report
 
     def prepare(self, rule_set: RuleSet) -> None:
-        """Load what the last run of the same rules left, so that the next one need not."""
+        """Load the memory of the last run of the same rules ahead of the next run."""
         before = self._reasoner.memory
         self._reasoner.take(rule_set)
         memory = self._reasoner.memory
@@ -136,7 +136,7 @@ class Runner:
             self._saved = memory.generation
 
     def remember(self, generation: int | None, *, save: bool = True) -> None:
-        """Keep what the last run read and inferred for the next one: it is of this generation of the store."""
+        """Keep the memory of the last run for the next one: it belongs to this generation of the store."""
         memory = self._reasoner.memory
         if memory is None or generation is None:
             return
@@ -145,9 +145,9 @@ class Runner:
             self.save()
 
     def save(self) -> None:
-        """Write what is remembered to the cache, for the next process.
+        """Write the memory to the cache, for the next process.
 
-        Where little happened since it was saved, that process does it again instead.
+        If little changed since it was saved, that process repeats the work instead.
         """
         memory = self._reasoner.memory
         if self._saved is None and self._cache is not None and memory is not None and memory.generation is not None:
@@ -167,7 +167,7 @@ class Runner:
             return self._reasoner.infer(snapshot, changed, rule_set, limits or Limits()), snapshot.generation
 
     def _write(self, transaction: EmbeddedTransaction, outcome: Outcome) -> RunReport:
-        """Write the difference, and the record of the run when there is any."""
+        """Write the difference, and the record of the run if any."""
         begin = time.perf_counter()
         report = _report(outcome, self._reasoner)
         if report.added or report.removed:
@@ -199,7 +199,7 @@ class Runner:
 
 
 def _lasting(report: RunReport) -> bool:
-    """Tell whether a run should not be done again: it took long, or would not give the same."""
+    """Return whether a run should not be done again: it took long, or would not give the same."""
     changed = report.added + report.removed
     return changed > _FEW or (changed > 0 and any(map(volatile, report.applied)))
 

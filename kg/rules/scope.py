@@ -39,7 +39,7 @@ def binds(element: Element) -> frozenset[Variable]:
 
 
 def _variables(atom: Atom) -> frozenset[Variable]:
-    """Return the variables of an atom; nearly all stand in it by themselves, so only triple terms are searched."""
+    """Return the variables of an atom; nearly all are in it by themselves, so only triple terms are searched."""
     positions = atom.positions
     found = [position for position in positions if isinstance(position, Variable)]
     for position in positions:
@@ -54,9 +54,9 @@ def bound_in(body: Iterable[Element]) -> frozenset[Variable]:
 
 
 def mentions(element: Element) -> frozenset[Variable]:
-    """Return all variables that an element shares with the body it stands in, were they bound there.
+    """Return all variables that an element shares with the body it is in, were they bound there.
 
-    Those inside EXISTS count, for it sees what stands before it; those inside an aggregate do not.
+    Those inside EXISTS count, for it sees what is before it; those inside an aggregate do not.
     """
     if isinstance(element, Filter):
         return frozenset(map(Variable, element.expression.variables))

@@ -1,7 +1,7 @@
 """The internal form as SPARQL text, for explanation, remote servers and people.
 
 The order of a body is kept. A group of SPARQL differs from a body in three ways, and all are mended here: its filters
-see all of the group, also what stands behind them; BIND may not name a bound variable; and BIND keeps the solutions in
+see all of the group, also what is behind them; BIND may not name a bound variable; and BIND keeps the solutions in
 which its expression is in error.
 """
 
@@ -44,12 +44,12 @@ class Placed(Atom):
 
 
 def outside(inferred: NamedNode) -> Asserted:
-    """Say "asserted" by a graph that has all that was inferred and nothing that was asserted."""
+    """Express "asserted" by a graph with all inferred triples and no asserted ones."""
     return lambda pattern: f"{pattern} FILTER NOT EXISTS {{ GRAPH {inferred} {{ {pattern} }} }}"
 
 
 def asserted_in(graph: NamedNode) -> Asserted:
-    """Say "asserted" by the one graph that has all that was asserted."""
+    """Express "asserted" by the one graph with all asserted triples."""
     return lambda pattern: f"GRAPH {graph} {{ {pattern} }}"
 
 
@@ -77,7 +77,7 @@ def term(pattern: Pattern) -> str:
 
 
 def group(body: Sequence[Element], *, asserted: Asserted = _plain) -> str:
-    """Return what stands between the braces of a group that has the solutions of a body; one element a line.
+    """Return what is between the braces of a group that has the solutions of a body; one element a line.
 
     `asserted` writes the atoms that match asserted triples only; without it they match inferred ones too. RuleError
     KG209 for an atom with a blank node, which SPARQL takes for a variable.
@@ -155,13 +155,13 @@ class _Writer:
             late = bound_in(body[index + 1 :]) - before
             lines.append(self._element(element, late))
             if self._unseen(element) & late:
-                # A filter of SPARQL would see what is bound behind it: the braces end the group that it sees.
+                # A SPARQL filter would see variables bound after it: the braces end the group that it sees.
                 lines = [_braces("\n".join(lines))]
             before |= binds(element)
         return "\n".join(lines)
 
     def _unseen(self, element: Element) -> frozenset[Variable]:
-        """Return the variables that change what a filter means when they are bound behind it."""
+        """Return the variables that change the meaning of a filter if they are bound after it."""
         if isinstance(element, Assignment):
             return frozenset((element.variable,))
         return mentions(element) if isinstance(element, Filter | Exists) else frozenset()

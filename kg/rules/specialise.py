@@ -1,10 +1,10 @@
-"""Rules over a schema, such as those of OWL 2 RL, cut to the schema that there is.
+"""Rules over a schema, such as those of OWL 2 RL, cut to the schema of the store.
 
 A rule like `prp-spo1` (`?x ?q ?y` from `?p rdfs:subPropertyOf ?q . ?x ?p ?y`) reads and writes any predicate, so that
-it makes one cycle of all rules beside it: nothing could be stratified any more, and all data would have to be read. For
+it makes one cycle of all other rules: nothing could be stratified any more, and all data would have to be read. For
 the few axioms that a store holds it is the same as one plain rule for each, `?x rnkg:needs ?y` from
-`?x rnkg:subscribes ?y`. That is what stands here: atoms about the schema are solved once, and the rules that are
-left say which predicates they read and write.
+`?x rnkg:subscribes ?y`. So atoms about the schema are solved once, and the rules that are
+left name the predicates they read and write.
 
 It is exact as long as no rule derives schema from data; where one does, rules are left as they are.
 """
@@ -71,7 +71,7 @@ SCHEMA_CLASSES: Final = frozenset(
 
 
 def is_schema(predicate: Pattern, value: Pattern) -> bool:
-    """Tell whether a triple with these is about the schema: an axiom, or a thing being a class, a property, ..."""
+    """Return whether a triple with these is about the schema: an axiom, or a thing being a class, a property, ..."""
     if predicate == _TYPE:
         return value in SCHEMA_CLASSES
     return predicate in SCHEMA_PREDICATES
@@ -96,7 +96,7 @@ def specialise(rules: Iterable[Rule], schema: Iterable[Triple]) -> tuple[Rule, .
     """Return the rules with those about any schema replaced by their instances for `schema`, in order.
 
     `schema` are the triples of the store for which `is_schema` holds; others do no harm. The rules of one name are
-    numbered anew. Rules are returned as they are where one of them may derive schema from data.
+    numbered again. Rules are returned as they are where one of them may derive schema from data.
     """
     given = tuple(rules)
     hidden = _hidden(given)
@@ -141,13 +141,13 @@ def _hidden(rules: Sequence[Rule]) -> frozenset[NamedNode]:
 
 
 def _about_schema(rule: Rule, hidden: AbstractSet[NamedNode]) -> bool:
-    """Tell whether a rule derives schema from nothing but schema."""
+    """Return whether a rule derives schema from nothing but schema."""
     axioms = (_is_axiom(each, hidden) or isinstance(each, Filter) for each in rule.body)
     return all(_is_axiom(atom, hidden) for atom in rule.head) and all(axioms)
 
 
 def _may_write_schema(rule: Rule) -> bool:
-    """Tell whether a triple that a rule derives can be about the schema."""
+    """Return whether a triple that a rule derives can be about the schema."""
     harmless = set(_never_schema(rule.body))
     for atom in rule.head:
         open_class = atom.predicate == _TYPE and isinstance(atom.object, Variable) and atom.object not in harmless
@@ -207,12 +207,12 @@ def _instances(rule: Rule, stated: Store, closed: Store, hidden: AbstractSet[Nam
 
 
 def _is_axiom(element: Element, hidden: AbstractSet[NamedNode]) -> TypeGuard[Atom]:
-    """Tell whether an element is about the schema; `hidden` are the auxiliary predicates that are."""
+    """Return whether an element is about the schema; `hidden` are the auxiliary predicates that are."""
     return isinstance(element, Atom) and (element.predicate in hidden or is_schema(element.predicate, element.object))
 
 
 def _open(rule: Rule) -> Iterator[Variable]:
-    """Yield the variables that stand for predicates or classes."""
+    """Yield the variables in the place of predicates or classes."""
     for atom in (*rule.head, *(element for element in rule.body if isinstance(element, Atom))):
         if isinstance(atom.predicate, Variable):
             yield atom.predicate
@@ -221,7 +221,7 @@ def _open(rule: Rule) -> Iterator[Variable]:
 
 
 def _instance(rule: Rule, rest: Sequence[Element], bindings: Mapping[Variable, Term]) -> Rule:
-    """Return a rule with variables replaced by terms in its atoms, and bound by a row where terms cannot stand."""
+    """Return a rule with variables replaced by terms in its atoms, and bound by a row where terms are not allowed."""
     written = {variable: value for variable, value in bindings.items() if not isinstance(value, BlankNode)}
     head = tuple(_replaced(atom, written) for atom in rule.head)
     body = tuple(_replaced(element, written) if isinstance(element, Atom) else element for element in rest)

@@ -1,4 +1,4 @@
-"""Strata: the order in which rules run, so that negation and aggregates see only what is finished.
+"""Strata: the order in which rules run. Negation and aggregates see only finished predicates.
 
 Each is evaluated in parts, the strongly connected components of the rules' dependencies: rules that feed each other run
 together to a fixpoint, any other rule runs once; that is what `Stratum` holds. Its `level` is the stratum in the sense
@@ -105,13 +105,13 @@ def failures(rules: Iterable[Rule]) -> Iterator[Failure]:
 def _failures(
     rules: Sequence[Rule], needs: list[dict[int, Read]], component: list[int], *, bounded: bool
 ) -> Iterator[Failure]:
-    """Yield what is wrong with one component that feeds itself."""
+    """Yield the problems of one component that feeds itself."""
     yield from _negations(rules, needs, component)
     yield from _mintings(rules, needs, component, bounded=bounded)
 
 
 def edges(rules: Sequence[Rule]) -> list[dict[int, Read]]:
-    """Return for each rule those whose heads it reads, with the atom that does; a negated one where there is any."""
+    """Return for each rule those whose heads it reads, with the atom that does; a negated one if any."""
     heads = Heads(rules)
     found: list[dict[int, Read]] = []
     for rule in rules:
@@ -125,7 +125,7 @@ def edges(rules: Sequence[Rule]) -> list[dict[int, Read]]:
 
 
 class Heads:
-    """The heads of rules by predicate, so that not every pair is tried."""
+    """The heads of rules by predicate, to avoid trying every pair."""
 
     def __init__(self, rules: Sequence[Rule]) -> None:
         self._all: list[tuple[int, Atom]] = []

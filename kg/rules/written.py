@@ -1,4 +1,4 @@
-"""Columns of what a transaction writes into an empty store, so that rules need not read it back."""
+"""Columns of the triples that a transaction writes into an empty store, which saves reading them back."""
 
 from __future__ import annotations
 

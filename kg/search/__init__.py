@@ -1,1 +1,1 @@
-"""Finding nodes: by what they do, what goes in and out, what hardware they work with; with the reasons of each hit."""
+"""Finding nodes by function, inputs and outputs, and hardware; with the reasons of each hit."""

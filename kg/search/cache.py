@@ -1,6 +1,6 @@
 """The index on disk: one file a generation, `.kg/cache/search/{generation}` (`kg.search.kept`).
 
-A file holds a line of JSON that says what follows, and the parts themselves: JSON and arrays. Documents are decoded
+A file holds a line of JSON that describes the parts, and the parts themselves: JSON and arrays. Documents are decoded
 one by one, when a hit shows them.
 """
 
@@ -34,7 +34,7 @@ class _Header(msgspec.Struct):
 
 
 class Documents:
-    """The documents of nodes in their order, decoded when they are asked for."""
+    """The documents of nodes in their order, decoded on access."""
 
     def __init__(self, content: bytes, starts: Any) -> None:
         self._content, self._starts = content, starts
@@ -75,7 +75,7 @@ def save(cache: Path, generation: str, index: Index) -> None:
 
 
 def load(cache: Path, generation: str) -> Index | None:
-    """Return the index of a generation below the folder `cache`; None where there is none that can be used."""
+    """Return the index of a generation below the folder `cache`; None if none is usable."""
     content = kept(cache / _FOLDER, generation)
     if content is None:
         return None

@@ -1,4 +1,4 @@
-"""What the search knows of a node type: everything that its hits are ranked and explained by.
+"""The document of a node type: all data by which its hits are ranked and explained.
 
 The structures are msgspec's, since they are kept as JSON in the store's cache and read back at each start.
 """
@@ -11,7 +11,7 @@ __all__ = ["Document", "End", "PackageDocument", "Text"]
 
 
 class Text(msgspec.Struct, array_like=True, frozen=True, gc=False):
-    """A paragraph about a node or package, and where it stands; `kind` is that of `kg.facts.DescriptionKind`."""
+    """A paragraph about a node or package, and where it is; `kind` is that of `kg.facts.DescriptionKind`."""
 
     text: str
     kind: str

@@ -36,7 +36,7 @@ _LONGEST_CAUSE: Final = 200
 
 
 class Encoder(Protocol):
-    """What gives texts of like meaning vectors of like direction; `identity` tells it from any other."""
+    """Maps texts of similar meaning to vectors of similar direction; `identity` distinguishes encoders."""
 
     identity: str
 
@@ -49,7 +49,7 @@ class FolderModel:
     """A model in a folder.
 
     Raises:
-        UsageError: KG704 when there is no such folder, or no model in it.
+        UsageError: KG704 if the folder is missing, or has no model.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -77,7 +77,7 @@ class FolderModel:
             )
         except UsageError:
             raise
-        except Exception as problem:  # what damaged files make the library raise is not declared
+        except Exception as problem:  # the library does not declare what it raises for damaged files
             cause = f"{type(problem).__name__}: {' '.join(str(problem).split())[:_LONGEST_CAUSE]}"
             raise self._broken(cause) from problem
         vectors = np.asarray(found, np.float32)
@@ -102,7 +102,7 @@ def _loaded(folder: Path) -> Any:
 
 
 def _identity(folder: Path) -> str:
-    """Return what changes when a file of the model does: a digest of their names, sizes and times."""
+    """Return a digest of names, sizes and times of the files of the model."""
     digest = blake2b(digest_size=12)
     for path in sorted(path for path in folder.rglob("*") if path.is_file()):
         state = path.stat()

@@ -1,6 +1,6 @@
-"""The fields of a document, and what each term in them is worth (weights: `ontology/search.toml`).
+"""The fields of a document, and the weight of each term in them (weights: `ontology/search.toml`).
 
-Fields are combined before they are scored, as a weighted sum of how often a term stands in each (Robertson, Zaragoza
+Fields are combined before they are scored, as a weighted sum of how often a term is in each (Robertson, Zaragoza
 and Taylor 2004, "Simple BM25 extension to multiple weighted fields"): a term in the name counts as often as the
 weight of the name, and a long page about the whole package does not drown the one sentence about the node.
 """
@@ -68,7 +68,7 @@ def shared_words(package: PackageDocument) -> Iterator[tuple[str, str]]:
 
 
 def counted(texts: Iterable[tuple[str, str]]) -> dict[str, Counter[str]]:
-    """Return how often each term stands in each field."""
+    """Return how often each term is in each field."""
     found: dict[str, Counter[str]] = {}
     for field, text in texts:
         once = {*name_terms(text), *joined(text)} if field == "name" else terms(text)
@@ -79,7 +79,7 @@ def counted(texts: Iterable[tuple[str, str]]) -> dict[str, Counter[str]]:
 def documents(content: Content, groups: Sequence[int]) -> list[dict[str, Counter[str]]]:
     """Return the fields of each node, with how much each term counts in them.
 
-    Variants of one node have each other's texts, for who wrote about one meant both.
+    Variants of one node have each other's texts, for texts about one mean both.
     """
     shared = [counted(shared_words(package)) for package in content.packages]
     own = [counted(own_words(node)) for node in content.nodes]
@@ -112,7 +112,7 @@ def _parted(node: Document, package: PackageDocument) -> set[str]:
 
 
 def mains(content: Content, groups: Sequence[int]) -> list[bool]:
-    """Tell for each node whether what is said of its package is said of it (`kg.search.folding.is_main`)."""
+    """Return for each node whether what is said of its package is said of it (`kg.search.folding.is_main`)."""
     members = Counter((group, node.package) for node, group in zip(content.nodes, groups, strict=True))
     sizes = Counter(node.package for node in content.nodes)
     return [
@@ -122,7 +122,7 @@ def mains(content: Content, groups: Sequence[int]) -> list[bool]:
 
 
 def worths(content: Content, groups: Sequence[int]) -> list[dict[str, float]]:
-    """Return for each node what it is worth to each term, from 0 to less than 1.
+    """Return the score of each node for each term, from 0 to less than 1.
 
     That is BM25 over fields: occurrences are weighted by field and by how long the field is, summed, then saturated.
     """

@@ -1,4 +1,4 @@
-"""What options ask for, as strict wishes; a name that nothing has is an error with those that are near."""
+"""Options as strict filters; an unknown name is an error with suggestions."""
 
 from __future__ import annotations
 

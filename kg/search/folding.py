@@ -1,4 +1,4 @@
-"""Which nodes are one to a user: variants of a node in its package, and copies of it in other packages.
+"""Nodes that are the same to a user: variants of a node in its package, and copies of it in other packages.
 
 Variants are the program, the nodelet and the component of one thing: their names are the same without the words
 that tell the form (`EkfNodelet`, `ekf_node`), or they have the same interfaces from the same lines.
@@ -55,7 +55,7 @@ def groups(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> ND
 
 
 def _join_wrappers(nodes: Sequence[Document], found: list[int]) -> None:
-    """Put a program that only starts a nodelet or component into the group of this.
+    """Put a program that only starts a nodelet or component into its group.
 
     Such a program has all interfaces of the other, from the same lines. Where several might be meant, as those that
     have one base class are, a word that is in no rival's name has to tell which.
@@ -89,7 +89,7 @@ def _partner(nodes: Sequence[Document], program: int, rivals: Sequence[int], oth
 
 
 def order(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> NDArray[np.int32]:
-    """Return where each node stands among nodes of the same worth: the maintained first, then what is started."""
+    """Return where each node is among nodes of the same worth: the maintained first, then what is started."""
 
     def key(place: int) -> tuple[object, ...]:
         node, package = nodes[place], packages[nodes[place].package]
@@ -103,7 +103,7 @@ def order(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> NDA
 
 
 def is_main(node: Document, package: PackageDocument, variants: int, others: int) -> bool:
-    """Tell whether what is said of a package is said of this node: there are no others, or it has the package's name.
+    """Return whether texts about a package are about this node: it is the only one, or has the package's name.
 
     `variants` nodes are one with it, itself counted, of `others` in the package.
     """

@@ -1,4 +1,4 @@
-"""The index: what each term of a need is worth for each node, and which nodes have each feature.
+"""The index: the score of each term of a need for each node, and the nodes of each feature.
 
 BM25 over fields gives the worth of a term (`kg.search.fields`); a feature is what a filter asks for, such as
 `subscribes:sensor_msgs/LaserScan` or `hardware:camera`. Both are sparse columns over the nodes.
@@ -41,7 +41,7 @@ _ANY: Final = ("/ShapeShifter", "/AnyMsg")
 
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """Sparse columns over nodes: column `i` has the nodes `rows[starts[i]:starts[i+1]]`, and values beside them."""
+    """Sparse columns over nodes: column `i` has the nodes `rows[starts[i]:starts[i+1]]`, and values next to them."""
 
     names: Mapping[str, int]
     starts: NDArray[np.int64]
@@ -49,7 +49,7 @@ class Columns:
     values: Floats
 
     def rows_of(self, name: str) -> Places:
-        """Return the nodes of a column, none where there is no such column."""
+        """Return the nodes of a column, none for a missing column."""
         place = self.names.get(name)
         return self.rows[:0] if place is None else self.rows[self.starts[place] : self.starts[place + 1]]
 
@@ -86,7 +86,7 @@ class Index:
     """Everything a search reads.
 
     `names` has for each term its share of the name of a node: the shares of all terms of a name sum up to one.
-    `group` has for each node the place of the first of those that are one to a user, `order` where it stands among
+    `group` has for each node the place of the first of those that are one to a user, `order` where it is among
     hits of the same worth, `started` how much launch files use it.
     """
 
@@ -102,11 +102,11 @@ class Index:
 
     @property
     def size(self) -> int:
-        """How many nodes there are."""
+        """Number of nodes."""
         return len(self.nodes)
 
     def information(self, term: str) -> float:
-        """Return how much it tells that a node has a term: the more, the fewer have it, and most where none has.
+        """Return the information of a term (inverse document frequency): the fewer nodes have it, the more.
 
         A small store counts as one of `_ENOUGH` nodes, for few nodes do not show which words are rare.
         """
@@ -115,7 +115,7 @@ class Index:
 
 
 def build(content: Content) -> Index:
-    """Return the index of what was read from a store."""
+    """Return the index of the documents read from a store."""
     group = groups(content.packages, content.nodes)
     return Index(
         content.packages,

@@ -21,7 +21,7 @@ _DATA: Final = ("search.toml", "composing.toml")
 
 
 def keep(folder: Path, generation: str, parts: Iterable[bytes]) -> None:
-    """Write what belongs to a generation into a folder, and remove what belongs to others.
+    """Write the content of a generation to a folder, and remove that of others.
 
     Raises:
         OSError: it could not be written; what was kept before is as it was.
@@ -30,7 +30,7 @@ def keep(folder: Path, generation: str, parts: Iterable[bytes]) -> None:
 
 
 def kept(folder: Path, generation: str) -> bytes | None:
-    """Return what was kept for a generation; None where that is nothing, or nothing that can be used."""
+    """Return the cached content of a generation; None if missing or unusable."""
     return files.kept(folder, generation, _version())
 
 

@@ -1,4 +1,4 @@
-"""Nodes that are rarely meant by who does not say so: tests, examples, demonstrations."""
+"""Nodes rarely meant unless named: tests, examples, demonstrations."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ class Meaning:
 
 
 def told(node: Document, package: PackageDocument) -> str:
-    """Return what a model reads of a node: its name and its package's in words, what was written about both."""
+    """Return the text of a node for a model: its name and its package's in words, descriptions of both."""
     names = f"{bare_name(node.name)}, {' '.join(words(package.name))}"
     texts = [text.text for text in node.texts[:_TEXTS]]
     parts = [names, *texts, *([package.description] if package.description else [])]

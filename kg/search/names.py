@@ -64,7 +64,7 @@ class Names:
         return tuple(feature for known, feature in self._licenses.items() if _begins(known, start))
 
     def known(self, term: str) -> bool:
-        """Tell whether a node has a term."""
+        """Return whether a node has a term."""
         return term in self._terms
 
     def spellings(self, term: str) -> tuple[tuple[str, float], ...]:

@@ -69,7 +69,7 @@ _ASIDE: Final = ("side", "purpose", "unwanted")
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
-    """Terms that stand together for what was said, and how much that is worth."""
+    """Terms that are together for what was said, and how much that is worth."""
 
     terms: tuple[str, ...]
     weight: float
@@ -123,7 +123,7 @@ class Need:
 
     @property
     def unknown(self) -> tuple[str, ...]:
-        """The words of the need that no node knows, as they were typed."""
+        """The words of the need that no node has, as they were typed."""
         return tuple(one.text for one in self.wordings if one.unknown)
 
 
@@ -143,7 +143,7 @@ class _Token:
 
 
 def parse(text: str, names: Names) -> Need:
-    """Return what a text asks for; `names` are those that the store knows. Any text gives a need, always the same."""
+    """Parse a text into a need; `names` are those of the store. Any text gives a need, always the same."""
     strict, rest = _strict(text[:_MOST], names)
     tokens = _weighed(rest)
     wishes = [*strict, *_typed(tokens, names), *_classes(tokens, names)]
@@ -151,7 +151,7 @@ def parse(text: str, names: Names) -> Need:
 
 
 def _strict(text: str, names: Names) -> tuple[list[Wish], str]:
-    """Return the wishes that are said as filters, and the text without what is no word to look for."""
+    """Return the wishes that are said as filters, and the text without what is not a word to look for."""
     found: list[Wish] = []
     for match in _EXPLICIT.finditer(text):
         kind, at = _ROLES[match["role"]], match
@@ -210,7 +210,7 @@ def _weighed(text: str) -> list[_Token]:
 
 
 def _tokens(name: str) -> list[_Token]:
-    """Return the tokens of what stands between two spaces."""
+    """Return the tokens of what is between two spaces."""
     whole = next(iter(joined(name)), None)
     return [_Token(stem(word), word, whole=whole, typed=name.strip("\"'.,;:!?()")) for word in words(name)]
 
@@ -249,7 +249,7 @@ def _matches(tokens: Sequence[_Token], known: dict[tuple[str, ...], object]) -> 
 
 
 def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
-    """Yield a wording for every word that tells something, once each, with the synonyms of the phrase it is in."""
+    """Yield a wording for every significant word, once each, with the synonyms of the phrase it is in."""
     seen: set[str] = set()
     said = {token.whole for token in tokens} | {token.stem for token in tokens}
     spans = dict(_matches(tokens, names.synonyms))  # type: ignore[arg-type]  # only the keys are looked at
@@ -296,7 +296,7 @@ def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
 
 
 def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
-    """Return the direction of what stands at a place: by what follows at once, else by the nearest word before."""
+    """Return the direction of what is at a place: by what follows at once, else by the nearest word before."""
     cues = _cues()
     if end < len(tokens) and tokens[end].word in {"as", "into", "to"}:
         return _IN

@@ -66,7 +66,7 @@ def meant(likeness: Floats) -> Floats:
 
 
 def covered(index: Index, need: Need) -> Floats:
-    """Return the share of what the need tells that each node has, from 0 to 1."""
+    """Return the share of the need's information that each node has, from 0 to 1."""
     total = np.zeros(index.size, np.float32)
     for wording in need.wordings:
         total += np.float32(share(index, need, wording)) * wording_scores(index, wording)
@@ -74,7 +74,7 @@ def covered(index: Index, need: Need) -> Floats:
 
 
 def fits(index: Index, need: Need, places: Sequence[int]) -> bool:
-    """Tell whether one of the best nodes covers enough of what a need tells (`least` in `ontology/search.toml`).
+    """Return whether one of the best nodes covers enough of a need's information (`least` in `ontology/search.toml`).
 
     What it covers counts less by the share of words that no node knows; unknown names count twice, since a need is
     about what it names. What fulfils a filter for its interface, hardware or function fits, and so does anything where
@@ -88,21 +88,21 @@ def fits(index: Index, need: Need, places: Sequence[int]) -> bool:
 
 
 def share(index: Index, need: Need, wording: Wording) -> float:
-    """Return the share of a wording in what its need tells."""
-    return _told(index, need, wording) / sum(_told(index, need, one) for one in need.wordings)
+    """Return the share of a wording in the information of its need."""
+    return _information(index, need, wording) / sum(_information(index, need, one) for one in need.wordings)
 
 
-def _told(index: Index, need: Need, wording: Wording) -> float:
-    """Return what a wording tells; an ordinary word that no node has less than a name that none has."""
+def _information(index: Index, need: Need, wording: Wording) -> float:
+    """Return the information of a wording; of missing ones, an ordinary word has less than a name."""
     if not wording.unknown or wording.name:
-        return wording.weight * index.information(_kept(index, wording).terms[0])
-    known = [index.information(_kept(index, one).terms[0]) for one in need.wordings if not one.unknown]
+        return wording.weight * index.information(_spelling(index, wording).terms[0])
+    known = [index.information(_spelling(index, one).terms[0]) for one in need.wordings if not one.unknown]
     most = index.information(wording.alternatives[0].terms[0])
     mean = sum(known) / len(known) if known else most
     return wording.weight * (most + _rank("ordinary") * (mean - most))
 
 
-def _kept(index: Index, wording: Wording) -> Alternative:
+def _spelling(index: Index, wording: Wording) -> Alternative:
     """Return the spelling of what was typed that nodes have: `influxdb`, where none has `influx`."""
     own = [one for one in wording.alternatives if one.weight == 1.0]
     return next((one for one in own if one.terms[0] in index.text.names), own[0])
@@ -113,7 +113,7 @@ def wording_scores(index: Index, wording: Wording) -> Floats:
 
     A synonym that more nodes have than the word itself tells less, and counts less by as much.
     """
-    own = index.information(_kept(index, wording).terms[0])
+    own = index.information(_spelling(index, wording).terms[0])
     best = np.zeros(index.size, np.float32)
     for one in wording.alternatives:
         columns = [index.text.dense(term, index.size) for term in one.terms]

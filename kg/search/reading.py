@@ -299,7 +299,7 @@ def _grouped(rows: Iterable[tuple[str, ...]]) -> dict[str, Mapping[str, list[str
 
 
 def _part(node: str, part: str) -> tuple[str, str | None]:
-    """Return the kind and the name that stand in the IRI of a part of a node (`kg.graph.iris.fragment`)."""
+    """Return the kind and the name that are in the IRI of a part of a node (`kg.graph.iris.fragment`)."""
     kind, _, name = part[len(node) + 1 :].partition("/")
     name = unquote(name.partition("@")[0]) if not name.startswith(UNKNOWN) else ""
     return kind, name or None

@@ -108,7 +108,7 @@ def _of_wishes(
 
 
 def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocument) -> Iterator[Reason]:
-    """Yield a reason for each place that the words of the need stand in, and what it counts."""
+    """Yield a reason for each place that the words of the need are in, and what it counts."""
     fields = lexicon().weights["fields"]
 
     def worth(text: str, field: str) -> float:

@@ -36,7 +36,7 @@ _DIGITS = 4
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """A node that was found; `others` are variants and copies of it that it stands for, best first."""
+    """A node that was found; `others` are variants and copies of it, best first."""
 
     rank: int
     score: float
@@ -56,7 +56,7 @@ class Hit:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The hits of a need as it was understood; `total` is how many there are in all.
+    """The hits of a need as it was understood; `total` is the number of all hits.
 
     `fits` is false where the hits are only the nearest: none covers enough of what the need tells.
     """

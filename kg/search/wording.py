@@ -1,4 +1,4 @@
-"""What a search tells about words: what they were taken for, and which name was meant where nothing was found."""
+"""Notes of a search about words: their interpretation, and suggestions if nothing was found."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ _LONGEST_NAME: Final = 80
 
 def understood(need: Need) -> tuple[list[str], list[str]]:
     """Return what words were taken for: wishes that must hold, and those that had better hold."""
-    strict = dict.fromkeys(_said(wish) for wish in need.wishes if wish.strict)
-    rather = dict.fromkeys(_said(wish) for wish in need.wishes if not wish.strict)
+    strict = dict.fromkeys(_wish_words(wish) for wish in need.wishes if wish.strict)
+    rather = dict.fromkeys(_wish_words(wish) for wish in need.wishes if not wish.strict)
     return list(strict), list(rather)
 
 
 def unknown(need: Need) -> list[str]:
-    """Return sentences about the words of the need that no node knows: those without, and those with near spellings."""
+    """Return sentences about the words of the need that no node has: those without, and those with near spellings."""
     strange = [one for one in need.wordings if one.unknown]
     found = []
     for start, words in (
@@ -47,7 +47,7 @@ def near(words: str, search: Search) -> str | None:
     return did_you_mean(words, sorted({search.index.nodes[place].name for place in range(search.index.size)}))
 
 
-def _said(wish: Wish) -> str:
+def _wish_words(wish: Wish) -> str:
     """Return a wish in words: types as they were typed, hardware and the like by their labels."""
     label = wish.features[0].partition(":")[2]
     if wish.kind == "ros":

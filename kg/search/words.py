@@ -61,7 +61,7 @@ def _families() -> dict[str, str]:
 
 
 def is_stop(word: str) -> bool:
-    """Tell whether a word tells nothing about a node: those of English grammar, and what every node is or has."""
+    """Return whether a word is insignificant: those of English grammar, and those true of every node."""
     return word in lexicon().stop_words
 
 
@@ -84,7 +84,7 @@ def name_terms(name: str) -> list[str]:
 
 
 def terms(text: str) -> tuple[str, ...]:
-    """Return the terms of a text in their order, repeated as often as they stand there."""
+    """Return the terms of a text in their order, repeated as often as they are there."""
     return _short_terms(text) if len(text) <= _NAME else _terms(text)
 
 

@@ -1,5 +1,5 @@
-"""The store of quads. Nothing here knows of ROS.
+"""The store of quads. Nothing here depends on ROS.
 
-`kg.store.embedded.EmbeddedStore` is the store on this machine; `kg.store.interface` says what any store gives.
-Nothing is imported here, so that looking where a store stands (`kg.store.layout`) costs no engine.
+`kg.store.embedded.EmbeddedStore` is the store on this machine; `kg.store.interface` is the interface of all stores.
+Nothing is imported here: locating a store (`kg.store.layout`) loads no engine.
 """

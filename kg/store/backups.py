@@ -1,4 +1,4 @@
-"""Copies of a store that can be put back: a folder that is a store of its own, or a file of N-Quads.
+"""Backups of a store: a folder that is a store of its own, or a file of N-Quads.
 
     back_up(layout, Path("monday"))            monday/ has one generation and backup.json; `kg --store monday` reads it
     back_up(layout, Path("monday.nq.gz"))      sorted lines; blank nodes are named by what they stand for (RDFC-1.0)
@@ -41,7 +41,7 @@ _FILES: Final = (".nq", ".nq.gz")
 
 @dataclass(frozen=True, slots=True)
 class Backup:
-    """What a backup holds: the identity of the snapshot, how many quads, and when it was made (ISO 8601)."""
+    """Manifest of a backup: the identity of the snapshot, the number of quads, and its time (ISO 8601)."""
 
     snapshot: int
     quads: int
@@ -49,16 +49,16 @@ class Backup:
 
 
 def is_file(target: Path) -> bool:
-    """Tell whether the name of a backup means a file of N-Quads."""
+    """Return whether the name of a backup means a file of N-Quads."""
     return target.name.endswith(_FILES)
 
 
 def back_up(layout: Layout, target: Path) -> Backup:
-    """Copy the content in force to `target`, a folder or a file that is not there yet.
+    """Copy the content in force to `target`, a folder or a file that does not exist yet.
 
     Raises:
         StoreError: KG301 without data, KG303 for a damaged store, KG304 full disk, KG306 where it may not be written,
-            KG566 where something is there already.
+            KG566 if the target exists already.
     """
     if target.exists():
         raise StoreError("KG566", "there is something of this name", place=Place(str(target)), hint="Name another one.")
@@ -90,7 +90,7 @@ def _write_folder(snapshot: EmbeddedSnapshot, layout: Layout, found: Backup) -> 
 def _write_file(snapshot: EmbeddedSnapshot, path: Path, *, packed: bool) -> None:
     with path.open("wb") as file:
         if packed:
-            # Without name and time, so that equal content has equal bytes.
+            # Without name and time: equal content has equal bytes.
             with gzip.GzipFile("", "wb", mtime=0, fileobj=file) as output:
                 output.writelines(canonical(snapshot.quads()))
         else:
@@ -102,7 +102,7 @@ def _write_file(snapshot: EmbeddedSnapshot, path: Path, *, packed: bool) -> None
 def canonical(quads: Iterable[Quad]) -> list[bytes]:
     """Return the lines of quads as N-Quads, sorted, with the labels of RDFC-1.0 for blank nodes.
 
-    Equal data gives equal bytes, whatever its blank nodes were called. Quads without any have no say in their labels.
+    Equal data gives equal bytes, whatever the labels of its blank nodes. Quads without any do not affect labels.
     """
     plain: list[Quad] = []
     labelled = Dataset()
@@ -127,12 +127,12 @@ def _terms(statement: Quad | Triple) -> Iterator[object]:
 
 
 def restore(transaction: EmbeddedTransaction, source: Path) -> Backup | None:
-    """Put the content of a backup in the place of all that the store holds.
+    """Replace the content of the store by that of a backup.
 
-    Returns what its manifest says, None for a file.
+    Returns its manifest, None for a file.
 
     Raises:
-        StoreError: KG567 for what is not a backup, or not whole.
+        StoreError: KG567 if it is not a backup, or incomplete.
         GraphError: KG601 for a file that is not valid N-Quads.
     """
     if not source.exists():
@@ -152,7 +152,7 @@ def restore(transaction: EmbeddedTransaction, source: Path) -> Backup | None:
 
 
 def _manifest(layout: Layout, default: Backup) -> Backup:
-    """Return what a backup says of itself; `default` for any other store."""
+    """Return the manifest of a backup; `default` for any other store."""
     path = layout.root / _MANIFEST
     try:
         return Backup(**json.loads(path.read_bytes()))

@@ -1,4 +1,4 @@
-"""Much at once between the engine and bytes: tables of one graph out, N-Triples in.
+"""Bulk transfer between the engine and bytes: tables of one graph out, N-Triples in.
 
 The engine works outside of Python's lock, so two threads read, and two threads load, at the same time. What was
 measured with 100,000 triples on two processors, in seconds: reading by SELECT for each predicate as TSV 0.47 (with two
@@ -94,7 +94,7 @@ def load_quads(engine: Engine, graphs: Mapping[NamedNode, bytes]) -> int:
 
 
 class Interruptible:
-    """A file for the engine to load. Its method is in Python, so that Ctrl-C ends a load at the next piece."""
+    """A file for the engine to load. Its method is in Python: Ctrl-C ends a load at the next piece."""
 
     def __init__(self, file: BinaryIO) -> None:
         self._file = file
@@ -124,7 +124,7 @@ def add(engine: Engine, graph: NamedNode, lines: bytes) -> None:
 
 
 def remove(engine: Engine, graph: NamedNode, lines: bytes) -> None:
-    """Take N-Triples out of a graph; blank nodes are told by their labels."""
+    """Remove N-Triples from a graph; blank nodes are identified by their labels."""
     if BLANK_MARK not in lines:
         # Twice as fast; but an update cannot name a blank node of the store.
         engine().update(f"DELETE DATA {{ GRAPH {graph} {{\n{lines.decode()}}} }}")
@@ -145,7 +145,7 @@ def exchange(engine: Engine, removed: Collection[Quad], added: Collection[Quad])
 
 
 def _batches(chunks: Iterable[bytes]) -> Iterator[bytes]:
-    """Join small chunks, and split what is left so that both threads have work."""
+    """Join small chunks, and split the rest to give both threads work."""
     batch: list[bytes] = []
     size = 0
     for chunk in chunks:

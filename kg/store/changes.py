@@ -1,9 +1,9 @@
-r"""What each generation changed, so that what was read before of the rest can be used again.
+r"""Changes of each generation. Graphs read before that did not change can be reused.
 
     .kg/changes/12      {"base": 11, "graphs": {"https://w3id.org/rnkg/graph/shared": null,
                                                 "": [["<a> <b> <c> .\n", ""]]}}
 
-The empty name is the default graph. A graph has its patches (what was taken out, what was put in), or null where it may
+The empty name is the default graph. A graph has its patches (removed, added), or null where it may
 have any content now; no graphs at all (null) means that any may have changed. The file of a generation is written
 before the generation comes into force, and removed when it is old.
 """
@@ -31,7 +31,7 @@ Patches: TypeAlias = "list[tuple[bytes, bytes]] | None"
 
 
 class Changes:
-    """What changed: `graphs` has the patches of each graph that did, and is None where any graph may have."""
+    """Changes: `graphs` has the patches of each changed graph, and is None if any graph may have changed."""
 
     def __init__(self, graphs: dict[str, Patches] | None = None) -> None:
         self.graphs: dict[str, Patches] | None = {} if graphs is None else graphs
@@ -79,7 +79,7 @@ class Changes:
                 self.patch(name, removed, added)
 
     def record(self, layout: Layout, generation: int, base: int | None) -> None:
-        """Write down that these are what `generation` changes beside `base`; OSError when they cannot be written."""
+        """Record the changes of `generation` relative to `base`; OSError when they cannot be written."""
         folder = _folder(layout)
         folder.mkdir(parents=True, exist_ok=True)
         graphs = None if self.graphs is None else {name: _written(found) for name, found in self.graphs.items()}
@@ -91,7 +91,7 @@ class Changes:
 
 
 def since(layout: Layout, earlier: int, later: int) -> Changes:
-    """Return what changed from one generation to another."""
+    """Return the changes from one generation to another."""
     steps: list[Changes] = []
     number: int | None = later
     while number != earlier:

@@ -36,7 +36,7 @@ class EmbeddedStore:
 
     @classmethod
     def find(cls, start: Path) -> EmbeddedStore:
-        """Return the store of `start` or of the nearest folder above it; StoreError KG301 when there is none."""
+        """Return the store of `start` or of the nearest folder above it; StoreError KG301 if there is none."""
         return cls(layouts.find(start))
 
     @classmethod
@@ -54,7 +54,7 @@ class EmbeddedStore:
 
     @contextmanager
     def write(self, command: str) -> Iterator[EmbeddedTransaction]:
-        """Begin a transaction; `command` is what another writer is told is running.
+        """Begin a transaction; `command` is the running command in errors of other writers.
 
         Raises:
             StoreError: KG302 while another process writes, KG304 when the disk fills up, KG306 when the folder

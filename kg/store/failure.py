@@ -1,7 +1,7 @@
-"""Failures of the disk and of the engine, told as errors of `kg`.
+"""Failures of the disk and of the engine, as errors of `kg`.
 
 The engine (RocksDB under Oxigraph) reports through `OSError` and `RuntimeError` with a text; the text is the only
-place where it says that the disk is full or that a file is damaged.
+place that shows a full disk or a damaged file.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ _ANOTHER = "Name a folder with `--store`."
 
 
 def is_of_store(error: Exception) -> TypeGuard[OSError | RuntimeError]:
-    """Tell whether an error of the engine is about the disk or the store, and not about what it was asked."""
+    """Return whether an error of the engine is about the disk or the store, not about the request."""
     return isinstance(error, OSError) or (isinstance(error, RuntimeError) and str(error).startswith(_DAMAGED_TEXT))
 
 
 def store_error(error: OSError | RuntimeError, path: str) -> StoreError:
     """Return the error of `kg` for a failure at the store `path`.
 
-    KG304 is a full disk, KG306 what cannot be written or is not a folder, KG303 all else.
+    KG304 is a full disk, KG306 a path that cannot be written or is not a folder, KG303 all else.
     """
     text = str(error)
     number = error.errno if isinstance(error, OSError) else None
@@ -49,7 +49,7 @@ def store_error(error: OSError | RuntimeError, path: str) -> StoreError:
 
 @contextmanager
 def translated(path: str) -> Iterator[None]:
-    """Raise what the disk or the engine reports in the body as `StoreError` about `path`."""
+    """Raise errors of the disk or the engine in the body as `StoreError` about `path`."""
     try:
         yield
     except (OSError, RuntimeError) as error:

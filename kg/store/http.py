@@ -1,4 +1,4 @@
-"""One request to a SPARQL server and its answer, over HTTP; failures are told as errors of `kg`.
+"""One request to a SPARQL server and its answer, over HTTP; failures are raised as errors of `kg`.
 
 A request is sent again only where the server cannot have seen it, or where seeing it twice changes nothing: an
 update that mints blank nodes must not run twice.
@@ -37,7 +37,7 @@ _IN_MEMORY: Final = 16 << 20
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a server answered: the media type without parameters, and the body, of which a file holds what is large."""
+    """Response of a server: the media type without parameters, and the body, in a file if large."""
 
     media_type: str
     body: IO[bytes]
@@ -80,7 +80,7 @@ class Endpoint:
         self._opener = urllib.request.build_opener(_NoRedirects)
 
     def get(self, target: IO[bytes], limit: int) -> None:
-        """Write what is at the address into `target`.
+        """Download the content of the address to `target`.
 
         Raises:
             StoreError: KG225 as `post`, KG308 for more than `limit` bytes.
@@ -166,7 +166,7 @@ class Endpoint:
 
 
 def _credentials(scheme: str, host: str) -> dict[str, str]:
-    """Return the header with what the environment holds for the server that the owner named.
+    """Return the header with the credentials of the environment for the server that the owner named.
 
     It is not sent unencrypted to another machine.
     """
@@ -187,7 +187,7 @@ def _basic(user: str, password: str) -> str:
 
 
 def _unsent(error: OSError | HTTPException) -> bool:
-    """Tell whether the server cannot have seen the request: there was no connection."""
+    """Return whether the server cannot have seen the request: there was no connection."""
     return isinstance(error, URLError) and isinstance(error.reason, ConnectionRefusedError)
 
 

@@ -1,4 +1,4 @@
-"""What any store of quads gives to the rest of `kg`, embedded or remote.
+"""Interface of stores of quads, embedded or remote.
 
 Terms and results are pyoxigraph's: they are plain values, and a remote store can make them from what a SPARQL
 server answers (`pyoxigraph.parse_query_results`).
@@ -23,7 +23,7 @@ class Snapshot(Protocol):
 
     @property
     def identity(self) -> str:
-        """What tells this content from any other of the same store."""
+        """Identifier of this content among all of the same store."""
         ...
 
     def query(
@@ -47,7 +47,7 @@ class Snapshot(Protocol):
         ...
 
     def close(self) -> None:
-        """Let go of the content."""
+        """Release the content."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""The folder of a store: what stands where in it, how it is found, and the pointer to the generation in force.
+"""The folder of a store: its layout, how it is found, and the pointer to the generation in force.
 
     .kg/current          pointer: {"layout": 1, "generation": 12}; replaced atomically, never edited
     .kg/store/12/        one generation: a RocksDB database that does not change any more
@@ -96,7 +96,7 @@ class Layout:
         return generation
 
     def in_force(self) -> int | None:
-        """Return the generation in force, None where there is none, or its data is gone; raises as `current`."""
+        """Return the generation in force, None without one or if its data is gone; raises as `current`."""
         number = self.current()
         while number is not None and not self.generation(number).is_dir():
             # A writer may have put another one in force, and removed this one, since the pointer was read.
@@ -112,7 +112,7 @@ class Layout:
 
 
 def write_atomically(path: Path, content: bytes, *, durable: bool = True) -> None:
-    """Replace `path` by `content` so that any reader, and any crash, finds the old bytes or the new ones.
+    """Replace `path` by `content` atomically: any reader, and any crash, leaves the old bytes or the new ones.
 
     Without `durable` a loss of power may leave other bytes, for files whose content is checked.
 
@@ -165,7 +165,7 @@ def find(start: Path) -> Layout:
 
 
 def create(root: Path) -> Layout:
-    """Return the store whose folder is `root`, made when it does not exist; version control is told to leave it out.
+    """Return the store whose folder is `root`, created if missing; version control ignores it.
 
     Raises:
         StoreError: KG304 when the disk is full, KG306 when the folder may not be made there.

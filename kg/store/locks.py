@@ -32,7 +32,7 @@ _PAUSE: Final = 0.01
 
 @contextmanager
 def writer(layout: Layout, command: str) -> Iterator[None]:
-    """Hold the one right to write the store while the body runs; `command` is what others are told is running.
+    """Hold the write lock of the store while the body runs; `command` is the running command in errors of others.
 
     Raises:
         StoreError: KG302 naming process, command and start of the one that writes.
@@ -84,7 +84,7 @@ def busy(layout: Layout) -> StoreError | None:
 
 
 def _holder(layout: Layout) -> dict[str, Any] | None:
-    """Return what the writer wrote of itself; None where that is nothing."""
+    """Return the record that the writer left in the file; None if there is none."""
     try:
         found = json.loads(layout.lock.read_text())
     except (OSError, ValueError):
@@ -93,7 +93,7 @@ def _holder(layout: Layout) -> dict[str, Any] | None:
 
 
 def _lives(holder: dict[str, Any] | None) -> bool:
-    """Tell whether the process that is named is there."""
+    """Return whether the process that is named is there."""
     if holder is None or not isinstance(holder["pid"], int):
         return False
     try:
@@ -115,10 +115,10 @@ def _busy(layout: Layout) -> StoreError:
 
 
 def hold_generation(layout: Layout) -> tuple[int, int]:
-    """Return the generation in force and an open file whose closing lets go of it.
+    """Return the generation in force and an open file whose closing releases it.
 
     Raises:
-        StoreError: KG301 when nothing was ever written, KG303 when the generation in force is gone.
+        StoreError: KG301 if nothing was ever written, KG303 if the generation in force is gone.
     """
     while True:
         number = layout.current()
@@ -152,7 +152,7 @@ def _hold(folder: Path) -> int | None:
 def remove_unused(layout: Layout) -> None:
     """Remove every generation that is neither in force nor held by a reader; only the writer may call this.
 
-    What a killed writer left of its temporary files goes too.
+    Temporary files of a killed writer are removed too.
     """
     for left in layout.root.glob("*.tmp"):
         left.unlink(missing_ok=True)

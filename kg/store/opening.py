@@ -32,7 +32,7 @@ _PATIENT_SECONDS: Final = 3600.0
 
 
 def layout_of(settings: Settings) -> Layout:
-    """Return where the store in force stands; StoreError KG301 when there is none, KG309 for one on a server.
+    """Return the layout of the store in force; StoreError KG301 if there is none, KG309 for one on a server.
 
     No engine is loaded.
     """
@@ -69,7 +69,7 @@ def _named_by_a_file(settings: Settings) -> UsageError:
 
 
 def existing(settings: Settings) -> EmbeddedStore:
-    """Return the store in force; StoreError KG301 when there is none."""
+    """Return the store in force; StoreError KG301 if there is none."""
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
 
     return EmbeddedStore(layout_of(settings))
@@ -151,7 +151,7 @@ def or_empty(settings: Settings) -> Iterator[Settings]:
 
 @contextmanager
 def writable(settings: Settings, *, create: bool = True) -> Iterator[EmbeddedStore]:
-    """Yield the store in force, or a new one: where the settings say, else `.kg` in the working folder.
+    """Yield the store in force, or a new one: at the place of the settings, else `.kg` in the working folder.
 
     A new one into which nothing was written, because the body failed, is removed again. Without `create` StoreError
     KG301 when there is none.

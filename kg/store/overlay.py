@@ -39,7 +39,7 @@ class _Overlay(EmbeddedSnapshot):
         bulk.add(lambda: self._db, graph, b"".join(chunks))
 
     def close(self) -> None:
-        """Close the copy; its folder is to be removed afterwards, since closing writes there."""
+        """Close the copy; remove its folder only afterwards, since closing writes there."""
         if hasattr(self, "_db"):
             del self._db
 
@@ -66,7 +66,7 @@ def overlaid(
 
 
 def _temporary(cache: Path) -> Path:
-    """Return a new folder: beside the store, so that files can be shared, unless that cannot be written."""
+    """Return a new folder: next to the store, where files can be shared, unless that cannot be written."""
     try:
         cache.mkdir(parents=True, exist_ok=True)
         return Path(tempfile.mkdtemp(prefix="overlay-", dir=cache))

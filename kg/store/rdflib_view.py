@@ -1,4 +1,4 @@
-"""A generation of a store as an rdflib `Dataset`, so that programs written for rdflib run on it unchanged."""
+"""A generation of a store as an rdflib `Dataset`: programs written for rdflib run on it unchanged."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class _SnapshotStore(OxigraphStore):
     def triples(self, triple_pattern: Any, context: Any = None) -> Iterator[Any]:
         """Yield the triples that match, each once, with the graphs that hold it."""
         pattern = to_ox_quad_pattern(triple_pattern, context)
-        # The engine reads one index, of which the graph is the last column, so that equal triples are neighbours.
+        # The engine reads one index, of which the graph is the last column, so equal triples are neighbours.
         for triple, quads in groupby(self._inner.quads_for_pattern(*pattern), lambda quad: quad.triple):
             graphs = [from_ox_graph_name(quad.graph_name, self) for quad in quads]
             yield (from_ox(triple.subject), from_ox(triple.predicate), from_ox(triple.object)), iter(graphs)

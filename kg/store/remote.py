@@ -4,7 +4,7 @@
     with store.read() as snapshot: ...
     with store.write("kg rules run") as transaction: ...
 
-What a server cannot give is said where it is missing: it has no snapshots (what is read may change between two
+A server lacks two things: it has no snapshots (what is read may change between two
 requests), and a transaction is one request of several operations, which servers run together or not at all
 (SPARQL 1.1 Update, section 3: "a request SHOULD be atomic").
 """
@@ -114,7 +114,7 @@ class RemoteSnapshot:
 
     @property
     def identity(self) -> str:
-        """Another one for each reading, as a server does not tell whether its content changed."""
+        """A new one for each reading, as a server does not report whether its content changed."""
         return self._identity
 
     def query(

@@ -1,9 +1,9 @@
-"""A SPARQL server read as the embedded store is: what commands that only read need of a snapshot, by queries.
+"""A SPARQL server with the interface of a snapshot, by queries, for commands that only read.
 
     with RemoteReading("https://example.org/query") as snapshot: ...
 
 The unnamed graph of a server is not read: servers disagree about whether it is the union of the others, and graphs of
-`kg` are all named. Blank nodes of an answer cannot be named in the next query, so that a look-up of one is refused.
+`kg` are all named. Blank nodes of a response cannot be named in the next query, so a look-up of one is refused.
 Credentials come from the environment (`kg.store.http`).
 """
 
@@ -55,12 +55,12 @@ class RemoteReading(EmbeddedSnapshot):
 
     @property
     def identity(self) -> str:
-        """Another one for each reading, as a server does not tell whether its content changed."""
+        """A new one for each reading, as a server does not report whether its content changed."""
         return self._remote.identity
 
     @property
     def engine(self) -> Store:
-        """There is none; StoreError KG309."""
+        """Raise StoreError KG309: a server has no engine here."""
         raise self._unsupported("the command works on files of the store")
 
     def query(  # noqa: PLR0913 - what the embedded store can be told
@@ -91,7 +91,7 @@ class RemoteReading(EmbeddedSnapshot):
         return self._remote.query(declared + whole, prefixes=_used(whole, known), union=union)
 
     def graphs(self) -> list[NamedNode]:
-        """Return the names of all named graphs, sorted; they are asked for once."""
+        """Return the names of all named graphs, sorted; they are queried once."""
         if self._graphs is None:
             self._graphs = self._remote.graphs()
         return self._graphs
@@ -125,7 +125,7 @@ class RemoteReading(EmbeddedSnapshot):
         return list(self.graphs())
 
     def content(self, graph: NamedNode | BlankNode | DefaultGraph) -> bytes:
-        """Return what one graph holds, as N-Triples."""
+        """Return the content of one graph, as N-Triples."""
         return self.dump(RdfFormat.N_TRIPLES, graph=graph) if isinstance(graph, NamedNode) else b""
 
     def backup(self, folder: str) -> None:  # noqa: ARG002 - the signature of a snapshot
@@ -159,5 +159,5 @@ def _used(text: str, prefixes: Mapping[str, str]) -> dict[str, str]:
 
 
 def _check(text: str, prefixes: Mapping[str, str], base: str | None) -> None:
-    """Raise SyntaxError for what is not SPARQL, with the place, as the embedded store does."""
+    """Raise SyntaxError with the place of a syntax error, as the embedded store does."""
     Store().query(text, prefixes=dict(prefixes), base_iri=base)

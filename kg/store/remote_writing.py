@@ -18,7 +18,7 @@ __all__ = ["RemoteTransaction"]
 
 
 class RemoteTransaction:
-    """Operations of SPARQL Update in the order in which they were asked for; see `kg.store.interface.Transaction`."""
+    """Operations of SPARQL Update in the order of the calls; see `kg.store.interface.Transaction`."""
 
     def __init__(self) -> None:
         self._operations: list[str] = []
@@ -26,8 +26,8 @@ class RemoteTransaction:
 
     @property
     def operations(self) -> str:
-        """The text of one request, empty when nothing was asked for."""
-        # Declarations stand at the beginning: Oxigraph 0.5 does not parse those behind a semicolon.
+        """The text of one request, empty without operations."""
+        # Declarations are at the beginning: Oxigraph 0.5 does not parse those behind a semicolon.
         declared = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in self._prefixes.items())
         return declared + " ;\n".join(self._operations) if self._operations else ""
 
@@ -48,7 +48,7 @@ class RemoteTransaction:
         self._operations.append(f"INSERT DATA {{ GRAPH {graph} {{\n{triples.decode()}}} }}")
 
     def drop_graph(self, graph: NamedNode) -> None:
-        """Remove a graph with all it holds; nothing happens when there is none of that name."""
+        """Remove a graph and its content; an unknown name is ignored."""
         self._operations.append(f"DROP SILENT GRAPH {graph}")
 
     def load_file(self, path: Path, rdf_format: RdfFormat | None = None, *, graph: NamedNode | None = None) -> None:

@@ -63,7 +63,7 @@ class EmbeddedSnapshot:
         default_graphs: Sequence[NamedNode] | None = None,
         named_graphs: Sequence[NamedNode] | None = None,
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
-        """Run a SPARQL query on the engine as it is; `kg.query.run` is the way with guards.
+        """Run a SPARQL query directly on the engine; `kg.query.run` adds guards.
 
         Variables in `substitutions` stand for those terms wherever the query has them, blank nodes too. Relative IRIs
         are relative to `base`. `default_graphs` and `named_graphs` are the data set, whatever the query says about it;
@@ -117,7 +117,7 @@ class EmbeddedSnapshot:
         return [DefaultGraph(), *self._db.named_graphs()]
 
     def content(self, graph: NamedNode | BlankNode | DefaultGraph) -> bytes:
-        """Return what one graph holds, as N-Triples."""
+        """Return the content of one graph, as N-Triples."""
         return self._db.dump(format=RdfFormat.N_TRIPLES, from_graph=graph) or b""
 
     def backup(self, folder: str) -> None:
@@ -125,7 +125,7 @@ class EmbeddedSnapshot:
         self._db.backup(folder)
 
     def close(self) -> None:
-        """Close the database and let go of the generation; closing twice is allowed."""
+        """Close the database and release the generation; closing twice is allowed."""
         if self._handle >= 0:
             del self._db
             os.close(self._handle)
@@ -141,7 +141,7 @@ class EmbeddedSnapshot:
 
 
 class MemorySnapshot(EmbeddedSnapshot):
-    """Quads in memory, asked as a snapshot of a store is; whoever gives the store does not change it any more."""
+    """Quads in memory with the interface of a snapshot; the caller must not change the store any more."""
 
     def __init__(self, store: Store) -> None:
         self.layout = None

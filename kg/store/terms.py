@@ -1,4 +1,4 @@
-r"""What a term is in text, in the store and in columns: its spelling, which is that of a dump of the store.
+r"""The spelling of terms in text, in the store and in columns: that of a dump of the store.
 
 A term is spelt as N-Triples (W3C RDF 1.2 N-Triples) has it, with the escapes of its canonical form, and with the value
 that the store keeps:
@@ -111,7 +111,7 @@ def datatype(spelling: bytes) -> bytes:
 def parts_of_lines(text: bytes) -> list[bytes] | None:
     """Return the terms of N-Triples, spelt, three for each line; None for a text that is less plain than most.
 
-    What separates terms may stand inside a string too; then there are more separators than the lines have.
+    What separates terms may be inside a string too; then there are more separators than the lines have.
     """
     number = text.count(b"\n")
     if text.count(b" .\n") != number or text[-1:] not in {b"\n", b""} or b"\t" in text:
@@ -159,7 +159,7 @@ def cells(text: bytes, width: int) -> list[bytes]:
 
 
 def _repairs(text: bytes) -> list[Callable[[bytes], bytes]]:
-    """Return what has to be done to the cells of a text; a look at it as a whole shows that for most it is nothing."""
+    """Return the repairs for the cells of a text; most texts need none, which a scan of the whole shows."""
     needed: list[Callable[[bytes], bytes]] = []
     regular = text.count(b"\t<") + text.count(b'\t"') + text.count(b"\t_")
     regular += text.count(b"\n<") + text.count(b'\n"') + text.count(b"\n_") + (text[:1] in {b"<", b'"', b"_"})

@@ -71,7 +71,7 @@ class EmbeddedTransaction:
 
     @property
     def merging(self) -> bool:
-        """Whether so much was loaded that the files of the generation are to be merged before it comes into force.
+        """Whether the load is large enough to merge the files of the generation before it comes into force.
 
         Batches leave files in which every term has to be looked for; merged, reading is four times faster. Merging
         costs as much as the whole generation is large, so a small load does without.
@@ -126,7 +126,7 @@ class EmbeddedTransaction:
     def replace_small_graphs(self, graphs: Mapping[NamedNode, bytes]) -> None:
         """Give each named graph a new content, as N-Triples; all of them are loaded together.
 
-        The engine writes files for each index at every load, so that many small ones cost far more than one large.
+        The engine writes files for each index at every load, so many small loads cost far more than one large.
         """
         with translated(str(self._layout.root)):
             self._begin(frozenset(graphs))
@@ -169,13 +169,13 @@ class EmbeddedTransaction:
             return int(next(cast("QuerySolutions", rows))["n"].value)
 
     def contains(self, quad: Quad) -> bool:
-        """Tell whether a quad is there by now."""
+        """Return whether a quad is there by now."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             return quad in self._engine
 
     def has_graph(self, graph: NamedNode) -> bool:
-        """Tell whether there is a named graph of that name by now, be it empty."""
+        """Return whether a named graph of that name exists at this point, even if empty."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             return self._engine.contains_named_graph(graph)
@@ -187,7 +187,7 @@ class EmbeddedTransaction:
             return self._engine.quads_for_pattern(None, None, None, graph)
 
     def graphs(self) -> list[NamedNode]:
-        """Return the named graphs that there are by now."""
+        """Return the named graphs at this point of the transaction."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             return [graph for graph in self._engine.named_graphs() if isinstance(graph, NamedNode)]
@@ -228,7 +228,7 @@ class EmbeddedTransaction:
             return bulk.table(lambda: self._engine, select, graph)
 
     def content(self, graph: NamedNode) -> bytes:
-        """Return what a graph holds by now, as N-Triples."""
+        """Return the content of a graph at this point, as N-Triples."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             return self._engine.dump(format=RdfFormat.N_TRIPLES, from_graph=graph) or b""
@@ -241,7 +241,7 @@ class EmbeddedTransaction:
             bulk.add(lambda: self._engine, graph, triples)
 
     def drop_graph(self, graph: NamedNode) -> None:
-        """Remove a graph with all it holds; nothing happens when there is none of that name."""
+        """Remove a graph and its content; an unknown name is ignored."""
         with translated(str(self._layout.root)):
             self._begin(frozenset([graph]))
             self.changes.clear(graph.value)
@@ -301,7 +301,7 @@ class EmbeddedTransaction:
     def _load(
         self, path: Path, rdf_format: RdfFormat, base: str, target: NamedNode | DefaultGraph, *, keep_labels: bool
     ) -> None:
-        """Load a file; what it has without a graph goes into `target`.
+        """Load a file; quads of its default graph go into `target`.
 
         The engine's own loading costs less than quads one by one, but gives blank nodes new labels, and puts what a
         file of quads has without a graph into the default one.
@@ -349,7 +349,7 @@ class EmbeddedTransaction:
         return self._number
 
     def roll_back(self) -> None:
-        """Remove what was written unless it came into force; the store stays as it was."""
+        """Remove the written generation unless it came into force; the store stays as it was."""
         self._db = None
         if self._layout.current() == self._number:
             return

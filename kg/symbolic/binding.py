@@ -1,4 +1,4 @@
-"""What variables receive: parameters of functions, and the elements behind the targets of loops."""
+"""Binding of values to variables: parameters of functions, and targets of loops."""
 
 from __future__ import annotations
 

@@ -170,7 +170,7 @@ def part_at(language: Language, index: Number, count: int | None, of: Value) -> 
 
 
 def rest_of(before: int, others: int, of: Value) -> Value:
-    """Return the elements of a collection that `others` targets leave, of which some stand before."""
+    """Return the elements of a collection that `others` targets leave, of which some are before."""
     if not isinstance(of, Sequence) or of.open or len(of.items) < others:
         return Unknown("it is the rest of a collection")
     return Sequence(of.items[before : len(of.items) - others + before])

@@ -172,7 +172,7 @@ class Machine:
         return join(*values)
 
     def merge(self, sides: list[Written], terms: list[tuple[str, ...]]) -> None:  # noqa: ARG002 - the same
-        """Write what several sides wrote, of which one runs; `terms` are the conditions of each."""
+        """Write the values of several sides, of which one runs; `terms` are the conditions of each."""
         self._journal.merge(sides, object())
 
     def leave(self, value: Value, frame: Frame) -> None:
@@ -459,7 +459,7 @@ class Machine:
     # Expressions
 
     def value(self, expression: Expression, frame: Frame) -> Value:
-        """Return what an expression is, and do what it does."""
+        """Return the value of an expression, and perform its effects."""
         self.steps += 1
         if self.steps > self.most_steps:
             self.reached("steps")

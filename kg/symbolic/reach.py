@@ -20,7 +20,7 @@ __all__ = ["Program", "Reach"]
 
 
 class Program(Protocol):
-    """What the words of a program mean."""
+    """Meaning of the words of a program."""
 
     revision: int
     """Changes when the program gets more code."""

@@ -44,7 +44,7 @@ class View:
         return found
 
     def __call__(self, snapshot: EmbeddedSnapshot, settings: Settings, /, **arguments: Any) -> Any:
-        """Return what the view answers."""
+        """Return the result of the view."""
         function = self.function
         try:
             _fit(function, signature(function).bind(snapshot, settings, **arguments))

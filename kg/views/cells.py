@@ -1,4 +1,4 @@
-"""Cells of a table of results: which facts are inferred, which lines they name, what their IRIs are."""
+"""Cells of a table of results: inferred facts, source lines, kinds of IRIs."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def cells(  # noqa: PLR0913 - each list is of another kind
     iris: str | Sequence[str] = (),
     things: str | Sequence[str] = (),
 ) -> dict[str, Any]:
-    """Return what is known of some cells, each list as long as the one that was given.
+    """Return details of some cells, each list as long as the one given.
 
     `inferred` tells for each of the `triples` (subject, predicate, object, as N-Triples writes terms) whether rules
     derived it. `places` has for each pair of a path and a line the evidence (see `kg.views.evidence`), or null where no
@@ -49,7 +49,7 @@ def cells(  # noqa: PLR0913 - each list is of another kind
     `types` in alphabetical order. Lists may also be given as JSON.
 
     Raises:
-        UsageError: KG003 for what is no such list, or no term.
+        UsageError: KG003 for a malformed list or term.
     """
     graph = _HELD % Iris(settings.base).graph("inferred")
     where = known_places(snapshot)

@@ -1,4 +1,4 @@
-"""One topic, service or action: who uses it, in launched systems and in code, and whether the ends fit together."""
+"""One topic, service or action: its users in launched systems and in code, and whether the ends are compatible."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _MISMATCHES: Final = frozenset({"KG403", "KG405", "KG410"})
 def channel(
     snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, kind: str = "topic", system: str = ""
 ) -> dict[str, Any]:
-    """Return what a `kind` (topic, service or action) called `name` is in launched systems and in code.
+    """Return a topic, service or action (`kind`) called `name`, in launched systems and in code.
 
     `name` is absolute, a name in the code (`cmd_vel`, `~/plan`), a part of a name, or an IRI, which has a kind of its
     own; `system` names launch files to look at alone. The keys:
@@ -62,7 +62,7 @@ def channel(
     * `findings`: `code`, `severity`, `message`, `systems` of those that say that types or QoS do not fit.
 
     Raises:
-        UnknownNameError: KG001 when there is none, with those that were probably meant; KG422 for the launch file.
+        UnknownNameError: KG001 with suggestions if there is none; KG422 for the launch file.
         UsageError: KG003 for another kind.
     """
     systems = chosen_systems(snapshot, system, settings.base)
@@ -109,13 +109,13 @@ def channel(
 def channels_meant(
     snapshot: EmbeddedSnapshot, kind: str, name: str, systems: frozenset[str] | None = None
 ) -> tuple[str | None, list[str]]:
-    """Return the absolute name that `name` stands for, None where it stands for several; and those besides, sorted.
+    """Return the absolute name that `name` means, None if several; and the other names, sorted.
 
     It is a name in systems, a name in the code, or else a part of names: their beginning, if it begins with a slash.
     With IRIs of `systems` the names are theirs.
 
     Raises:
-        UnknownNameError: KG001 when there is none, with those that were probably meant.
+        UnknownNameError: KG001 with suggestions if there is none.
         UsageError: KG003 for another kind than topic, service or action.
     """
     if kind not in _KINDS:
@@ -169,7 +169,7 @@ class _Endpoints:
         self._chosen = systems
 
     def looks_at(self, system: System) -> bool:
-        """Tell whether a system is one of those to look at."""
+        """Return whether a system is one of those to look at."""
         own = system.configuration
         return self._chosen is None or self._iris.configuration(own.repository, own.path) in self._chosen
 

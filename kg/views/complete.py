@@ -23,14 +23,14 @@ _LAST: Final[dict[str, Kept]] = {}
 def complete(
     snapshot: Snapshot, settings: Settings, text: str = "", position: str | int = -1, fresh: str = ""
 ) -> dict[str, Any]:
-    """Return what may stand at `position` of the query `text`, in code points; at its end without one.
+    """Return completions at `position` of the query `text`, in code points; at its end without one.
 
     The answer is that of `kg.query.completion.service.complete`, with `snapshot`. With `fresh` the store is counted
     if it has changed since it last was, which takes seconds for a large one: faces ask so once, in the background, when
     they start.
 
     Raises:
-        UsageError: KG003 for a position that is no number.
+        UsageError: KG003 for a position that is not a number.
     """
     at = _whole(position)
     found = service.complete(
@@ -44,7 +44,7 @@ def complete(
 
 
 def kept_of(snapshot: Snapshot, settings: Settings) -> Kept:
-    """Return what is kept of a snapshot: in this process that of the one asked last, and the cache of its store."""
+    """Return the caches of a snapshot: that of this process for the last snapshot, and that of its store."""
     cache = layout_of(settings).cache
     key = f"{cache} {snapshot.identity}"
     if key not in _LAST:

@@ -1,4 +1,4 @@
-"""What is wrong with a query, or probably is."""
+"""Problems of a query, or probably is."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Where facts stand in the sources, as faces can open it: the file, an editor at the line, the page of the commit.
+"""Where facts are in the sources, as interfaces can open it: the file, an editor at the line, the page of the commit.
 
-The lines themselves come from the file where it stands on this machine and the line is as it was read, else from the
+The lines themselves come from the file where it is on this machine and the line is as it was read, else from the
 snippets of the store.
 """
 
@@ -55,10 +55,10 @@ class Places:
         return cls(known, Lines({name: one.root for name, one in known.items() if one.root}), quoted or _nothing)
 
     def evidence(self, repository: str, location: Location) -> dict[str, Any]:
-        """Return a place for faces; `location` may name another repository than the one that it is told of.
+        """Return a place for interfaces; `location` may name another repository than that of the fact.
 
         The keys are `repository`, `commit`, `path`, `line` (from one, None where only the file is known), `file` (its
-        absolute path where it stands on this machine), `vscode` and `web` (addresses that open it); each of the last
+        absolute path where it is on this machine), `vscode` and `web` (addresses that open it); each of the last
         three is None where there is none.
         """
         name, line = location.repository or repository, location.line or None
@@ -74,7 +74,7 @@ class Places:
         }
 
     def file(self, repository: str, location: Location) -> Path | None:
-        """Return the file of a place, where its source stands on this machine and has it: no path leads out of it."""
+        """Return the file of a place, where its source is on this machine and has it: no path leads out of it."""
         source = self.sources.get(location.repository or repository)
         path = PurePath(location.path)
         inside = not path.is_absolute() and ".." not in path.parts
@@ -100,9 +100,9 @@ class Places:
         return found[0] if len(found) == 1 else None
 
     def code(self, repository: str, location: Location, *, whole: bool = False) -> dict[str, Any]:
-        """Return the line of a place: `line_text`, None when it is not to be had, and `line_stored`.
+        """Return the line of a place: `line_text`, None if it is not available, and `line_stored`.
 
-        `line_stored` tells that the line is from the store, because its file is not here or has another line there now.
+        `line_stored` is true if the line is from the store, because its file is not here or has another line there now.
         `whole` adds the lines after it on which its parentheses end, joined by spaces: few at most.
         """
         found: list[str] = []

@@ -1,4 +1,4 @@
-"""Search: nodes by what they do, need and are wired to, with the reasons and the lines that show them."""
+"""Search: nodes by function, needs and wiring, with the reasons and their lines."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _MOST: Final = 100
 def find(
     snapshot: EmbeddedSnapshot, settings: Settings, text: str = "", limit: str = "20", **filters: str
 ) -> dict[str, Any]:
-    """Return the nodes that `text` asks for and that all `filters` let through (`kg.search.options.FILTERS`).
+    """Return the nodes that match `text` and all `filters` (`kg.search.options.FILTERS`).
 
     Several values of one filter stand apart by commas. `limit` is at most 100. The answer has `text`, `filters`,
     `total`, `only` and `rather` (what the words were taken for, as strict and as loose wishes), `near` (a question
@@ -41,7 +41,7 @@ def find(
     `evidence` of the node, and in each of `reasons` an `evidence` or None.
 
     Raises:
-        UsageError: KG003 for a filter that there is none of, or nothing to search for; KG701, KG702, KG703 for a
+        UsageError: KG003 for an unknown filter, or nothing to search for; KG701, KG702, KG703 for a
             value that no node has.
     """
     given = {name: _values(value) for name, value in filters.items() if value.strip()}

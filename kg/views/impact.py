@@ -1,4 +1,4 @@
-"""The view `impact`: what a name means, and what breaks if that is renamed, removed or changed."""
+"""The view `impact`: the meanings of a name, and what breaks if it is renamed, removed or changed."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def impact_of(snapshot: EmbeddedSnapshot, settings: Settings, name: str, kind: s
 
 
 def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> list[Subject]:
-    """Return what a name may mean: all that has it whole, else all whose name ends with it by whole segments."""
+    """Return the meanings of a name: all with this name, else all whose name ends with it by whole segments."""
     exact = [
         *(Subject(Kind(kind), found) for kind, found in channels_called(snapshot, {name, f"/{name.lstrip('/')}"})),
         *_types(snapshot, world, name),

@@ -1,4 +1,4 @@
-"""What a state of the sources breaks against an earlier one: two stores are read where they differ."""
+"""Breaking changes of a state of the sources against an earlier one: two stores are read where they differ."""
 
 from __future__ import annotations
 

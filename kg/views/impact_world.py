@@ -1,4 +1,4 @@
-"""The sources of a store as `kg.impact` takes them: what may have to do with a subject is read, once for each."""
+"""The sources of a store as input of `kg.impact`: the parts related to a subject are read, once for each."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _OWN: Final = (".rq", ".srl", ".ttl", ".kgp")
 
 
 class StoredWorld:
-    """What a snapshot holds, with the files of its sources where they are on this machine."""
+    """The content of a snapshot, with the files of its sources if they are on this machine."""
 
     def __init__(self, snapshot: EmbeddedSnapshot, settings: Settings) -> None:
         self._snapshot = snapshot

@@ -1,4 +1,4 @@
-"""What is wrong in the wiring of launch files: the view `lint`."""
+"""Findings on the wiring of launch files: the view `lint`."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def lint(  # noqa: PLR0913 - what is looked at
     repository: str = "",
     level: str = "note",
 ) -> dict[str, Any]:
-    """Return what `kg lint` reports of one `system` (as the view of that name takes it), of a `package`, or of all.
+    """Return the findings of `kg lint` on one `system` (as the view of that name takes it), of a `package`, or of all.
 
     `level` is the least severity: error, warning or note. The answer is `{"findings", "allowed", "systems"}`: what is
     reported, how many findings kg.toml and comments allow, how many configurations were looked at. A finding has the
@@ -53,8 +53,8 @@ def lint(  # noqa: PLR0913 - what is looked at
     of the same), `way_out` (what to do about findings of its code) and `fact`, which the view `why` proves.
 
     Raises:
-        UnknownNameError: KG422 and KG001 for a system and a package that are not there.
-        UsageError: KG002 and KG421 for kg.toml, KG003 for a system that several have the name of.
+        UnknownNameError: KG422 and KG001 for an unknown system and package.
+        UsageError: KG002 and KG421 for kg.toml, KG003 for an ambiguous name of a system.
     """
     least = level if level in {"error", "warning", "note"} else "note"
     if system:
@@ -74,7 +74,7 @@ def lint(  # noqa: PLR0913 - what is looked at
 
 
 def system_report(snapshot: EmbeddedSnapshot, settings: Settings, name: SystemName, level: str = "note") -> Report:
-    """Return what is reported of one configuration; nothing of others is read."""
+    """Return the findings on one configuration; others are not read."""
     configuration = Iris(settings.base).configuration(name.repository, name.path)
     findings = read_findings(snapshot, settings.base, configuration)
     where = places(snapshot)

@@ -85,7 +85,7 @@ def nodes(snapshot: EmbeddedSnapshot, _base: str) -> Rows:
     """Return the node types; `at` is the place of a node among those of `kg nodes --json`."""
 
     def make() -> list[dict[str, Any]]:
-        held = _held(snapshot)
+        held = _labels(snapshot)
         return [_node(at, one, held[one.iri]) for at, one in enumerate(answers.node_lines(snapshot))]
 
     return answers.rows(snapshot, "list-nodes", make)
@@ -269,8 +269,8 @@ def findings(snapshot: EmbeddedSnapshot, base: str) -> Rows:
     return [{**as_object(one), "iri": one.iri, "package": one.system.partition("/")[0]} for one in found]
 
 
-def _held(snapshot: EmbeddedSnapshot) -> defaultdict[str, dict[str, list[str]]]:
-    """Return the labels of what nodes are for, work with and can do: by IRI of the node, then by list."""
+def _labels(snapshot: EmbeddedSnapshot) -> defaultdict[str, dict[str, list[str]]]:
+    """Return the labels of functions, hardware and capabilities: by IRI of the node, then by list."""
     found: defaultdict[str, dict[str, list[str]]] = defaultdict(dict)
     for row in select(snapshot, _HELD):
         labels = found[row["node"].value].setdefault(_CLASSES[row["property"].value], [])

@@ -117,7 +117,7 @@ def listing(  # noqa: PLR0913 - what a list can be asked
     most frequent first.
 
     Raises:
-        UsageError: KG003 for a list, a facet or a key that there is none of; KG002 and KG421 for kg.toml (findings).
+        UsageError: KG003 for an unknown list, facet or key; KG002 and KG421 for kg.toml (findings).
     """
     kind = LISTS.get(of)
     if kind is None:
@@ -179,7 +179,7 @@ def _has(row: Row, keys: Sequence[str], words: Sequence[str]) -> bool:
 
 
 def _texts(value: Any) -> tuple[str, ...]:
-    """Return the values that a facet tells apart: those of a list, none for None, yes or no for a truth value."""
+    """Return the facet values of a value: those of a list, none for None, yes or no for a truth value."""
     if value is None or value == "":
         return ()
     if isinstance(value, bool):
@@ -207,7 +207,7 @@ def _sorted(found: list[Row], sort: str, known: Rows) -> list[Row]:
 
 
 def _order(value: Any) -> tuple[float, str]:
-    """Return what a value is sorted by: numbers as such, texts and lists of texts as texts, without their case."""
+    """Return the sort key of a value: numbers as such, texts and lists of texts as texts, without their case."""
     if isinstance(value, int | float):
         return value, ""
     return 0, (value if isinstance(value, str) else ", ".join(map(str, value))).lower()

@@ -33,7 +33,7 @@ def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
 
     A package may declare a node twice (for two robots, say); these are one node here, and all are returned.
 
-    KG001 with suggestions when there is none, KG003 with the full names when there are several.
+    KG001 with suggestions if there is none, KG003 with the full names if there are several.
     """
     from kg.graph.reading import loaded_as, node_names, node_records  # noqa: PLC0415 - start-up time
 
@@ -59,7 +59,7 @@ def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
 
 
 def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
-    """Return the one launch file that starts the instance `name` (an absolute name), or `launch`, which has to.
+    """Return the one launch file that starts the instance `name` (an absolute name), or `launch`, which must start it.
 
     KG001 with suggestions when none does, KG003 with the launch files when there are several.
     """
@@ -86,7 +86,7 @@ def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
 
 
 def _candidates(graph: Queryable, name: str, names: list[str]) -> list[str]:
-    """Return what to suggest: plain names, or those with their package when a package was given."""
+    """Return suggestions: plain names, or those with their package when a package was given."""
     from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
 
     if "/" not in name:

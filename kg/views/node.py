@@ -43,7 +43,7 @@ _CLASSES: Final = {
 def node(
     snapshot: EmbeddedSnapshot, settings: Settings, *, iri: str = "", name: str = "", package: str = ""
 ) -> dict[str, Any]:
-    """Return what is known of the node type with this `iri`, or else of this `name` (and `package`).
+    """Return the node type with this `iri`, or else of this `name` (and `package`).
 
     `name` may also be `package/node`, `repository:package/node` or the class of a plugin. The keys:
 
@@ -63,7 +63,7 @@ def node(
 
     Raises:
         UnknownNameError: KG001 with suggestions when there is no such node.
-        UsageError: KG003 with the full names when there are several, or for what is no IRI.
+        UsageError: KG003 with the full names when there are several, or for what is not an IRI.
     """
     first, *others = _records(snapshot, iri, f"{package}/{name}" if package else name)
     where, iris = places(snapshot), Iris(settings.base)
@@ -125,7 +125,7 @@ def _description(one: Description, record: NodeRecord, where: Places) -> dict[st
 
 
 def _inferred(snapshot: EmbeddedSnapshot, iris: Iris, iri: str) -> Mapping[str, frozenset[str]]:
-    """Return what rules derived of a thing: objects by property."""
+    """Return the inferences about a thing: objects by property."""
     found: defaultdict[str, set[str]] = defaultdict(set)
     query = f"SELECT ?p ?o {{ GRAPH <{iris.graph('inferred')}> {{ <{iri}> ?p ?o }} }}"
     for predicate, value in rows(snapshot, query):
@@ -136,7 +136,7 @@ def _inferred(snapshot: EmbeddedSnapshot, iris: Iris, iri: str) -> Mapping[str, 
 def _classes(
     snapshot: EmbeddedSnapshot, iri: str, inferred: Mapping[str, frozenset[str]]
 ) -> dict[str, list[dict[str, Any]]]:
-    """Return the functions, the hardware and the capabilities of a node, with what says that they are inferred."""
+    """Return the functions, the hardware and the capabilities of a node, with their proofs if inferred."""
     predicates = " ".join(f"rnkg:{name}" for name in _CLASSES.values())
     query = f"SELECT DISTINCT ?p ?o {{ VALUES ?p {{ {predicates} }} GRAPH ?g {{ <{iri}> ?p ?o }} }}"
     pairs = list(rows(snapshot, query))
@@ -165,7 +165,7 @@ def _classes(
 def _with_general(
     snapshot: EmbeddedSnapshot, iri: str, found: dict[str, list[dict[str, Any]]]
 ) -> dict[str, list[dict[str, Any]]]:
-    """Return the classes of a node, whose capabilities tell whether an interface of the node reaches them."""
+    """Return the classes of a node; its capabilities have whether an interface of the node reaches them."""
     reached = {capability for (capability,) in rows(snapshot, _REACHED % iri)}
     capabilities = [{**one, "general": one["iri"] not in reached} for one in found["capabilities"]]
     return {**found, "capabilities": capabilities}

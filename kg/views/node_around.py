@@ -1,4 +1,4 @@
-"""What a node type has to do with others: who is at the other side of its channels, who starts it."""
+"""Relations of a node type to others: the nodes on the other side of its channels, the systems that start it."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def _named(node: str) -> dict[str, str]:
 
 
 def users(snapshot: EmbeddedSnapshot, iri: str, where: Places, iris: Iris) -> dict[str, Any]:
-    """Return who starts a node: `count`, and `instances`, at most a hundred, sorted by launch file and name.
+    """Return the starts of a node: `count`, and `instances`, at most a hundred, sorted by launch file and name.
 
     Each has `instance` (its IRI), `name`, `system` (the name of the launch configuration), `system_iri` and `evidence`,
     the line that starts it.

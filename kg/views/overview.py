@@ -1,4 +1,4 @@
-"""The start: what the store was read from and in which state, how much of each kind it has, what to ask first."""
+"""The overview: sources of the store and their states, counts by kind, first questions."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _EXAMPLES: Final = {
 
 
 def overview(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
-    """Return what a start page shows.
+    """Return the content of the start page.
 
     `snapshot` is the identity of the snapshot. `sources` has for each source `name`, `remote`, `branch`, `commit`,
     `dirty`, `read` (ISO 8601), `version` (of `kg`), and the counts `packages`, `nodes`, `interfaces`, `unresolved`,
@@ -99,7 +99,7 @@ def _counts(snapshot: EmbeddedSnapshot) -> dict[str, int]:
 
 
 def _questions(snapshot: EmbeddedSnapshot, settings: Settings) -> list[dict[str, Any]]:
-    """Return the questions; one whose query is not there is left out."""
+    """Return the questions; one without its query is left out."""
     found = []
     for name, question in QUESTIONS.items():
         try:
@@ -116,7 +116,7 @@ def _questions(snapshot: EmbeddedSnapshot, settings: Settings) -> list[dict[str,
 
 @once
 def _example(snapshot: EmbeddedSnapshot, query: str, parameter: str) -> str | None:
-    """Return what of the store the first parameter of a question can be; None when there is nothing."""
+    """Return an example from the store for the first parameter of a question; None if there is none."""
     names, leads = _EXAMPLES.get(query, ("", ""))
     known = _first(snapshot, _KNOWN.format(names=names, property=leads)) if names else None
     busiest = None if known else _first(snapshot, _BUSIEST)
@@ -129,6 +129,6 @@ def _example(snapshot: EmbeddedSnapshot, query: str, parameter: str) -> str | No
 
 
 def _first(snapshot: EmbeddedSnapshot, query: str) -> Any:
-    """Return the first term of an answer; None when there is none."""
+    """Return the first term of a result; None if it is empty."""
     result = run(snapshot, query)
     return result.rows[0][0] if isinstance(result, Solutions) and result.rows else None

@@ -32,7 +32,7 @@ __all__ = ["parameter"]
 
 
 def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, system: str = "") -> dict[str, Any]:
-    """Return what a parameter is, in code and in every launched system.
+    """Return a parameter, in code and in every launched system.
 
     `name` is that in the code (`rate`), that in a parameter file (`FollowPath.speed`), one with the node in front
     (`/controller_server/rate`), or a part of such names. `system` names launch files to look at alone. The keys:
@@ -46,7 +46,7 @@ def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, syst
       launch files).
 
     Raises:
-        UnknownNameError: KG001 when there is none, with those that were probably meant; KG422 for the launch file.
+        UnknownNameError: KG001 with suggestions if there is none; KG422 for the launch file.
     """
     written = name.strip().removeprefix("~/")
     last, absolute = written.rpartition("/")[2], written.startswith("/")
@@ -86,7 +86,7 @@ def _spellings(written: str) -> set[str]:
 
 
 def _may_be(declared: str, written: str) -> bool:
-    """Tell whether a name with unknown parts may be one that is given; a name of which nothing is known may not."""
+    """Return whether a name with unknown parts may be one that is given; a name of which nothing is known may not."""
     return is_partial(declared) and known_letters(declared) > 0 and fits(declared, written, "[^/]+")
 
 
@@ -99,7 +99,7 @@ class _View:
         self._systems = {self._iris.configuration(one.repository, one.path): one for one in known_names(snapshot)}
 
     def declared(self, found: Iterable[tuple[NodeReference, Parameter]]) -> list[dict[str, Any]]:
-        """Return what code does with the parameter, a row for each node type."""
+        """Return the uses of the parameter in code, a row for each node type."""
         by_node: dict[NodeReference, list[Parameter]] = {}
         for owner, fact in found:
             by_node.setdefault(owner, []).append(fact)

@@ -16,7 +16,7 @@ __all__ = ["prefixes"]
 
 
 def prefixes(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, str]:  # noqa: ARG001 - every view is given settings
-    """Return prefix to namespace: those that every query knows, and those that the store declares (`sh:declare`)."""
+    """Return prefix to namespace: those predefined in queries, and those that the store declares (`sh:declare`)."""
     return {**_declared(snapshot), **PREFIXES}
 
 

@@ -1,4 +1,4 @@
-"""What takes long the first time, worked out before somebody asks: the view `prepare`."""
+"""Slow first-time computations, done ahead: the view `prepare`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What views work out once for a snapshot: its content never changes while it is held."""
+"""Values that views compute once for a snapshot: its content never changes while it is held."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _KNOWN: WeakKeyDictionary[Any, dict[Any, Any]] = WeakKeyDictionary()
 def once(
     function: Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found],
 ) -> Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found]:
-    """Return `function`, so that it runs once for a snapshot and other arguments; these can be hashed.
+    """Cache `function`: it runs once for a snapshot and other arguments, which are hashable.
 
-    What it returns is shared, so nobody changes it; it is let go of with the snapshot.
+    The result is shared and must not be changed; it is released with the snapshot.
     """
     return _kept(function, several=True)
 
@@ -31,7 +31,7 @@ def once(
 def while_last(
     function: Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found],
 ) -> Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found]:
-    """Return `function`, so that it runs again for other arguments only, as `once` does; what is large is kept so."""
+    """Cache the last result of `function`: it runs again only for other arguments, as `once`; for large results."""
     return _kept(function, several=False)
 
 

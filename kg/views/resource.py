@@ -52,7 +52,7 @@ def resource(  # noqa: PLR0913 - the part of the facts
     offset: str = "0",
     limit: str = "25",
 ) -> dict[str, Any]:
-    """Return what the store says of an IRI (whole, in angle brackets, or with a known prefix).
+    """Return the facts of the store about an IRI (whole, in angle brackets, or with a known prefix).
 
     Facts are in groups, one for each property: `out` where it is the subject, `in` where it is the object. With
     `predicate` and `direction` (out or in) there is this group alone, `limit` facts from `offset` on; otherwise the
@@ -69,7 +69,7 @@ def resource(  # noqa: PLR0913 - the part of the facts
 
     Raises:
         UnknownNameError: KG001 with suggestions when the store does not mention it.
-        UsageError: KG003 for what is no IRI.
+        UsageError: KG003 for what is not an IRI.
     """
     about = _About(snapshot, Iris(settings.base), named_node(iri))
     start, most = whole(offset, 0), max(1, min(whole(limit, 25), _MOST))
@@ -92,7 +92,7 @@ class _About:
     node: NamedNode
 
     def counts(self, side: str) -> dict[str, int]:
-        """Return how many facts there are of each property."""
+        """Return the number of facts of each property."""
         pattern = _SIDES[side].format(thing=self.node, predicate="?p")
         where = _ANYWHERE % {"pattern": pattern}
         query = f"SELECT ?p (COUNT(DISTINCT ?other) AS ?n) {{ {where} }} GROUP BY ?p"
@@ -132,7 +132,7 @@ class _About:
         }
 
     def _page(self, side: str, predicate: str, number: int, offset: int, most: int) -> list[tuple[Any, str | None]]:
-        """Return the terms at the other end, with each graph that says so."""
+        """Return the terms at the other end, with each graph that states them."""
         pattern = _SIDES[side].format(thing=self.node, predicate=NamedNode(predicate))
         where = _ANYWHERE % {"pattern": pattern}
         if number > _SORTED:
@@ -174,7 +174,7 @@ class _About:
         return thing.kind if thing else ""
 
     def _lines(self, iris: Iterable[str]) -> dict[str, dict[str, Any]]:
-        """Return the evidence of those things that stand on a line of their own."""
+        """Return the evidence of those things that are on a line of their own."""
         query = _PLACES % " ".join(str(NamedNode(iri)) for iri in sorted(iris))
         where, found = places(self.snapshot), {}
         answer: Any = self.snapshot.query(query, prefixes=PREFIXES, union=False)
@@ -187,7 +187,7 @@ class _About:
         return found
 
     def header(self) -> dict[str, Any]:
-        """Return what the page begins with."""
+        """Return the head of the page."""
         iri = self.node.value
         query = f"SELECT DISTINCT ?kind {{ {_ANYWHERE % {'pattern': f'{self.node} a ?kind'}} }}"
         kinds = [kind for (kind,) in rows(self.snapshot, query)]

@@ -1,4 +1,4 @@
-"""What a system or a package of the store can do: the view `capabilities`."""
+"""Capabilities of a system or a package of the store: the view `capabilities`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["capabilities"]
 def capabilities(
     snapshot: EmbeddedSnapshot, settings: Settings, *, system: str = "", package: str = "", every: str = ""
 ) -> dict[str, Any]:
-    """Return what a launch configuration, a running system, or a package can do.
+    """Return the capabilities of a launch configuration, a running system, or a package.
 
     `system` is named as in the view `system`, `package` is `name` or `repository:name`; of a package beside a system
     only what it would add is there. Without `every` (any text) general capabilities, which others imply, are left out.

@@ -34,9 +34,9 @@ def why_row(
     several solutions, as those of groups are, that the facts are those of one; else it is null.
 
     Raises:
-        UsageError: KG003 for what is no row, or a term that is none.
-        QueryError: KG502 or KG516 for a query that the engine would not be given.
-        RuleError: KG201 for a query that is no SELECT, KG226 for a row that cannot be traced back (of inner groups).
+        UsageError: KG003 for what is not a row, or a term that is none.
+        QueryError: KG502 or KG516 for a query that is refused.
+        RuleError: KG201 for a query that is not a SELECT, KG226 for a row that cannot be traced back (of inner groups).
     """
     rules, view = explaining(snapshot, settings)
     terms = {name: given_term(text) for name, text in _row(row).items()}

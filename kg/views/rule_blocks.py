@@ -1,4 +1,4 @@
-"""Rules that are made of blocks: their text, what is wrong with it, and what it would infer. Nothing is written."""
+"""Rules made of blocks: their text, its problems, and what it would infer. Nothing is written."""
 
 from __future__ import annotations
 
@@ -59,16 +59,16 @@ def blocks_check(  # noqa: PLR0913 - a rule in one of two forms, and how much is
     name: str = "",
     brief: str = "",
 ) -> dict[str, Any]:
-    """Return a rule, given as blocks or as the `text` of the rule `name`, in both forms, and what is wrong with it.
+    """Return a rule, given as blocks or as the `text` of the rule `name`, in both forms, and its problems.
 
     The keys: `rule` (blocks, `kg.rules.blocks.tree`; None for a text that cannot be shown as blocks), `text`, and
     `findings`, as of `kg rules check`: `code`, `severity`, `message`, `hint`, `line`, `column`, `lacks`, what is
     missing of the documentation by the names of `Rule`'s members, and `id`, the block that it is about, where there is
-    one. A rule without examples is no finding here. With `brief` (any text) there are only the findings that keep a
+    one. A rule without examples is not a finding here. With `brief` (any text) there are only the findings that keep a
     text from being read, which takes no time.
 
     Raises:
-        UsageError: KG003 for blocks that are none.
+        UsageError: KG003 for malformed blocks.
     """
     shown, written, problem = _given(rule, text, name)
     called = shown.name if shown else name or f"{FAMILY}/rule"
@@ -82,10 +82,10 @@ def blocks_check(  # noqa: PLR0913 - a rule in one of two forms, and how much is
 
 
 def blocks_open(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str) -> dict[str, Any]:  # noqa: ARG001 - every view is given one
-    """Return a rule at hand as blocks: `rule`, and its `text`.
+    """Return an available rule as blocks: `rule`, and its `text`.
 
     Raises:
-        UnknownNameError: KG001 with what was probably meant.
+        UnknownNameError: KG001 with suggestions.
         RuleError: KG209 for a rule that blocks cannot show, and KG2xx for one that cannot be read.
     """
     library = Library.of(settings)
@@ -117,7 +117,7 @@ def blocks_try(  # noqa: PLR0913 - a rule in one of two forms, and how much is t
     is none; `seconds`.
 
     Raises:
-        UsageError: KG003 for blocks that are none.
+        UsageError: KG003 for malformed blocks.
         RuleError: KG2xx for a rule that cannot be run.
     """
     begin = time.perf_counter()

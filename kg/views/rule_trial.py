@@ -1,4 +1,4 @@
-"""What one rule would infer on a snapshot, each fact with one way in which it comes about; nothing is written."""
+"""Trial of one rule on a snapshot: its inferences, each with one derivation; nothing is written."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ _PAGE: Final = """# {title}
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A fact that a rule infers, and how; `known` tells whether the store has it already."""
+    """A fact that a rule infers, and how; `known` is whether the store has it already."""
 
     fact: Triple
     derivation: Derivation
@@ -65,7 +65,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Tried:
-    """What a rule infers: `facts` are those told, new ones first; of `looked` that were found, `fresh` are new.
+    """Inferences of a rule: `facts` are those returned, new ones first; of `looked` that were found, `fresh` are new.
 
     `whole` tells that there are no others, `recursive` that the rule reads what it infers, so that running it gives
     more.
@@ -87,7 +87,7 @@ class _Match(NamedTuple):
 
 
 def trial(view: View, file: RuleFile, told: int) -> Tried:
-    """Apply the rules of a file once to all that the store has, inferences among it; at most `told` facts are told.
+    """Apply the rules of a file once to all that the store has, inferences among it; at most `told` facts are returned.
 
     The store's engine looks for the matches for some seconds: reading what a rule needs takes longer on large stores.
     """
@@ -98,7 +98,7 @@ def trial(view: View, file: RuleFile, told: int) -> Tried:
     for number, rule in enumerate(rules):
         now = time.monotonic()
         until = now + (end - now) / (len(rules) - number)
-        whole = _look(view, rule, facts, until) and whole
+        whole = _search(view, rule, facts, until) and whole
     found: list[Found] = []
     for fact, match in sorted(facts.items(), key=lambda item: item[1].known):
         if len(found) == told:
@@ -110,8 +110,8 @@ def trial(view: View, file: RuleFile, told: int) -> Tried:
     return Tried(tuple(found), len(facts), fresh, whole, _recursive(file.rules))
 
 
-def _look(view: View, rule: Rule, facts: dict[Triple, _Match], until: float) -> bool:
-    """Put what a rule infers among the `facts` till a time, and tell whether that is all.
+def _search(view: View, rule: Rule, facts: dict[Triple, _Match], until: float) -> bool:
+    """Add the inferences of a rule to `facts` until a deadline; return whether these are all.
 
     Each EXISTS is asked for by itself. Inside of a query the engine does not see there what is bound around it, and
     looks through all that it may match.
@@ -152,7 +152,7 @@ def _recursive(rules: Sequence[Rule]) -> bool:
 def examples(file: RuleFile, found: Sequence[Found]) -> str:
     """Return a page of examples for `kg rules test`, made of the first fact found whose premises alone give it.
 
-    Empty where there is none: where the rule counts, for instance, what it counts is no premise.
+    Empty where there is none: where the rule counts, for instance, what it counts is not a premise.
     """
     for one in found[:_PAGES]:
         page = _page(file, one.derivation)

@@ -1,4 +1,4 @@
-"""What rules can be made of on this store: classes, properties, which of them go together, rules to begin from."""
+"""Vocabulary for rules on this store: classes, properties, their combinations, rules to begin from."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _COMMENTS: Final = "SELECT ?t ?c { ?t rdfs:comment ?c FILTER(ISIRI(?t)) }"
 
 
 class _Ontology(msgspec.Struct, frozen=True):
-    """What the ontologies say of terms; IRIs without brackets."""
+    """Statements of the ontologies about terms; IRIs without brackets."""
 
     kinds: dict[str, str]
     labels: dict[str, str]
@@ -55,7 +55,7 @@ class _Ontology(msgspec.Struct, frozen=True):
 
 
 def blocks(snapshot: EmbeddedSnapshot, settings: Settings, *, fresh: str = "") -> dict[str, Any]:
-    """Return what rules can be made of.
+    """Return the vocabulary for rules.
 
     `classes` have `name` (as a rule writes it), `label`, `comment`, `count` (how many things of it there are) and
     `supers`. `properties` have these but for `supers`, `from` and `to` (the classes that its subjects and objects are

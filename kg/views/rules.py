@@ -1,4 +1,4 @@
-"""Rules: by family with their documentation, who feeds whom, what the last run did; and all about one."""
+"""Rules: by family with their documentation, their dependencies, the last run; and details of one."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _PREFIXES: Final = {**PREFIXES, "prov": "http://www.w3.org/ns/prov#"}
 
 @dataclass(frozen=True, slots=True)
 class _Known:
-    """The rules at hand, who feeds whom, and what is wrong with them."""
+    """The available rules, their dependencies, and their problems."""
 
     library: Library
     graph: RuleGraph
@@ -60,7 +60,7 @@ _LAST: Final[dict[str, _Known]] = {}
 """What was read last, by the digest of the rules."""
 
 
-def _known(settings: Settings, mark: str) -> _Known:
+def _load(settings: Settings, mark: str) -> _Known:
     """Return the rules of the settings; they are read again when the digest of their files is another."""
     if mark not in _LAST:
         library = Library.of(settings)
@@ -75,7 +75,7 @@ def _known(settings: Settings, mark: str) -> _Known:
 
 
 def rules(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
-    """Return all rules that there are.
+    """Return all rules.
 
     `families` lists `family`, `in_force` (whether any of it is) and its `rules`: objects as of `kg rules list --json`
     with `sections` (heading to text, as `kg rules show` prints them) and, of the last run of all rules, `seconds`,
@@ -85,7 +85,7 @@ def rules(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
     (of all rules), `fired` and `ran` (how many rules derived something, and how many there were). `problems` are
     errors as texts.
     """
-    known = _known(settings, digest(settings))
+    known = _load(settings, digest(settings))
     library, costs = known.library, _costs(settings)
     families: dict[str, list[dict[str, Any]]] = defaultdict(list)
     for entry in library.entries.values():
@@ -102,19 +102,19 @@ def rules(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
 
 
 def rule(snapshot: EmbeddedSnapshot, settings: Settings, name: str) -> dict[str, Any]:
-    """Return all about one rule: the object of `kg rules show --json`, and beside it what follows.
+    """Return details of one rule: the object of `kg rules show --json`, with these keys in addition.
 
     `place` and `examples_place` are places of `kg.views.evidence`; `seconds`, `derived` and `rounds` are as in `rules`.
     `around` is the graph of the rule with those that feed it and that it feeds. `inferred` is a sample of inferred
     triples of the kinds that it derives, as `subject`, `predicate`, `object` (each in the syntax of N-Triples) with
     `labels` (as people read the three); other rules may give them too. `found` counts the inferred triples of each
-    kind that it derives. `problem` is what is wrong with the rules, or None.
+    kind that it derives. `problem` is the error of the rules, or None.
 
     Raises:
-        UnknownNameError: KG001 with what was probably meant.
+        UnknownNameError: KG001 with suggestions.
         RuleError: KG2xx for a rule that cannot be read.
     """
-    every = _known(settings, digest(settings))
+    every = _load(settings, digest(settings))
     entry = find_rule(every.library, name)
     known = manual(every.library, entry, ontology_schema(settings), every.graph)
     problem = next(iter((known.problem, *every.errors)), None)
@@ -165,7 +165,7 @@ def _cost(name: str, costs: Mapping[str, Any]) -> dict[str, Any]:
 def _run(
     snapshot: EmbeddedSnapshot, settings: Settings, costs: Mapping[str, Any], in_force: int
 ) -> dict[str, Any] | None:
-    """Return what is known of the last run; None where rules never ran."""
+    """Return the record of the last run; None if rules never ran."""
     row = next(_rows(snapshot, _RUN), None)
     if row is None:
         return None

@@ -1,4 +1,4 @@
-"""Stored queries: what they answer, what they take, and their text with values in it."""
+"""Stored queries: descriptions, parameters, and their text with values in it."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def stored(
     values are left out.
 
     Raises:
-        UsageError: KG001 for a name that no query has, KG003 for values that are no JSON object.
-        QueryError: KG505 for a value that is none of its parameter's type.
+        UsageError: KG001 for an unknown query, KG003 for values that are not a JSON object.
+        QueryError: KG505 for a value of the wrong type.
     """
     if not name:
         return {"queries": [query_object(one) for one in discover(settings.queries).values()]}

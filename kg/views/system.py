@@ -31,9 +31,9 @@ __all__ = ["system"]
 def system(
     snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, repository: str = "", every: str = ""
 ) -> dict[str, Any]:
-    """Return the graph that a launch configuration makes, with what is wrong in it.
+    """Return the computation graph of a launch configuration, with its findings.
 
-    `name` is its name, the end of it by whole segments, or its IRI; `repository` tells several of one name apart.
+    `name` is its name, the end of it by whole segments, or its IRI; `repository` distinguishes several of one name.
     With `every` (any text) the table has what frameworks make, too. The keys:
 
     * `name`, `iri`, `repository`, `path`, `package`, `ros`, `dialect`, `evidence` (the launch file), `arguments`
@@ -45,8 +45,8 @@ def system(
     * `counts`: of `nodes`, `topics`, `services`, `actions`, `unresolved` (ends whose name is not known).
 
     Raises:
-        UnknownNameError: KG422 when there is none, with those that were probably meant.
-        UsageError: KG003 when there are several.
+        UnknownNameError: KG422 with suggestions if there is none.
+        UsageError: KG003 if there are several.
     """
     meant = system_named(snapshot, name, repository, settings.base)
     found = _read(snapshot, meant, settings.base)

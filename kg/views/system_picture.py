@@ -39,7 +39,7 @@ def picture(
     node together, of the kind unknown. An edge has `source`, `target`, `kind` and `marked` (types or QoS of this end do
     not fit another); a group `id`, `label` and `group`.
 
-    Edges lead from who publishes or calls over the channel to who subscribes or offers.
+    Edges lead from publishers or clients over the channel to subscribers or servers.
     """
     about: defaultdict[str, list[int]] = defaultdict(list)
     for number, finding in enumerate(findings):
@@ -100,7 +100,7 @@ def _ordinary(keys: Mapping[str, NodeInstance]) -> frozenset[str]:
 
 
 def _parted(graph: SystemGraph, ordinary: Collection[str], about: Collection[str]) -> Iterable[Bundle]:
-    """Yield bundles, parted so that a channel with a finding stands alone, and those of frameworks together."""
+    """Yield bundles, split: a channel with a finding is alone, those of frameworks are together."""
     for bundle in bundles(graph):
         parts: defaultdict[object, list[Any]] = defaultdict(list)
         for channel in bundle.channels:
@@ -155,7 +155,7 @@ def _channels(
 
 
 def _shared(members: Iterable[str], spaces: Collection[str]) -> str | None:
-    """Return the innermost namespace that all members of a channel lie in, so that it closes with them."""
+    """Return the innermost namespace that contains all members of a channel; it closes with them."""
     found = None
     for number, member in enumerate(sorted(members)):
         space = _within(member, spaces)
@@ -170,7 +170,7 @@ def _common(one: str | None, other: str | None, spaces: Collection[str]) -> str 
 
 
 def _unknown(member: str, those: Sequence[Bundle], group: str | None) -> dict[str, Any]:
-    """Return what stands for all ends of a member whose names are not known."""
+    """Return the node for all ends of a member with unknown names."""
     names = [channel.name for bundle in those for channel in bundle.channels]
     more = f", and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     return {

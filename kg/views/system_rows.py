@@ -1,4 +1,4 @@
-"""The instances of a system as rows: how each is started, and each of its ends with who is at the other side."""
+"""The instances of a system as rows: how each is started, and each of its ends with its partners."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ _FINDINGS: Final = """SELECT ?system ?severity (COUNT(?finding) AS ?count) {
 def systems(
     snapshot: EmbeddedSnapshot, settings: Settings, *, text: str = "", offset: str = "0", limit: str = "200"
 ) -> dict[str, Any]:
-    """Return the launch configurations of the store, those that others include behind those that nothing includes.
+    """Return the launch configurations of the store, those that others include last.
 
     `text` chooses those whose name or source has all its words. The answer is `{"total", "offset", "systems"}`. Each of
     these, at most `limit` (1,000 at most) from `offset` on, has `name`, `iri`, `repository`, `path`, `package`, `ros`,
@@ -65,7 +65,7 @@ def chosen_systems(snapshot: EmbeddedSnapshot, name: str, base: str) -> frozense
     """Return the IRIs of all configurations that a name may mean; None, which stands for all, for an empty one.
 
     Raises:
-        UnknownNameError: KG422 when there is none, with those that were probably meant.
+        UnknownNameError: KG422 with suggestions if there is none.
     """
     if not name.strip():
         return None
@@ -79,11 +79,11 @@ def chosen_systems(snapshot: EmbeddedSnapshot, name: str, base: str) -> frozense
 def system_named(snapshot: EmbeddedSnapshot, name: str, repository: str = "", base: str = "") -> SystemName:
     """Return the configuration that a name means: whole, the end of it by segments, or the IRI of it.
 
-    `repository` tells several of one name apart.
+    `repository` distinguishes several of one name.
 
     Raises:
-        UnknownNameError: KG422 when there is none, with those that were probably meant.
-        UsageError: KG003 when there are several.
+        UnknownNameError: KG422 with suggestions if there is none.
+        UsageError: KG003 if there are several.
     """
     names = [one for one in known_names(snapshot) if repository in {"", one.repository}]
     thing = Iris(base).parse(name) if base and name.startswith(base) else None

@@ -1,4 +1,4 @@
-"""Terms for faces: IRIs that somebody typed, and what things are called."""
+"""Terms for interfaces: IRIs typed by users, and labels of things."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def labels(snapshot: EmbeddedSnapshot, iris: Iterable[str]) -> dict[str, str]:
 
 
 def called(snapshot: EmbeddedSnapshot, iris: Iterable[str]) -> dict[str, str]:
-    """Return what to call each thing: its label, that of what it is a part of with the part, or a short IRI."""
+    """Return the label of each thing: its own, that of its whole with the part, or a short IRI."""
     wanted = set(iris)
     known = labels(snapshot, wanted)
     wholes = labels(snapshot, {iri.partition("#")[0] for iri in wanted - known.keys() if "#" in iri})
@@ -72,7 +72,7 @@ def called(snapshot: EmbeddedSnapshot, iris: Iterable[str]) -> dict[str, str]:
 
 
 def role_of(end: str) -> Role | None:
-    """Return what a node does at an interface, from the IRI of the interface (`kg.graph.iris.fragment`)."""
+    """Return the role of a node at an interface, from the IRI of the interface (`kg.graph.iris.fragment`)."""
     return _ROLES.get(end.rpartition("#")[2].partition("/")[0])
 
 

@@ -67,7 +67,7 @@ def tree(  # noqa: PLR0913 - the branch, and the part of it
     offset: str = "0",
     limit: str = "500",
 ) -> dict[str, Any]:
-    """Return one level of the tree of what the store holds.
+    """Return one level of the tree of the store's content.
 
     The root (`parent` empty) has the branches `packages`, `systems`, `topics`, `services` and `actions`. Packages hold
     nodes, nodes the groups of their interfaces and their parameters, systems the instances that they start, topics,
@@ -78,7 +78,7 @@ def tree(  # noqa: PLR0913 - the branch, and the part of it
     `detail` in words, and `open`: the arguments `parent` and `kind` that open it, None for a leaf. Children are sorted
     by label; at most `limit` (1,000 at most) are given, from `offset` on.
 
-    UnknownNameError KG001 for a parent that is no branch, UsageError KG003 for one that is no IRI.
+    UnknownNameError KG001 for a parent that is not a branch, UsageError KG003 for one that is not an IRI.
     """
     start, most = whole(offset, 0), min(whole(limit, 500), _MOST)
     found = _children(snapshot, Iris(settings.base), parent, kind)
@@ -144,7 +144,7 @@ def _channels(snapshot: EmbeddedSnapshot, iris: Iris, group: str) -> tuple[_Bran
 
 
 def _listed(snapshot: EmbeddedSnapshot, iris: Iris, group: str) -> tuple[_Branch, ...]:
-    """Return what is below a branch of the root."""
+    """Return the children of a branch of the root."""
     if group in _CLASSES:
         return _channels(snapshot, iris, group)
     return _packages(snapshot, iris) if group == "packages" else _systems(snapshot, iris)
@@ -157,7 +157,7 @@ def alike(snapshot: EmbeddedSnapshot, iris: Iris, kind: str) -> list[str]:
 
 
 def _count(snapshot: EmbeddedSnapshot, shown: list[_Branch], query: str) -> None:
-    """Give branches the number of what is below them."""
+    """Add to branches the number of their children."""
     below = Counter(one for one, _ in rows(snapshot, query % listing(each["iri"] for each in shown)))
     for each in shown:
         each["count"] = below[each["iri"]]

@@ -84,9 +84,9 @@ def why_not(  # noqa: PLR0913 - a fact, and how far it is followed
     object: str,  # noqa: A002 - as in `why`
     depth: str = "3",
 ) -> dict[str, Any]:
-    """Return why a fact does not hold: `fact`, `held`, `attempts`, and `nearest`, what there is instead in words.
+    """Return why a fact does not hold: `fact`, `held`, `attempts`, and `nearest`, what the store has instead, in words.
 
-    Where the store holds it, `held` is true and there is nothing else to say. An attempt is a rule that could derive
+    If the store holds it, `held` is true, without attempts. An attempt is a rule that could derive
     it: `rule` (as in `why`), `held` (facts that match, each with `inferred` and `evidence`), `fails` (what does not,
     None where all holds and rules were not run since), `nearest`, and `deeper`, the same object about a premise that is
     missing.

@@ -68,7 +68,7 @@ class Telling:
         }
 
     def triple(self, fact: Triple) -> dict[str, Any]:
-        """Return a fact without what it rests on."""
+        """Return a fact without its proof."""
         parts = {"subject": fact.subject, "predicate": fact.predicate, "object": fact.object}
         return {**{name: self._term(term) for name, term in parts.items()}, "text": self._view.sentence(fact)}
 
@@ -95,7 +95,7 @@ class Telling:
         return {"text": condition.text, "count": condition.count, "facts": facts}
 
     def _with_evidence(self, fact: Triple) -> dict[str, Any]:
-        """Return a fact that is not proven here: with its line, or `inferred`, so that it can be asked about."""
+        """Return a fact that is not proven here: with its line, or `inferred`, for a later request."""
         inferred = not self._view.asserted(fact)
         return {
             **self.triple(fact),

@@ -1,4 +1,4 @@
-"""What is said of interfaces, parameters and plugin slots in few words, the same in every face."""
+"""Short descriptions of interfaces, parameters and plugin slots, the same in every interface."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def how(fact: Interface) -> str:
 
 
 def how_loaded(fact: PluginSlot) -> str:
-    """Return what gives the class of the plugins of a slot, and their names."""
+    """Return the origin of the class of the plugins of a slot, and their names."""
     if fact.fixed:
         return "fixed in the code"
     if fact.parameter is None:
@@ -62,7 +62,7 @@ def quality(qos: Qos) -> str:
 def parameter_groups(facts: Iterable[Parameter]) -> list[list[Parameter]]:
     """Return the facts about each parameter together, sorted by name: code may read and write one at many places.
 
-    The first of a group is where it is declared, or read. Those that frameworks make stand last.
+    The first of a group is where it is declared, or read. Those that frameworks make come last.
     """
     named: dict[Any, list[Parameter]] = {}
     for fact in facts:
@@ -79,7 +79,7 @@ def _order(group: Sequence[Parameter]) -> tuple[bool, bool, str]:
 
 
 def accesses(facts: Sequence[Parameter]) -> str:
-    """Return what code does with a parameter, unless it only declares it once."""
+    """Return the accesses of code to a parameter, unless it only declares it once."""
     if len(facts) == 1 and facts[0].access is Access.DECLARE:
         return ""
     done = ", ".join(dict.fromkeys(_DONE[fact.access] for fact in facts))

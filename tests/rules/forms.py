@@ -1,4 +1,4 @@
-"""Rules and triples written short, for tests of evaluation that no notation should stand in the way of."""
+"""Rules and triples in short form, for tests of evaluation independent of notations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Calls in C++: which function a call means, and what it returns."""
+"""Calls in C++: the function that a call means, and its result."""
 
 from __future__ import annotations
 

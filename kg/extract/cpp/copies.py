@@ -81,7 +81,7 @@ class Copies:
         return Closure(expression.function, inner, captured=captured)
 
     def _kind(self, written: Expression, frame: Frame) -> Kind | None:
-        """Return the type of what an expression means, with pointers; None if it is not declared."""
+        """Return the type of an expression, with pointers; None if it is not declared."""
         if isinstance(written, form.Index):
             of = self._kind(written.of, frame)
             inner = of.arguments[-1] if of is not None and of.arguments else None

@@ -117,7 +117,7 @@ class Expressions:
         )
 
     def declared(self, node: Node, declarator: Node | None) -> Type:
-        """Return the type of a declaration, with what its declarator adds."""
+        """Return the type of a declaration, including its declarator."""
         kind = node.child_by_field_name("type")
         reference = pointer = False
         while declarator is not None and declarator.type not in _NAMES:

@@ -1,4 +1,4 @@
-"""Types of C++: what a written type means, template parameters, and which bases a class has."""
+"""Types of C++: the meaning of written types, template parameters, and bases of classes."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Kinds:
         self._methods: dict[object, dict[str, list[tuple[Function, dict[str, Value]]]]] = {}
 
     def kind(self, kind: Type, frame: Frame, depth: int = 0) -> Kind | Value:
-        """Return what a type means in a frame: a `Kind`, or the value of a template parameter."""
+        """Return the meaning of a type in a frame: a `Kind`, or the value of a template parameter."""
         if frame.templated:
             return self._meant(kind, frame, depth)
         key = (id(kind), frame.unit, frame.scope, depth)
@@ -107,7 +107,7 @@ class Kinds:
         return pointee(found) if found is not None else None
 
     def held(self, kind: Type, frame: Frame) -> Kind | None:
-        """Return the type of what a variable holds, a pointer or an object; None if it is not known."""
+        """Return the type of a variable's value, a pointer or an object; None if it is unknown."""
         found = self.kind(kind, frame)
         if isinstance(found, TypeValue):
             found = found.kind

@@ -1,4 +1,4 @@
-"""What names, members and values of C++ mean to the interpreter."""
+"""The meaning of names, members and values of C++ for the interpreter."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Cpp:
     # Names
 
     def name(self, expression: form.Name, frame: Frame) -> Value:
-        """Return what a name means that is not a local variable."""
+        """Return the meaning of a name that is not a local variable."""
         names, last = expression.names, expression.names[-1]
         this = this_of(frame)
         if names == ("this",):
@@ -209,7 +209,7 @@ class Cpp:
         if isinstance(of, Sequence) and name in _PAIR and len(of.items) == len(_PAIR):
             return of.items[_PAIR.index(name)]
         if isinstance(of, Text | Unknown) and of.parameter is not None:
-            if name in _PAIR and of.parameter.endswith("[]"):  # what a map has at a key
+            if name in _PAIR and of.parameter.endswith("[]"):  # the value of a map at a key
                 return of if name == "second" else key_of(of.parameter[:-2])
             return Text.hole(f"it is part of a parameter: {of.parameter}", parameter=f"{of.parameter}.{name}")
         return Unknown(of.reason if isinstance(of, Unknown) else f"the member {name} is not known")

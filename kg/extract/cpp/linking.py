@@ -1,4 +1,4 @@
-"""What a name of C++ means at its place: namespaces, `using`, includes, classes and their members across packages."""
+"""Resolves names of C++ at their place: namespaces, `using`, includes, classes and their members across packages."""
 
 from __future__ import annotations
 
@@ -237,7 +237,7 @@ class Linker:
 
 
 def _declare(function: Function, cls: Class) -> None:
-    """Add to a method what only its declaration in the class has."""
+    """Add to a method the parts that only its declaration in the class has."""
     for declared in cls.declared.get(function.name, ()):
         if len(declared.parameters) == len(function.parameters):
             function.virtual = function.virtual or declared.virtual

@@ -92,7 +92,7 @@ _cache: Final = _Cache()
 
 
 class Project:
-    """The C++ of one package and of what it includes."""
+    """The C++ of one package and its includes."""
 
     def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> None:
         self.reader = reader
@@ -148,7 +148,7 @@ class Project:
         return self._units[file]
 
     def _parse(self, file: FilePath, data: bytes) -> CppUnit:
-        own = self.is_own(file)  # looked up in any case, so that the record does not depend on what is kept
+        own = self.is_own(file)  # always looked up: the record must not depend on the cache
         known = _cache.get(file, data)
         if known is not None:
             return known
@@ -244,7 +244,7 @@ class Project:
     def words(self, code: Function | Class) -> frozenset[str] | None:
         """Return the identifiers in the code of a function, or in what the creation of an object runs."""
         unit = cast("CppUnit", code.unit)
-        self._near(unit.key)  # so that its headers are known
+        self._near(unit.key)  # which makes its headers known
         own = code.words if isinstance(code, CppFunction | CppClass) else words_of(unit.code(cast("Function", code)))
         if not own:
             return own

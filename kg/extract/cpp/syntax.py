@@ -52,7 +52,7 @@ def _parser() -> Parser:
 
 
 def captures(query: Query, node: Node) -> dict[str, list[Node]]:
-    """Return what a query captures below a node, by the names of the captures, in the order of the source.
+    """Return the captures of a query below a node, by name, in the order of the source.
 
     The order of tree-sitter is not reliable.
     """

@@ -1,4 +1,4 @@
-"""What C++ reads from a stream or cuts out of a text, piece by piece: `>>`, `std::getline`, `boost::split`."""
+"""Reading a stream or splitting a text in C++, piece by piece: `>>`, `std::getline`, `boost::split`."""
 
 from __future__ import annotations
 

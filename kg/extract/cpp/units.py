@@ -1,4 +1,4 @@
-"""One file of C++: the names that it declares. What they mean is lowered at the first use, and so are bodies."""
+"""One file of C++: the names that it declares. Declarations and bodies are lowered at the first use."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class CppFunction(Function):
 
     @property
     def code(self) -> str:
-        """What follows its declarator: initialisers and the body."""
+        """The code after its declarator: initialisers and the body."""
         source = cast("CppUnit", self.unit).source
         return source[self.declarator.end_byte : self.node.end_byte].decode("utf-8", "replace")
 
@@ -222,7 +222,7 @@ class CppUnit(Unit):
         """All names that the file declares, except for members that are not types, and those of files it includes."""
 
     def declares(self, name: str) -> bool:
-        """Return whether it declares a class of a name without saying what it has."""
+        """Return whether it declares a class of a name without its body."""
         if self._declared is None:
             self._declared = frozenset(_DECLARED.findall(self.source))
         return name.encode() in self._declared
@@ -503,7 +503,7 @@ class CppUnit(Unit):
         return self.expressions.type(trailing.named_children[0]) if trailing and trailing.named_children else None
 
     def initialisers(self, node: Node) -> tuple[Initialiser, ...]:
-        """Return what a constructor initialises."""
+        """Return the initialisers of a constructor."""
         clause = next(iter(syntax.of_type(node, "field_initializer_list")), None)
         found = []
         for entry in syntax.of_type(clause, "field_initializer"):

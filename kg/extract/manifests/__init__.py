@@ -1,4 +1,4 @@
-"""Manifests and build files: what a package says of itself and which files make which node."""
+"""Manifests and build files: the metadata of a package, and which files make which node."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ __all__ = ["read_build", "read_manifest"]
 
 
 def read_manifest(reader: Reader, package: PackageFolder) -> Package:
-    """Return what the manifest of a package says; problems go to the reader."""
+    """Return the manifest of a package; problems go to the reader."""
     return read_package_xml(reader, package).package
 
 
 def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
-    """Return what the build files of a package declare; problems go to the reader."""
+    """Return the declarations of the build files of a package; problems go to the reader."""
     manifest = read_package_xml(reader, package)
     collected = read_cmake(reader, package, manifest.package)
     targets = collected.finished()

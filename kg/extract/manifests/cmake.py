@@ -1,4 +1,4 @@
-"""What the CMakeLists.txt of a package declares."""
+"""Declarations of the CMakeLists.txt of a package."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class _Target:
 
 @dataclass(slots=True)
 class Collected:
-    """What a run over CMake files has declared so far; `programs` pairs names and paths of installed programs."""
+    """Declarations of a run over CMake files so far; `programs` pairs names and paths of installed programs."""
 
     targets: dict[str, _Target] = field(default_factory=dict)
     aliases: dict[str, str] = field(default_factory=dict)
@@ -121,7 +121,7 @@ class _Targets:
         self._take(run, target, words[1:])
 
     def _take(self, run: Run, target: _Target, words: list[str]) -> None:
-        """Add sources; what is generated or missing stays out, objects of another library are linked."""
+        """Add sources; generated or missing ones are left out, objects of another library are linked."""
         for word in words:
             if word in _TARGET_WORDS:
                 continue
@@ -136,7 +136,7 @@ class _Targets:
                     self._take_generated(run, target, part)
 
     def _take_generated(self, run: Run, target: _Target, written: str) -> None:
-        """Take a source that configure_file makes: what it is made of is read in its place."""
+        """Take a source that configure_file makes: its template is read in its place."""
         binary = run.scope.variables.get("CMAKE_CURRENT_BINARY_DIR", "")
         found = run.files.generated.get(posixpath.normpath(posixpath.join(binary, written)))
         if found:
@@ -304,7 +304,7 @@ _BUILD_DEPENDENCIES: Final = frozenset({"depend", "build_depend", "build_export_
 
 
 def read_cmake(reader: Reader, folder: PackageFolder, package: Package) -> Collected:
-    """Run the package's CMakeLists.txt, if it has one, and return what it declared."""
+    """Run the package's CMakeLists.txt, if it has one, and return its declarations."""
     model = Collected()
     files = CMakeFiles(reader, folder)
     names = [dependency.name for dependency in package.dependencies]

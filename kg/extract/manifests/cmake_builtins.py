@@ -1,4 +1,4 @@
-"""The commands of CMake that compute: variables, lists, strings, paths, files, and what they pull in."""
+"""The commands of CMake that compute: variables, lists, strings, paths, files, and includes."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def _unset(run: Run, words: list[str]) -> None:
 
 
 def _option(run: Run, words: list[str]) -> None:
-    """An option can be switched by whoever builds, so that it is never certain."""
+    """An option can be switched in each build, so it is never certain."""
     if words and words[0] not in run.scope.variables:
         run.scope.set(words[0], words[2] if len(words) > 2 else "OFF", certain=False)  # noqa: PLR2004  (option(NAME "help" VALUE))
 
@@ -174,7 +174,7 @@ def _file(run: Run, words: list[str]) -> None:
 
 
 def _configure_file(run: Run, words: list[str]) -> None:
-    """configure_file(template output): remember what the output is made of, in case a target compiles it."""
+    """configure_file(template output): record the template of the output, in case a target compiles it."""
     if len(words) > 1:
         template = run.files.locate(words[0], run.folder)
         folder = run.scope.variables.get("CMAKE_CURRENT_BINARY_DIR", BINARY)

@@ -42,7 +42,7 @@ class Token:
 
 
 def decide(tokens: Sequence[Token], scope: Scope) -> bool | None:
-    """Return whether the condition holds in `scope`; None when that depends on what is not known, or is malformed."""
+    """Return whether the condition holds in `scope`; None if it depends on unknown values, or is malformed."""
     if sum(token.text in {"(", "NOT"} for token in tokens) > _DEEPEST:
         return None
     parser = _Parser(tokens, scope)
@@ -143,7 +143,7 @@ class _Parser:
         return token.text if token.quoted else self.scope.variables.get(token.text, token.text)
 
     def _is_found(self, token: Token) -> bool:
-        """Tell whether an operand is a list of libraries that packages which are looked for export."""
+        """Return whether an operand is a list of libraries that packages which are looked for export."""
         found = self.scope.variables.get("catkin_LIBRARIES")
         return bool(found) and token.text in (found, "catkin_LIBRARIES")
 

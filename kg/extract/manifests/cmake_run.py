@@ -1,4 +1,4 @@
-"""A static interpreter of CMake: what a package's CMakeLists.txt would declare, without configuring it.
+"""A static interpreter of CMake: the declarations of a package's CMakeLists.txt, without configuring it.
 
 Conditions that can be decided are; of others every branch is run and the variables are united. Macros and
 functions of the package are run with their arguments; those of other packages are looked up in the build,
@@ -55,7 +55,7 @@ class _Flow(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A macro or function: its parameters, its body and the folder (as `SOURCE` path) of the file it stands in."""
+    """A macro or function: its parameters, its body and the folder (as `SOURCE` path) of the file it is in."""
 
     macro: bool
     parameters: tuple[str, ...]
@@ -65,7 +65,7 @@ class Definition:
 
 @dataclass(slots=True)
 class _Frame:
-    """Where execution stands: the file, the folder of the CMakeLists.txt, and the call that led here from it."""
+    """Place of execution: the file, the folder of the CMakeLists.txt, and the call that led here from it."""
 
     path: str
     folder: str
@@ -135,7 +135,7 @@ class Run:
         return _Flow.NEXT
 
     def _may_go_on(self) -> bool:
-        """Count a statement or a round of a loop; tell whether the work allowed is not used up."""
+        """Count a statement or a round of a loop; return whether the work allowed is not used up."""
         self._work += _STATEMENT
         if self._work > _MOST_WORK:
             self.stopped = self.stopped or self.location
@@ -146,7 +146,7 @@ class Run:
         self._work += work
 
     def arguments(self, command: Command) -> list[str]:
-        """Return the arguments after evaluation; `certain` then tells whether all of them are known for sure."""
+        """Return the arguments after evaluation; `certain` is then whether all of them are certain."""
         tokens = self._tokens(command)
         self.certain = all(token.certain for token in tokens)
         return [token.text for token in tokens if token.text or token.quoted]
@@ -287,7 +287,7 @@ class Run:
 
 
 def _items(words: list[str], scope: Scope) -> list[str]:
-    """Return what a foreach runs over: `RANGE`, `IN LISTS ... ITEMS ...` or the words themselves."""
+    """Return the items of a foreach: `RANGE`, `IN LISTS ... ITEMS ...` or the words themselves."""
     if words[:1] == ["RANGE"]:
         return _range(words[1:])
     if words[:1] != ["IN"]:
@@ -341,7 +341,7 @@ class CMakeFiles:
 
     @property
     def size(self) -> int:
-        """How many files the package has, which is what a pattern costs."""
+        """Number of files of the package, which is the cost of a pattern."""
         return len(self._entries)
 
     def parse(self, path: str) -> list[Statement] | None:
@@ -363,11 +363,11 @@ class CMakeFiles:
         return path
 
     def exists(self, path: str) -> bool:
-        """Tell whether the source has that file."""
+        """Return whether the source has that file."""
         return path in self._entries or self.reader.workspace.entry(self.reader.file(path)) is not None
 
     def source_file(self, written: str, base: str) -> str | None:
-        """Return the path of a source of a target, with the ending that CMake adds; None when there is no such file."""
+        """Return the path of a source of a target, with the ending that CMake adds; None if it does not exist."""
         path = self.locate(written, base)
         if path is None:
             return None

@@ -40,7 +40,7 @@ def _usable(written: str, text: str) -> re.Pattern[str] | None:
 
 
 def matches(written: str, text: str) -> bool | None:
-    """Tell whether the expression matches somewhere in `text`; None where it is not run."""
+    """Return whether the expression matches somewhere in `text`; None where it is not run."""
     pattern = _usable(written, text)
     return None if pattern is None else pattern.search(text) is not None
 
@@ -129,7 +129,7 @@ class Scope:
         return text[:LONGEST_VALUE], certain
 
     def merge(self, others: list[Scope]) -> None:
-        """Take over what branches made of this scope, of which any may have been the one taken."""
+        """Merge the scopes of branches into this one; any may have been the one taken."""
         before, doubtful = self.variables.items(), self.uncertain
         names = {name for other in others for name, _ in other.variables.items() ^ before}
         names.update(name for other in others for name in other.uncertain ^ doubtful)
@@ -152,7 +152,7 @@ def split_list(value: str) -> list[str]:
 
 
 def strip_generators(text: str) -> str:
-    """Return the text with generator expressions replaced by what they may become: the part after the last colon."""
+    """Return the text with generator expressions replaced by a possible value: the part after the last colon."""
     for _ in range(_DEEPEST_NESTING):
         if "$<" not in text:
             break

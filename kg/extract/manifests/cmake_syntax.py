@@ -150,7 +150,7 @@ class _Lexer:
 
 
 def _blocks(commands: list[Command], faults: list[SyntaxFault]) -> list[Statement]:
-    """Nest commands into blocks, without recursion, so that no depth of nesting can exhaust the stack."""
+    """Nest commands into blocks, without recursion: no depth of nesting can exhaust the stack."""
     top: list[Statement] = []
     open_blocks: list[Block] = []
     for command in commands:

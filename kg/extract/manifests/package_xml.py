@@ -37,7 +37,7 @@ _DEEPEST: Final = 50
 
 
 def holds(condition: str | None, variables: Mapping[str, str]) -> bool:
-    """Tell whether a condition may hold; a comparison with a variable not in `variables`, or malformed, may."""
+    """Return whether a condition may hold; a comparison with a variable not in `variables`, or malformed, may."""
     if not condition or len(condition) > _MOST_TEXT:
         return True
 
@@ -90,14 +90,14 @@ _CLIENTS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """A package with what its manifest exports."""
+    """A package with the exports of its manifest."""
 
     package: Package
     exports: tuple[Export, ...] = ()
 
 
 def read_package_xml(reader: Reader, folder: PackageFolder) -> Manifest:
-    """Return what the manifest of a package says; what it lacks stays empty, what is malformed is a problem."""
+    """Return the manifest of a package; missing parts stay empty, malformed parts are problems."""
     root = _parse(reader, folder.manifest) if folder.manifest else None
     path = folder.manifest or folder.path
     if root is None or folder.manifest is None:
@@ -142,7 +142,7 @@ def _all(root: _Element, tag: str) -> Iterator[_Element]:
 
 
 def _flat(element: _Element) -> str:
-    """Return the text of an element and what is in it, white space folded."""
+    """Return the text of an element and its children, white space folded."""
     return " ".join("".join(str(part) for part in element.itertext("*")).split())
 
 
@@ -167,7 +167,7 @@ def _dependencies(root: _Element) -> Iterator[tuple[str | None, Dependency]]:
 
 
 def _exports(root: _Element) -> Iterator[tuple[str | None, Export]]:
-    """Yield what is exported with its conditions."""
+    """Yield the exports with their conditions."""
     for export in _all(root, "export"):
         for element in export:
             if not callable(element.tag):
@@ -176,7 +176,7 @@ def _exports(root: _Element) -> Iterator[tuple[str | None, Export]]:
 
 
 def _under(ros: int, conditional: Iterable[tuple[str | None, _Any]]) -> Iterator[_Any]:
-    """Yield what holds under a version of ROS."""
+    """Yield the elements valid under a version of ROS."""
     variables = {"ROS_VERSION": str(ros)}
     return (value for condition, value in conditional if holds(condition, variables))
 
@@ -193,7 +193,7 @@ def _build_type(dependencies: tuple[Dependency, ...], exports: tuple[Export, ...
 
 
 def _ros_version(needed: list[tuple[str | None, Dependency]], exported: list[tuple[str | None, Export]]) -> int | None:
-    """Return 2 or 1 by build tool and client libraries; a package for both is one of ROS 2; None when nothing tells."""
+    """Return 2 or 1 by build tool and client libraries; for both it is 2; None if neither shows it."""
     for marks in (_TOOLS, _CLIENTS):
         for ros in (2, 1):
             names = {dependency.name for dependency in _under(ros, needed)}
@@ -229,7 +229,7 @@ def _by_code(reader: Reader, folder: PackageFolder) -> int:
 
 
 def _rosbuild(root: _Element, folder: PackageFolder, path: str) -> Manifest:
-    """Return what a manifest.xml says (wiki.ros.org/Manifest)."""
+    """Return the content of a manifest.xml (wiki.ros.org/Manifest)."""
     depends = tuple(
         Dependency(str(name), "depend", line_of(element))
         for element in _all(root, "depend")

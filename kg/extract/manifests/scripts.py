@@ -44,7 +44,7 @@ def read_scripts(
 
 
 def _may_run(entry: FileEntry) -> bool:
-    """Tell whether a file is marked as a program: executable, or in a folder where ROS packages keep theirs."""
+    """Return whether a file is marked as a program: executable, or in a folder where ROS packages keep theirs."""
     return entry.executable or posixpath.basename(posixpath.dirname(entry.path)) in _FOLDERS
 
 
@@ -56,6 +56,6 @@ def _is_python(reader: Reader, path: str) -> bool:
 
 
 def has_python_shebang(text: bytes | None) -> bool:
-    """Tell whether the first line of a file asks for a Python interpreter."""
+    """Return whether the first line of a file asks for a Python interpreter."""
     first = text.split(b"\n", 1)[0] if text else b""
     return first.startswith(b"#!") and b"python" in first

@@ -25,7 +25,7 @@ _ENTRY: Final = re.compile(r"^\s*([^\s=]+)\s*=\s*([\w.]+)\s*(?::\s*([\w.]+))?")
 
 @dataclass(slots=True)
 class Setup:
-    """What the Python side of a package declares; parameter modules pair a module with its YAML file."""
+    """Declarations of the Python side of a package; parameter modules pair a module with its YAML file."""
 
     entry_points: dict[str, EntryPoint] = field(default_factory=dict)
     scripts: dict[str, Script] = field(default_factory=dict)

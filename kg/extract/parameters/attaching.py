@@ -1,4 +1,4 @@
-"""Parameters that are declared outside of code: what their files say of them, and which nodes have them.
+"""Parameters that are declared outside of code: their files, and the nodes that have them.
 
 A node has the parameters of a YAML file of `generate_parameter_library` if its code constructs the generated class. In
 C++ running the node shows this (see `kg.extract.parameters.listener`), in Python a construction in its sources. A
@@ -42,7 +42,7 @@ _NOT_DECLARED: Final = "none"
 class GeneratedLibrary:
     """The parameters of a YAML file, in its order, and the namespace of the class that declares them.
 
-    `namespace` is empty if the file has not exactly one top key. `error` tells what stopped the reading of the file:
+    `namespace` is empty if the file has not exactly one top key. `error` is why reading of the file stopped:
     a message and a line, which can be unknown.
     """
 

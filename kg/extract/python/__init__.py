@@ -1,4 +1,4 @@
-"""What Python code declares: nodes, their interfaces and parameters."""
+"""Declarations of Python code: nodes, their interfaces and parameters."""
 
 from __future__ import annotations
 

@@ -99,7 +99,7 @@ class _Reference:
 
 
 def failure(source: str, error: ExpressionError | UnsupportedError) -> str:
-    """Return what is wrong with an expression, as a message."""
+    """Return the problems of an expression, as a message."""
     shown = source if len(source) <= _LONGEST_SHOWN else f"{source[: _LONGEST_SHOWN - 3]}..."
     return f"`{shown}` cannot be evaluated: {error}"
 
@@ -246,7 +246,7 @@ class _Evaluation:
         *,
         shallow: bool = False,
     ) -> object:
-        """Return what a function of Python gives for known values; `shallow` if items need not be known."""
+        """Return the result of a function of Python for known values; `shallow` if items need not be known."""
         is_enough = self._is_container if shallow else self.is_known
         if not all(map(is_enough, (*args, *(named or {}).values()))):
             return _UNKNOWN
@@ -255,7 +255,7 @@ class _Evaluation:
     def _given(
         self, function: Callable[..., object], args: list[Any], named: Mapping[str, Any] | None = None
     ) -> object:
-        """Return what a function of the dialect gives."""
+        """Return the result of a function of the dialect."""
         try:
             return called(function, args, named or {})
         except NotKnownError:
@@ -359,7 +359,7 @@ class _Evaluation:
     # Lists and dictionaries
 
     def _items(self, value: object) -> list[object] | None:
-        """Return the items of what is iterated over; None if they are not known."""
+        """Return the items of an iterable; None if they are unknown."""
         if not self._is_container(value):
             return None
         found: list[object] = called(list, [value], {})
@@ -438,7 +438,7 @@ class _Evaluation:
         return ends_at if ends_at in found else _UNKNOWN if None in found else not ends_at
 
     def _method(self, of: object, name: str, args: list[Any], named: Mapping[str, Any]) -> object:
-        """Return what a method of a text, list, tuple or dictionary gives that does not change it."""
+        """Return the result of a method of a text, list, tuple or dictionary that does not change it."""
         if name == "<slice>":
             known = self.is_known(args) and self._is_container(of)
             return called(operator.getitem, [of, slice(*args)], {}) if known else _UNKNOWN
@@ -473,7 +473,7 @@ class _Evaluation:
     # Formats
 
     def _formatted(self, value: object, spec: str, conversion: str) -> str:
-        """Return what a replacement field makes of a value."""
+        """Return the text of a replacement field for a value."""
         if isinstance(value, str | _Unknown) and not spec and conversion in ("", "s"):
             return str(value)
         if not self.is_known(value):

@@ -111,7 +111,7 @@ def _evaluated(values: list[Value]) -> Value:
 
 
 def _join_names(values: list[Value]) -> Value:
-    """The joins of names; a private name starts anew."""
+    """The joins of names; a private name starts again."""
     private = [index for index, one in enumerate(values) if isinstance(one, Text) and one.shown.startswith("~")]
     return paths.joined(values[private[-1] if private else 0 :])
 

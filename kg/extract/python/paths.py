@@ -22,7 +22,7 @@ _PARENTS: Final = 8
 
 
 def joined(values: list[Value]) -> Value:
-    """Return `os.path.join`: parts with one slash between them; an absolute part starts anew."""
+    """Return `os.path.join`: parts with one slash between them; an absolute part starts again."""
     result = Text.of("")
     for value in values:
         part = as_text(stringified(value))

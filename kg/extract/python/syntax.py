@@ -44,7 +44,7 @@ def _query(patterns: str) -> Query:
 
 
 def parse(source: bytes) -> Tree:
-    """Return the syntax tree of a file; what does not parse stands in ERROR nodes."""
+    """Return the syntax tree of a file; what does not parse is in ERROR nodes."""
     return Parser(_language()).parse(source)
 
 

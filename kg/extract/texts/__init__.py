@@ -1,4 +1,4 @@
-"""What people wrote about nodes and packages (RNKG, section 3.2.3): comments, manifests, pages, launch files, wiki."""
+"""Descriptions of nodes and packages (RNKG, section 3.2.3): comments, manifests, pages, launch files, wiki."""
 
 from kg.extract.texts.describing import read_descriptions
 

@@ -81,7 +81,7 @@ def _in_code(text: str) -> Iterator[tuple[str, int, str]]:
 
 
 def _starts(nodes: tuple[NodeType, ...]) -> dict[str, str]:
-    """Return the nodes by what starts them: executables with and without `.py`, and plugins."""
+    """Return the nodes by their starting names: executables with and without `.py`, and plugins."""
     found: dict[str, str] = {}
     for node in nodes:
         for name in (node.executable, (node.executable or "").removesuffix(".py"), node.plugin):
@@ -138,7 +138,7 @@ def _blank(match: re.Match[str]) -> str:
 
 
 def _is_description(text: str) -> bool:
-    """Tell whether a manifest says something; two words do, for they stand where a description is asked for."""
+    """Return whether a manifest has a description; two words suffice in a field meant for descriptions."""
     return not _EMPTY.search(text) and is_prose(f"It gives you {text}")
 
 
@@ -155,7 +155,7 @@ def _paragraphs(text: str, start: int, end: int) -> Iterator[tuple[int, str]]:
 
 
 def of_plugins(build: BuildModel, nodes: tuple[NodeType, ...]) -> Iterator[Description]:
-    """Yield what plugin descriptions say of the nodes that are loaded as plugins."""
+    """Yield descriptions of the nodes loaded as plugins, from plugin descriptions."""
     described = {plugin.name: plugin for plugin in build.plugins if plugin.description}
     for node in nodes:
         plugin = described.get(node.plugin or "")
@@ -181,7 +181,7 @@ MOST_OF_ONE: Final = 24
 def read_descriptions(
     reader: Reader, package: PackageFolder, build: BuildModel, nodes: tuple[NodeType, ...]
 ) -> tuple[Description, ...]:
-    """Return what people wrote about a package and its nodes, in the order of the places; what is said twice, once.
+    """Return the descriptions of a package and its nodes, in the order of the places; repeated ones once.
 
     Texts are read as `reader` reads them, so that each is an input of the result. Nothing in them makes it raise.
     """

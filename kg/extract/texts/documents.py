@@ -1,4 +1,4 @@
-"""The pages of documentation of a package and of the folders around it, read for what they say of its nodes."""
+"""Descriptions of nodes in the pages of documentation of a package and of the folders around it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _SAID: Final = frozenset({"brief", "details", "b", "c", "e", "p", "a", "em", "re
 
 
 def markdown(text: str) -> str:
-    """Return a page of Doxygen as Markdown with the same lines; commands that say nothing leave empty lines."""
+    """Return a page of Doxygen as Markdown with the same lines; commands without text leave empty lines."""
     return "\n".join(_lines(text))
 
 
@@ -96,7 +96,7 @@ def _of_page(file: FilePath, text: str, about: About) -> Iterator[Description]:
 
 
 def _of_wiki(file: FilePath, text: str, about: About) -> Iterator[Description]:
-    """Yield what the wiki's documentation of nodes says of those of the package."""
+    """Yield the wiki's descriptions of the nodes of the package."""
     for documented in wiki_nodes(text):
         said = plain(documented.description or "")
         if is_prose(said):
@@ -110,7 +110,7 @@ def _concerns(data: bytes, package: PackageFolder, names: Names) -> bool:
 
 
 def _is_main(file: FilePath, package: PackageFolder) -> bool:
-    """Tell whether a page is the README of its package, or the first page of its documentation."""
+    """Return whether a page is the README of its package, or the first page of its documentation."""
     folder = posixpath.dirname(file.path)
     near = folder in {"", package.path} or posixpath.basename(folder).lower() in _FOLDERS
     return near and _MAIN.match(posixpath.basename(file.path)) is not None

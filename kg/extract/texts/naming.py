@@ -36,7 +36,7 @@ def last_part(name: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Name:
-    """A name of a node; `distinct` ones mean the node wherever they stand, others only where something tells so."""
+    """A name of a node; `distinct` ones mean the node wherever they are, others only if the context shows it."""
 
     node: str
     distinct: bool
@@ -71,12 +71,12 @@ class Names:
         return bool(self._found)
 
     def mentioned(self, text: bytes) -> bool:
-        """Tell whether a page may name a node: a filter that lets through more than there is."""
+        """Return whether a page may name a node: a filter with false positives."""
         flat = text.lower().replace(b"_", b"").replace(b"-", b"").replace(b" ", b"")
         return any(name.encode() in flat for name in self._found)
 
     def of_heading(self, heading: str) -> tuple[str, ...]:
-        """Return the nodes that a heading is about: it is the name of one, or names one and says little more."""
+        """Return the nodes that a heading is about: it is the name of one, or names one with few other words."""
         text = re.sub(r"^[\d.]+\s+", "", heading).strip(" :`")
         whole = key(text.replace(" ", ""))
         for candidate in (whole, _SUFFIX.sub("", whole.removesuffix("s"))):
@@ -89,7 +89,7 @@ class Names:
         return self._first(tokens, lambda name, common: (name.distinct or kind) and (kind or not common))
 
     def of_lead(self, lead: str) -> tuple[str, ...]:
-        """Return the nodes that the first words of an item or row name: nothing else stands in `lead`."""
+        """Return the nodes that the first words of an item or row name: nothing else is in `lead`."""
         tokens = [token for token in _tokens(lead) if token.lower() not in _KINDS]
         if len(tokens) != 1:
             return ()
@@ -137,7 +137,7 @@ def _without_ending(token: str) -> str:
 
 
 def _is_distinct(name: str) -> bool:
-    """Tell whether a name is not a word of a language: it has an underscore, a digit or a capital within."""
+    """Return whether a name is not a word of a language: it has an underscore, a digit or a capital within."""
     inner = "_" in name or "::" in name or any(map(str.isdigit, name)) or any(map(str.isupper, name[1:]))
     return inner and len(name) >= _SHORTEST_DISTINCT and not name.isupper()
 
@@ -153,7 +153,7 @@ def _forms(token: str) -> tuple[str, ...]:
 
 
 def _beside_kind(token: str, text: str) -> bool:
-    """Tell whether a paragraph says of a word that it is a node."""
+    """Return whether a paragraph calls a word a node."""
     name = re.escape(token)
     return (
         re.search(rf"(?<![\w/]){name}['\"*]* {_KIND_WORDS}|{_KIND_WORDS}[ '\"*(:]+{name}(?![\w/])", text, re.IGNORECASE)

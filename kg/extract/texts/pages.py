@@ -42,7 +42,7 @@ _KINDS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class WikiEntry:
-    """What a wiki page documents of a node: a topic, service, action, parameter or transform.
+    """An entry of a node on a wiki page: a topic, service, action, parameter or transform.
 
     `kind` is a role as in `kg nodes --json` (`publishes`, `services`, ...), `parameters`, or `required_transforms`
     and `provided_transforms`, whose `name` is `from -> to`. `type` is as written, None where it is missing.
@@ -58,7 +58,7 @@ class WikiEntry:
 
 @dataclass(frozen=True, slots=True)
 class WikiNode:
-    """A node as a wiki page documents it; `line` is where its name stands, or its block begins."""
+    """A node as a wiki page documents it; `line` is that of its name, or the first of its block."""
 
     name: str | None
     description: str | None
@@ -75,7 +75,7 @@ class _Value:
 
 
 def is_wiki(text: str) -> bool:
-    """Tell whether a text is a page of the ROS wiki."""
+    """Return whether a text is a page of the ROS wiki."""
     return _BEGIN.search(text) is not None or "<<PackageHeader(" in text or "<<StackHeader(" in text
 
 
@@ -206,7 +206,7 @@ LONGEST_LINE: Final = 4000
 
 
 class BlockKind(StrEnum):
-    """What a block of a page is."""
+    """The kind of a block of a page."""
 
     HEADING = "heading"
     PARAGRAPH = "paragraph"
@@ -305,7 +305,7 @@ def read_page(text: str, *, rst: bool = False) -> tuple[Block, ...]:
 
 
 def _skipped(page: _Page, line: str) -> bool:
-    """Tell whether a line belongs to code, a directive or a definition, and keep in mind where these end."""
+    """Return whether a line belongs to code, a directive or a definition, and keep in mind where these end."""
     start = line.lstrip()[:1]
     fence = _FENCE.match(line) if start in "`~" else None
     if page.fence:

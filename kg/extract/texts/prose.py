@@ -1,4 +1,4 @@
-"""Prose told from everything else that stands in comments and pages: licences, code, directives, templates.
+"""Separates prose from the rest of comments and pages: licences, code, directives, templates.
 
 `is_prose` judges one paragraph of plain text. It is a matter of words and signs alone, so it holds for any language
 of man; what it refuses by words is English, as licences and templates are.
@@ -125,7 +125,7 @@ _SENTENCE_END: Final = re.compile(r"[.!?。]\s")
 
 @lru_cache(_REMEMBERED)
 def is_prose(text: str) -> bool:
-    """Tell whether a paragraph of plain text is prose that may describe something.
+    """Return whether a paragraph of plain text is prose that may describe something.
 
     False for licences, commented-out code, separators, editor and linter directives, tags of authors and dates, open
     work, templates, addresses alone, labels of one or two words, and what is mostly signs.
@@ -147,7 +147,7 @@ def is_prose(text: str) -> bool:
 
 
 def _has_words(text: str) -> bool:
-    """Tell whether a text has letters and words enough, of which scripts without spaces have one."""
+    """Return whether a text has letters and words enough, of which scripts without spaces have one."""
     letters = sum(map(str.isalpha, text))
     solid = len(text) - sum(map(str.isspace, text))
     if letters < _FEWEST_LETTERS or letters < _LETTERS_SHARE * solid:
@@ -158,13 +158,13 @@ def _has_words(text: str) -> bool:
 
 
 def _is_listing(low: str) -> bool:
-    """Tell whether a text is the label of a group of includes (`standard C++ headers`)."""
+    """Return whether a text is the label of a group of includes (`standard C++ headers`)."""
     label = low.strip(" .:-=")
     return LISTED.search(label) is not None and all(map(LISTING.match, label.split()))
 
 
 def _is_lead_in(text: str) -> bool:
-    """Tell whether a paragraph only announces what follows it (`Run it as:`)."""
+    """Return whether a paragraph only announces what follows it (`Run it as:`)."""
     return text.endswith(":") and _SENTENCE_END.search(text) is None
 
 

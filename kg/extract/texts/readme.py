@@ -1,7 +1,7 @@
 """READMEs and other pages of documentation: which of their paragraphs describe the package, and which a node.
 
 A section whose heading names a node is about that node. So are a paragraph that names one, an item `name: what it does`
-and a row of a table that begins with the name. What stands before the first section of a package's README is about
+and a row of a table that begins with the name. What is before the first section of a package's README is about
 the package.
 """
 
@@ -59,25 +59,25 @@ _ABOUT_PATTERN: Final = _any(_ABOUT)
 
 @lru_cache(_REMEMBERED)
 def is_never(heading: str) -> bool:
-    """Tell whether nothing below a heading is a description, whatever it names."""
+    """Return whether nothing below a heading is a description, whatever it names."""
     return _NEVER_PATTERN.search(heading) is not None and not is_about(heading)
 
 
 @lru_cache(_REMEMBERED)
 def is_interface(heading: str) -> bool:
-    """Tell whether a section lists topics, parameters or ways to start something."""
+    """Return whether a section lists topics, parameters or ways to start something."""
     return _INTERFACE_PATTERN.search(heading) is not None
 
 
 @lru_cache(_REMEMBERED)
 def is_about(heading: str) -> bool:
-    """Tell whether a section says what the thing is that the section around it is about."""
+    """Return whether a section describes the subject of the section around it."""
     return _ABOUT_PATTERN.search(heading) is not None
 
 
 @lru_cache(_REMEMBERED)
 def is_telling(heading: str) -> bool:
-    """Tell whether the section below the title of a README describes the package."""
+    """Return whether the section below the title of a README describes the package."""
     return not (is_never(heading) or is_interface(heading) or _OTHER_PATTERN.search(heading))
 
 
@@ -104,7 +104,7 @@ _MOST_NODES: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What a page is read for: the names of the nodes and of the package, and which names other packages have.
+    """Subjects of a page: the names of the nodes and of the package, and the names of other packages.
 
     `is_neighbour` tells whether another package of the repository has a name, given by its `kg.names.key`.
     `own` tells that the page belongs to the package, `alone` that the package is the only one it can be about.
@@ -128,7 +128,7 @@ class Found:
 
 @dataclass(slots=True)
 class _Section:
-    """The heading that the pass is below; `nodes` and `package` are what it is about."""
+    """The heading that the pass is below; `nodes` and `package` are its subjects."""
 
     heading: str
     level: int

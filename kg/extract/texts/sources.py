@@ -100,7 +100,7 @@ class Comments:
             self.header.extend(self._paragraphs(block))
 
     def _blocks(self) -> list[_Block]:
-        """Return the comments that stand alone on their lines; neighbouring line comments are one."""
+        """Return the comments that are alone on their lines; neighbouring line comments are one."""
         text = self._text
         found: list[_Block] = []
         line, counted = 1, 0
@@ -131,7 +131,7 @@ def read_comments(text: str) -> Comments:
 
 
 def _begins_line(text: str, start: int) -> bool:
-    """Tell whether only white space stands before a place in its line, of which so much is looked at."""
+    """Return whether only white space is before a place in its line, of which so much is looked at."""
     nearest = max(0, start - _DEEPEST_INDENTATION)
     before = text.rfind("\n", nearest, start)
     return (before >= 0 or nearest == 0) and not text[before + 1 : start].strip()
@@ -162,7 +162,7 @@ _MOST_DEFINED: Final = 1000
 
 
 class Docstrings:
-    """What a Python file says of itself: comments (`header`), and docstrings by the names of what they document."""
+    """Documentation in a Python file: comments (`header`), and docstrings by the names that they document."""
 
     def __init__(self, text: str) -> None:
         self._text = text
@@ -210,7 +210,7 @@ class Docstrings:
 
 
 def read_docstrings(text: str) -> Docstrings:
-    """Return what a Python file says of itself, of its classes and of its functions."""
+    """Return the documentation of a Python file, its classes and its functions."""
     return Docstrings(text)
 
 
@@ -227,7 +227,7 @@ _HELPER: Final = re.compile(
 
 @dataclass(slots=True)
 class _Sources:
-    """The comments of the files of a package, each read when it is first asked for."""
+    """The comments of the files of a package, each read on first use."""
 
     reader: Reader
     package: PackageFolder
@@ -276,7 +276,7 @@ class _Sources:
 def of_sources(
     reader: Reader, package: PackageFolder, build: BuildModel, nodes: tuple[NodeType, ...]
 ) -> Iterator[Description]:
-    """Yield what the comments and docstrings in the sources of nodes say of them."""
+    """Yield descriptions of nodes from the comments and docstrings in their sources."""
     sources = _Sources(reader, package, {plugin.name: last_part(plugin.type) for plugin in build.plugins})
     for node in nodes:
         sources.uses.update({node.location.path, *node.sources})
@@ -328,7 +328,7 @@ def _made(node: NodeType) -> list[str]:
 
 
 def _is_own(sources: _Sources, node: NodeType, path: str) -> bool:
-    """Tell whether the header of a file is about a node: it begins there, or the file has its name."""
+    """Return whether the header of a file is about a node: it begins there, or the file has its name."""
     if sources.uses[path] > _MOST_NODES:
         return False
     methods = node.plugin is not None and path in node.sources
@@ -346,7 +346,7 @@ def _is_class_of(sources: _Sources, node: NodeType, name: str, main: str) -> boo
 
 
 def _alike(name: str, node: NodeType) -> bool:
-    """Tell whether a class or file has the name of a node, but for words as `node` and `ros`."""
+    """Return whether a class or file has the name of a node, but for words as `node` and `ros`."""
     names = {one for one in (node.name, node.executable, node.node_name, last_part(node.plugin or "")) if one}
     return _core(name) in {_core(one.removesuffix(".py")) for one in names}
 

@@ -1,4 +1,4 @@
-"""What differs between two states of sources: interfaces of node types, and how launch files wire them."""
+"""Differences between two states of sources: interfaces of node types, and how launch files wire them."""
 
 from __future__ import annotations
 

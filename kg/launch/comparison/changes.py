@@ -1,4 +1,4 @@
-"""Differences as values: what came, went or is another now, on which lines; every difference has a mirror."""
+"""Differences as values: parts added, removed or changed, with their lines; every difference has a mirror."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Change", "Difference", "Finding", "Kind", "Level", "Record", "Side",
 
 
 class Level(StrEnum):
-    """What a change is about, from code to systems."""
+    """The subject of a change, from code to systems."""
 
     NODE = "node"
     INTERFACE = "interface"
@@ -32,7 +32,7 @@ class Level(StrEnum):
 
 
 class Kind(StrEnum):
-    """What became of it."""
+    """Added, removed or changed."""
 
     NEW = "new"
     GONE = "gone"
@@ -52,7 +52,7 @@ _MIRRORED: Final = {Kind.NEW: Kind.GONE, Kind.GONE: Kind.NEW}
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """A thing as it is at one side: its name, what is told of it (a type, a value), and its line."""
+    """A thing at one side: its name, its detail (a type, a value), and its line."""
 
     name: str
     value: str = ""
@@ -92,7 +92,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What a rule found in a system: its code, the name it is about, and its words."""
+    """Finding of a rule in a system: its code, the name it is about, and its message."""
 
     system: str
     code: str
@@ -117,7 +117,7 @@ class Record(Protocol):
 
     @property
     def node(self) -> NodeType:
-        """What its code declares."""
+        """The declarations of its code."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""The comparison of one node of a launch file at both sides: its ends, what it is set to, and its remappings."""
+"""The comparison of one node of a launch file at both sides: its ends, its settings, and its remappings."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Instances:
         self._signs: dict[tuple[int, int, int], int] = {}
 
     def changes(self, one: NodeInstance, other: NodeInstance) -> Iterator[Change]:
-        """Yield what differs between two states of a node."""
+        """Yield the differences between two states of a node."""
         owner = other.name, one.name if one.name != other.name else ""
         for kind, say in _TOLD.items():
             values = say(one), say(other)
@@ -63,7 +63,7 @@ class Instances:
         before: Iterable[tuple[str, LaunchParameter]],
         after: Iterable[tuple[str, LaunchParameter]],
     ) -> Iterator[Change]:
-        """Yield what is set at one side only, or to another value; `owner` are the names after and before."""
+        """Yield settings of one side only, or with another value; `owner` are the names after and before."""
         known = [
             {self._renames.neutral(name): self._setting(number, name, each) for name, each in settings}
             for number, settings in enumerate((before, after))
@@ -127,7 +127,7 @@ class Instances:
     def _end(self, owner: tuple[str, str], one: InstanceInterface, other: InstanceInterface) -> Iterator[Change]:
         for kind, say in _END_TOLD.items():
             values = say(one), say(other)
-            if values[0] == values[1] or self._told(kind, one, other):
+            if values[0] == values[1] or self._is_reported(kind, one, other):
                 continue
             if kind is Kind.RENAMED and self._renames.follows(*values):
                 continue
@@ -136,15 +136,15 @@ class Instances:
             yield self._change(Level.END, kind, owner, *sides, str(one.declared.role))
 
     def _lone(self, owner: tuple[str, str], end: InstanceInterface, *, gone: bool) -> Iterator[Change]:
-        """Yield that an end came or went, unless that is told of its node type."""
+        """Yield an end added or removed, unless its node type reports that."""
         role, value = str(end.declared.role), end.declared.type or ""
-        if gone and not self._told(Kind.GONE, end, None):
+        if gone and not self._is_reported(Kind.GONE, end, None):
             yield self._change(Level.END, Kind.GONE, owner, self._end_side(0, end, value), None, role)
-        elif not gone and not self._told(Kind.NEW, None, end):
+        elif not gone and not self._is_reported(Kind.NEW, None, end):
             yield self._change(Level.END, Kind.NEW, owner, None, self._end_side(1, end, value), role)
 
-    def _told(self, kind: Kind, one: InstanceInterface | None, other: InstanceInterface | None) -> bool:
-        """Tell whether the same is told of the code of the node type."""
+    def _is_reported(self, kind: Kind, one: InstanceInterface | None, other: InstanceInterface | None) -> bool:
+        """Return whether the code of the node type reports the same change."""
         end = one or other
         if end is None or kind is Kind.QOS:
             return False
@@ -161,7 +161,7 @@ class Instances:
     def _remaps(
         self, owner: tuple[str, str], one: NodeInstance, other: NodeInstance, causes: set[Remap | None]
     ) -> Iterator[Change]:
-        """Yield the remappings that are others now, but those that gave ends the names that are told of."""
+        """Yield changed remappings, except those behind reported names of ends."""
         known = [
             {
                 self._renames.neutral(each.source): self.side(number, each.source, each.target, each.remap.location)

@@ -1,4 +1,4 @@
-"""The pairing of what has the same name at both sides, or names that differ in the labels of their holes."""
+"""The pairing of things with the same name at both sides, or names that differ in the labels of their holes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _Thing = TypeVar("_Thing")
 def paired(
     before: Iterable[_Thing], after: Iterable[_Thing], key: Callable[[_Thing], Hashable]
 ) -> Iterator[tuple[_Thing | None, _Thing | None]]:
-    """Yield what has the same key at both sides, and None for the side that has it not; the n-th with the n-th."""
+    """Yield pairs with the same key at both sides, None for a side without it; the n-th with the n-th."""
     one, other = _numbered(before, key), _numbered(after, key)
     for name in sorted({*one, *other}, key=str):
         yield one.get(name), other.get(name)

@@ -1,4 +1,4 @@
-"""Nodes of a launch file that have other names now: which is which, and what else only follows from that.
+"""Renamed nodes of a launch file: their pairs, and the changes that only follow from the renaming.
 
 Nodes are first paired by their names. Those that remain are paired by the place that starts them: the file with the
 includes that lead to it, what is started, and then the last part of the name, the line, or that there is just one.
@@ -35,13 +35,13 @@ class Renames:
         self.names: Counter[tuple[str, str]] = Counter()
 
     def neutral(self, text: str) -> str:
-        """Return a text that is the same for both names of what was renamed."""
+        """Return a text that is the same for both names of a renamed node."""
         if self._pattern is None:
             return text
         return self._pattern.sub(lambda match: self._signs[match[0]], text)
 
     def follows(self, before: str, after: str) -> bool:
-        """Tell whether a name differs only by what was renamed; such names are counted."""
+        """Return whether a name differs only by a renaming; such names are counted."""
         if before == after or self.neutral(before) != self.neutral(after):
             return False
         led = [pair for pair in self.nodes if before.startswith(pair[0]) and after.startswith(pair[1])]
@@ -51,7 +51,7 @@ class Renames:
 
     @cached_property
     def _signs(self) -> Mapping[str, str]:
-        """What stands for each beginning: one sign for both names, nothing where one of the names is the root."""
+        """The sign of each prefix: one for both names, nothing if one of the names is the root."""
         signs: dict[str, str] = {}
         for number, names in enumerate(sorted(tuple(sorted(names)) for names in self.nodes)):
             for name in filter(None, names):

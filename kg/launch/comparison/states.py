@@ -1,9 +1,9 @@
 """The comparison of two states of sources; `compare(b, a)` is the mirror of `compare(a, b)`.
 
 Things are paired by what names them: node types by package and name, interfaces by what they do and their name,
-instances by their absolute name, or by the place that starts them. What finds no partner is new or gone. An
+instances by their absolute name, or by the place that starts them. A thing without a partner is new or gone. An
 interface is renamed only where that is sure: where of one node just one of a role and type went and just one came, in
-the same file. What follows from a change that is told is not told again.
+the same file. Consequences of a reported change are not reported again.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ __all__ = ["compare"]
 
 
 def compare(before: Sources, after: Sources, *, every: bool = False) -> Difference:
-    """Return what differs; without `every` what frameworks make by themselves is left out."""
+    """Return the differences; without `every`, interfaces that frameworks create by themselves are left out."""
     code = list(_node_changes(before.nodes, after.nodes, every=every))
     wiring = Wiring(code, every=every)
     systems = list(wiring.changes(before.systems, after.systems))
@@ -59,7 +59,7 @@ class _Node:
         self._name = f"{after.package}/{after.node.name}"
 
     def changes(self) -> Iterator[Change]:
-        """Yield what changed in it."""
+        """Yield its changes."""
         before, after = self._kind(self._before), self._kind(self._after)
         if before.value != after.value:
             yield Change(Level.NODE, Kind.TYPE, self._name, before, after)
@@ -124,7 +124,7 @@ class _Node:
     def _settable(self, record: Record) -> dict[str, Side]:
         found = _parameters(record.node, every=self._every)
         return {
-            name: Side(name, _told(accesses), accesses[0].location, record.repository)
+            name: Side(name, _parameter_detail(accesses), accesses[0].location, record.repository)
             for name, accesses in found.items()
         }
 
@@ -157,7 +157,7 @@ def _parameters(node: NodeType, *, every: bool) -> dict[str, list[Parameter]]:
     return dict(found)
 
 
-def _told(accesses: list[Parameter]) -> str:
+def _parameter_detail(accesses: list[Parameter]) -> str:
     """Return type and defaults of a parameter, of all lines that give them."""
     types = sorted({one.type for one in accesses if one.type})
     defaults = sorted({canonical(one.default) for one in accesses if one.default is not None})

@@ -1,4 +1,4 @@
-"""The comparison of systems: what their launch files declare, which nodes they start, and who is joined to whom."""
+"""The comparison of systems: declarations of their launch files, the nodes they start, and their connections."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _Joined: TypeAlias = "dict[Connection, set[tuple[Hashable, Hashable]]]"
 
 
 class Wiring:
-    """Compares the systems of two states; `code` are the changes of node types, which are told already."""
+    """Compares the systems of two states; `code` are the changes of node types, which are reported already."""
 
     def __init__(self, code: Iterable[Change], *, every: bool) -> None:
         self._code = frozenset(
@@ -41,7 +41,7 @@ class Wiring:
         self.renames: dict[str, Renames] = {}
 
     def changes(self, before: Iterable[System], after: Iterable[System]) -> Iterator[Change]:
-        """Yield what differs between systems of one name; a whole one that came or went is one change.
+        """Yield the differences between systems of one name; a whole one added or removed is one change.
 
         `renames` then has the names that are others now, by the name of the system.
         """
@@ -91,7 +91,7 @@ class _Systems:
         self._instances = Instances(self._sides, self.renames, code, every=every)
 
     def changes(self) -> Iterator[Change]:
-        """Yield what differs in it."""
+        """Yield its differences."""
         yield from self._arguments()
         for one, other in self._pairs:
             if one and other:
@@ -126,14 +126,14 @@ class _Systems:
         return self._instances.side(number, argument.name, told, argument.location)
 
     def _connections(self) -> Iterator[Change]:
-        """Yield who is joined to whom now and was not, and the other way; not where only names are others."""
+        """Yield connections added and removed, except those where only names changed."""
         before, after = (joined(side, partial(self._instances.sign, number)) for number, side in enumerate(self._sides))
         for one, other, gone in ((before, after, True), (after, before, False)):
             for source, kind, channel, target in came_apart(one, other):
                 yield _came_or_went(Level.CONNECTION, source, Side(channel, target), self._name, kind, gone=gone)
 
     def _renamed(self) -> Iterator[Change]:
-        """Yield what was renamed, once, with how much has another name only because of that."""
+        """Yield each renamed node once, with the number of names changed only because of that."""
         for (before, after), pairs in self.renames.nodes.items():
             names = self.renames.names[before, after]
             along = [count(names, "name")] if names else []
@@ -150,7 +150,7 @@ class _Systems:
 def joined(system: System, known: Callable[[NodeInstance, InstanceInterface], Hashable | None]) -> _Joined:
     """Return the connections of a system, each with the pairs of ends that make it.
 
-    `known` gives what stands for an end, the same for both states of it; None for an end that is left out.
+    `known` returns the sign of an end, the same for both states of it; None for an end that is left out.
     """
     givers: defaultdict[tuple[Role, str], list[tuple[str, Hashable]]] = defaultdict(list)
     takers: defaultdict[tuple[Role, str], list[tuple[str, Hashable]]] = defaultdict(list)

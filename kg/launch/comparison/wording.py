@@ -66,12 +66,12 @@ def qos_words(qos: Qos | None) -> str:
 
 
 def sign(change: Change) -> str:
-    """Return `+` for what is new, `-` for what is gone, `~` for what is another now."""
+    """Return `+` for added, `-` for removed, `~` for changed."""
     return {Kind.NEW: "+", Kind.GONE: "-"}.get(change.kind, "~")
 
 
 def change_words(change: Change) -> str:
-    """Return what changed, without its owner: `publishes /scan: type a/A -> b/B`."""
+    """Return the change in words, without its owner: `publishes /scan: type a/A -> b/B`."""
     side = change.after or change.before
     if side is None:
         return ""

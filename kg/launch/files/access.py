@@ -1,4 +1,4 @@
-"""What a launch configuration may read, and how much of anything it may have.
+"""The files that a launch configuration may read, and its limits.
 
 Files are named `package://NAME/path`, and found in the build, else among installed packages. Nothing outside of these
 can be named, so nothing else is ever read. A budget bounds the rest, since files that include each other can describe a
@@ -47,7 +47,7 @@ _PLACES_OF_A_REMAP: Final = 20
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """The file that a text names, or what kind of problem it is that there is none, and why."""
+    """The file that a text names, or the kind of problem if there is none, and the reason."""
 
     file: FilePath | None
     kind: LaunchProblemKind = LaunchProblemKind.UNRESOLVED
@@ -81,7 +81,7 @@ class Files:
         return self.text(file).rpartition("/")[0]
 
     def at(self, text: str) -> FilePath | None:
-        """Return where a text points to, whether there is a file or not; None when it points to nothing known."""
+        """Return the path that a text names, whether the file exists or not; None if it names nothing known."""
         scheme, _, rest = text.partition("//")
         head, _, inner = rest.partition("/")
         if f"{scheme}//" == _LOOSE:
@@ -110,11 +110,11 @@ class Files:
         return Found(None, reason=f"the file {text} is outside the build", subject=text)
 
     def exists(self, file: FilePath) -> bool:
-        """Tell whether a file can be read."""
+        """Return whether a file can be read."""
         return self.reader.workspace.is_file(file)
 
     def read(self, file: FilePath) -> bytes | None:
-        """Return the text of a file as UTF-8; None when there is none, or it is too large or binary."""
+        """Return the text of a file as UTF-8; None if it is missing, too large or binary."""
         return self.reader.read(file) if self.exists(file) else None
 
 
@@ -125,13 +125,13 @@ def _below(repository: str, folder: str, inner: str) -> FilePath | None:
 
 
 class Budget:
-    """What one configuration has cost so far."""
+    """The resources that one configuration has used so far."""
 
     def __init__(self) -> None:
         self._spent: Counter[str] = Counter()
 
     def allows(self, report: Callable[[str], None], what: str, amount: int = 1) -> bool:
-        """Count something and tell whether there may be so much of it; `report` is called the first time that not."""
+        """Count something and return whether that is within the limit; `report` is called the first time that not."""
         before, most = self._spent[what], MOST[what]
         self._spent[what] += amount
         if before <= most < self._spent[what]:
@@ -139,7 +139,7 @@ class Budget:
         return self._spent[what] <= most
 
     def allows_node(self, report: Callable[[str], None], node: StartedNode) -> bool:
-        """Count a node with its remappings and parameters, and tell whether there may be so many."""
+        """Count a node with its remappings and parameters; return whether that is within the limits."""
         chains = [node.chain, *(one.chain for one in node.remaps), *(one.chain for one in node.parameters)]
         places = len(chains) + sum(map(len, chains)) + _PLACES_OF_A_REMAP * len(node.remaps)
         return self.allows(report, "nodes") and self.allows(report, "places", places)

@@ -1,7 +1,7 @@
 """XML of launch files and robot descriptions as elements that know their lines.
 
 The parser is expat, as it is that of roslaunch and xacro: they take the same texts for well-formed, and its line is
-that of the `<` of a start tag, also when the tag spans lines or stands behind line 65535. Entities that a file defines
+that of the `<` of a start tag, also when the tag spans lines or is behind line 65535. Entities that a file defines
 are refused.
 """
 
@@ -32,16 +32,16 @@ _Problem: TypeAlias = tuple[str, int]
 
 @dataclass(frozen=True, slots=True)
 class Document(Generic[_Element]):
-    """The root element as far as it could be read, and what is wrong with the file as message and line."""
+    """The root element as far as it could be read, and the problems of the file as message and line."""
 
     root: _Element | None
     problem: _Problem | None = None
 
 
 class Markup(Generic[_Element]):
-    """A language written in XML: how its elements are made of tag, attributes and line, and what is put in them.
+    """A language written in XML: how elements are made of tag, attributes and line, and how texts are replaced.
 
-    `text` is given an element, a piece of the text in it and its line; with `whole_texts` all that stands between two
+    `text` is given an element, a piece of the text in it and its line; with `whole_texts` all that is between two
     tags is one piece. The last `kept` documents that are not large are kept.
     """
 
@@ -59,7 +59,7 @@ class Markup(Generic[_Element]):
         self._kept = lru_cache(maxsize=kept)(self._parsed)
 
     def read(self, text: bytes) -> Document[_Element]:
-        """Return the document of UTF-8 `text`; what stands before an error in it is kept."""
+        """Return the document of UTF-8 `text`; the part before an error in it is kept."""
         return self._parsed(text) if len(text) > _LARGE_BYTES else self._kept(text)
 
     def _parsed(self, text: bytes) -> Document[_Element]:
@@ -73,7 +73,7 @@ class _RefusedError(Exception):
 
 
 class _Builder(Generic[_Element]):
-    """Makes elements of what the parser reports."""
+    """Builds elements from the events of the parser."""
 
     def __init__(self, markup: Markup[_Element]) -> None:
         self.root: _Element | None = None
@@ -87,7 +87,7 @@ class _Builder(Generic[_Element]):
         self._parser.EntityDeclHandler = self._entity
 
     def read(self, text: bytes) -> _Problem | None:
-        """Parse the text; return what is wrong with it."""
+        """Parse the text; return the problems of it."""
         try:
             self._parser.Parse(text, True)
         except expat.ExpatError as error:

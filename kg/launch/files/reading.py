@@ -38,7 +38,7 @@ _OF_ROS2: Final = re.compile(
 def read_launches(reader: Reader, package: PackageFolder, ros: int) -> tuple[LaunchConfiguration, ...]:
     """Return each launch file of `package`, evaluated with its default arguments; `ros` is the package's version.
 
-    Templates are left out. What is malformed in files of the package is a problem KG415 of the `reader` too.
+    Templates are left out. Malformed files of the package are also problems KG415 of the `reader`.
     """
     launches = (entry.path for entry in package.files if entry.kind is FileKind.LAUNCH)
     paths = sorted(path for path in launches if not _TEMPLATES & set(path.split("/")))
@@ -60,7 +60,7 @@ def read_configuration(
 ) -> LaunchConfiguration | None:
     """Return the launch file at `path` of the reader's source, evaluated with arguments and environment variables.
 
-    None for a file that is not a launch file after all. What is wrong stands in `problems` of the result.
+    None for a file that is not a launch file after all. Errors are in `problems` of the result.
     """
     file = FilePath(reader.repository, path)
     text = reader.read(file)
@@ -92,6 +92,6 @@ def _dialect_of(file: FilePath, text: bytes, ros: int) -> LaunchDialect | None:
 
 
 def _is_of_ros1(text: bytes) -> bool:
-    """Tell whether a launch file in XML has what only ROS 1 reads, and nothing that only ROS 2 does."""
+    """Return whether a launch file in XML has parts that only ROS 1 reads, and none that only ROS 2 reads."""
     plain = _COMMENT.sub(b"", text)
     return _OF_ROS1.search(plain) is not None and _OF_ROS2.search(plain) is None

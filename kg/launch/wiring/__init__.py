@@ -1,4 +1,4 @@
-"""From what a launch configuration starts and what node types declare to the computation graph; nothing is run."""
+"""Builds the computation graph from a launch configuration and the declarations of node types; nothing is run."""
 
 from __future__ import annotations
 

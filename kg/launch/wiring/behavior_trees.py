@@ -55,7 +55,7 @@ class _Trees:
 
 @dataclass(frozen=True, slots=True)
 class TreeNode:
-    """A node of a tree that an instance runs, with the ports that its element gives; `element` stands for it."""
+    """A node of a tree that an instance runs, with the ports that its element gives; `element` is its identity."""
 
     typed: Typed
     ports: Mapping[str, LaunchParameter]

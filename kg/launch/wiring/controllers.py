@@ -1,4 +1,4 @@
-"""Controllers, which programs beside their manager name: of `ros_control` (ROS 1) and `ros2_control` (ROS 2).
+"""Controllers, named by programs other than their manager: of `ros_control` (ROS 1) and `ros2_control` (ROS 2).
 
 In ROS 1 they are plugins of the node that loads them, with parameters below no node (`loader` in the table). In ROS 2
 each is a node of its own in the process of the manager (rows `spawner`), whose parameters tell its class.
@@ -31,7 +31,7 @@ _TYPE: Final = "/type"
 
 @dataclass(frozen=True, slots=True)
 class _Spawner:
-    """A row of the table; its head says what the fields mean."""
+    """A row of the table; its head explains the fields."""
 
     ros: int
     source: str

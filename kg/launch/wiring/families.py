@@ -1,4 +1,4 @@
-"""Which interfaces an instance has of those that its type may have: families, names that take turns, and switches.
+"""The interfaces of an instance among those that its type may have: families, alternative names, and switches.
 
 A name that is the value of a parameter `~/imu{}` stands for as many interfaces as parameters are set whose names fit
 (`imu0`, `imu1`), one of `~/topics[].name` for as many as the list or dictionary `~/topics` has elements, and one of
@@ -200,7 +200,7 @@ def _natural(name: str) -> list[tuple[int, str]]:
 def switched_on(node: NodeType, settings: Settings, place: Place) -> NodeType:
     """Return a node type without the interfaces that parameters, as they are set or by default, keep from being made.
 
-    `place` is that of the node, or of the plugin whose type it is. What is not known turns nothing off.
+    `place` is that of the node, or of the plugin whose type it is. Unknown values turn nothing off.
     """
     if not any(one.switches for one in node.interfaces):
         return node

@@ -1,7 +1,7 @@
 """Nodes that a node makes itself in its process, as `controller_server` makes its costmap.
 
 Launch files do not name them, yet their command line reaches them: parameter files with sections of their own, and
-remappings. Which nodes make others is told by the rows `inner` of `ontology/plugins.toml`; its head explains them.
+remappings. Rows `inner` of `ontology/plugins.toml` list the nodes that make others; its head explains them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = ["Inner", "Spelling", "addressed", "filled_defaults", "inner_nodes", "
 
 @dataclass(frozen=True, slots=True)
 class Inner:
-    """A row of the table; its head says what the fields mean."""
+    """A row of the table; its head explains the fields."""
 
     of: tuple[str, ...]
     ros: int
@@ -80,7 +80,7 @@ def inner_nodes(typed: Typed | None) -> tuple[Inner, ...]:
 
 
 def without_inner(node: NodeType, made: Iterable[Inner]) -> NodeType:
-    """Return a node type without what stands in the code of the nodes that it makes."""
+    """Return a node type without the code of the nodes that it makes."""
     rows_of = list(made)
     code = tuple(path for row in rows_of for path in row.code)
     outside = {name for row in rows_of for name in row.outside}
@@ -94,9 +94,9 @@ def without_inner(node: NodeType, made: Iterable[Inner]) -> NodeType:
 
 
 def started_inner(row: Inner, maker: StartedNode, place: Place, process: StartedNode | None) -> StartedNode:
-    """Return what a node makes as if it were started; `process` is what has the command line, if that is known.
+    """Return an inner node of `maker` as a started node; `process` has the command line, if known.
 
-    It shares the container of its maker; who made it stands among its settings as `made-by`.
+    It shares the container of its maker, which is among its settings as `made-by`.
     """
     package, _, executable = row.type.partition("/")
     return replace(
@@ -133,7 +133,7 @@ def addressed(parameters: Iterable[LaunchParameter], full: str, *, alone: bool =
 
 
 def filled_defaults(row: Inner, place: Place) -> dict[str, str | None]:
-    """Return what parameters of an inner node are by default where its maker says so, as YAML."""
+    """Return the defaults of an inner node's parameters that its maker sets, as YAML."""
     above = place.namespace.removesuffix(f"/{row.below}").rstrip("/") if row.below else place.namespace.rstrip("/")
     return {name: value.replace("{above}", above) for name, value in row.defaults.items()}
 

@@ -40,7 +40,7 @@ _PLUGIN_PARAMETER: Final = re.compile(r"(^|.*[./_])(plugin|plugins|type)")
 
 @dataclass(slots=True)
 class Draft:
-    """An instance while it is made: what is found of one node before all nodes of the configuration are known."""
+    """An instance under construction: the findings on one node before all nodes of the configuration are known."""
 
     started: StartedNode
     """With those parameters only that are for this node of its process."""
@@ -78,7 +78,7 @@ class Draft:
 
 
 def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, made_by: Inner | None = None) -> Draft:
-    """Return what is known of a node by itself: its type, its place and its rules."""
+    """Return the draft of a node by itself: its type, its place and its rules."""
     typed, missing, reason = types.of(started, repository)
     place = place_of(started, typed[1] if typed is not None else None)
     makes = inner_nodes(typed) if made_by is None else ()
@@ -123,7 +123,7 @@ def loads(draft: Draft, types: NodeTypes, repository: str) -> None:
 
 
 def _outside(plugin: Loaded, makes: tuple[Inner, ...]) -> Loaded:
-    """Return a plugin without what stands in the code of the inner nodes that it is handed."""
+    """Return a plugin without the code of the inner nodes that it is handed."""
     if plugin.found is None or not makes:
         return plugin
     owner, node = plugin.found
@@ -257,7 +257,7 @@ def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bo
 
 
 def _names_plugins(name: str, given: LaunchParameter) -> bool:
-    """Tell whether a parameter says what is loaded, in a way that is not known."""
+    """Return whether a parameter decides what is loaded, with an unknown value."""
     if _PLUGIN_PARAMETER.fullmatch(name) is None:
         return False
     return given.value is None or is_partial(str(parsed(given.value)))

@@ -50,7 +50,7 @@ class Ends:
     """What the node's own parameters are by default, which its plugins may ask for."""
 
     def of_node(self, owner: NodeReference, node: NodeType) -> Iterator[InstanceInterface]:
-        """Yield what the node type declares."""
+        """Yield the ends that the node type declares."""
         made: dict[Location, list[InstanceInterface]] = {}
         later: list[Interface] = []
         for declared in meant(node.interfaces, self.settings):
@@ -103,7 +103,7 @@ class Ends:
         return replace(base, declared=declared, resolved=moved, remap=remap or base.remap, qos=declared.qos)
 
     def of_plugin(self, plugin: Loaded) -> Iterator[InstanceInterface]:
-        """Yield what a loaded plugin declares."""
+        """Yield the ends that a loaded plugin declares."""
         if plugin.found is None:
             return
         owner, node = plugin.found
@@ -130,7 +130,7 @@ class Ends:
             yield self._placed(declared, owner, name, own)
 
     def of_tree_node(self, used: TreeNode) -> Iterator[InstanceInterface]:
-        """Yield what a node of a behavior tree declares; the element of the tree has the ports that name interfaces."""
+        """Yield the ends of a node of a behavior tree; the element of the tree has the ports that name interfaces."""
         owner, node = used.typed
         node = switched_on(node, self.settings, self.place)
         for declared in node.interfaces:
@@ -206,7 +206,7 @@ class Ends:
 
 
 def _made_beside(declared: Interface, base: InstanceInterface) -> bool:
-    """Tell whether a library makes the name of an end of that of another at the same line of code."""
+    """Return whether a library makes the name of an end of that of another at the same line of code."""
     above, name = base.declared.name, declared.name or ""
     if above is None or not is_known(base.resolved):
         return False

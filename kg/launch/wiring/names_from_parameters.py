@@ -1,7 +1,7 @@
-"""Names of interfaces whose text comes from a parameter: which part of it the parameter is, and what becomes of that.
+"""Names of interfaces whose text comes from a parameter: the part that the parameter gives, and its value.
 
 A fact has the name with the parameter's default in it (`~/front/scan`, of the parameter `~/topic` with the default
-`scan`), or a hole with its label where it has none. Where the default stands in the name tells which part is the
+`scan`), or a hole with its label where it has none. Where the default is in the name tells which part is the
 parameter's.
 """
 
@@ -70,14 +70,14 @@ def named(declared: Interface, node: NodeType, setting: LaunchParameter | None) 
 
 
 def _in_own_namespace(declared: Interface, node: NodeType) -> bool:
-    """Tell whether code puts the node's namespace in front of a value that by default is an absolute name."""
+    """Return whether code puts the node's namespace in front of a value that by default is an absolute name."""
     name = declared.name
     defaults = _defaults(node, declared.parameter) if name is not None and not name.startswith("/") else ()
     return any(text.startswith("/") and normalise(text)[1:] == name for text in defaults)
 
 
 def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, bool]:
-    """Return what stands before and after the parameter's part of a name, and whether that is sure."""
+    """Return the text before and after the parameter's part of a name, and whether it is certain."""
     name = declared.name
     if name is None:
         return "", "", not (declared.written or "").strip() or _plain(declared.written)
@@ -108,7 +108,7 @@ def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, boo
 
 
 def _plain(written: str | None) -> bool:
-    """Tell whether an expression is no more than a variable or a member of one: nothing is joined to its value."""
+    """Return whether an expression is no more than a variable or a member of one: nothing is joined to its value."""
     bare = _MEMBER.sub("", (written or "").strip())
     return all(char.isalnum() or char in "_.:->()[]" for char in bare)
 

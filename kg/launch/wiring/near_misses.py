@@ -66,7 +66,7 @@ class _Channels:
                     yield min(name, other), max(name, other)
 
     def _both_meant(self, lonely: str, other: str) -> bool:
-        """Tell whether names differ in namespaces alone, and nobody waits for `other`: then both may be meant."""
+        """Return whether names differ in namespaces alone, and nobody waits for `other`: then both may be meant."""
         given = self.ends[lonely] == {0}
         return given and len(self.ends[other]) > 1 and (lonely.endswith(other) or other.endswith(lonely))
 
@@ -75,7 +75,7 @@ class _Channels:
         return not types or not others or not types.isdisjoint(others)
 
     def _lost(self, lonely: str, other: str) -> bool:
-        """Tell whether names that are only related are likely the two ends of one that was renamed.
+        """Return whether names that are only related are likely the two ends of one that was renamed.
 
         Types have to agree; where both names lack an end, and share a namespace, types that share a word will do, since
         messages are renamed with their topics.
@@ -136,7 +136,7 @@ def _in_other_namespace(
     only a name with one possible partner counts, of the same type. One of the two namespaces has no name at which
     anybody meets, or the two differ in numbers (`drone1`, `drone2`).
 
-    `ends` tells which ends (0 gives, 1 takes) a name has, `types` of which types; `met` are the first namespaces of
+    `ends` has the ends of a name (0 gives, 1 takes), `types` their types; `met` are the first namespaces of
     names at which somebody meets.
     """
     found: defaultdict[tuple[str, int], list[str]] = defaultdict(list)

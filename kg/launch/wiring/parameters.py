@@ -35,7 +35,7 @@ class Asked:
         """Relative names in C++, as if given to a private handle: which handle it was is not always known."""
 
     def add_node(self, owner: NodeReference, node: NodeType) -> None:
-        """Add what a node type asks for."""
+        """Add the parameters of a node type."""
         for parameter in _read_first(node):
             if parameter.name is not None:
                 self._add(self._absolute(parameter.name, self._place), parameter, owner)
@@ -43,7 +43,7 @@ class Asked:
                     self._by_handle.setdefault(self._place.resolve(f"~/{parameter.name}"), (parameter, owner))
 
     def add_plugin(self, plugin: Loaded) -> None:
-        """Add what a loaded plugin asks for."""
+        """Add the parameters of a loaded plugin."""
         if plugin.found is None:
             return
         owner, node = plugin.found

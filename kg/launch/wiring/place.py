@@ -1,4 +1,4 @@
-"""Where an instance stands: its own name and namespace, against which names that it uses are resolved.
+"""The name and namespace of an instance, against which the names that it uses are resolved.
 
 Sources: wiki.ros.org/Names, and `rcl_expand_topic_name` of ROS 2. Parts that are not known stay holes.
 """
@@ -21,7 +21,7 @@ __all__ = ["Place", "place_of"]
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """What relative and private names are resolved against.
+    """Base of relative and private names.
 
     `namespace` and `name` are those of the node, `name` without namespace. `private` is what `~` stands for where that
     is not the node's name: plugins have a place of their own below it.

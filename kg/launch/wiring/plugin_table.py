@@ -1,4 +1,4 @@
-"""The table of what nodes load and make by themselves, `ontology/plugins.toml`, whose head explains it."""
+"""The table of the plugins and inner nodes of nodes, `ontology/plugins.toml`, whose head explains it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def rows(key: str, kind: type[_Row]) -> tuple[_Row, ...]:
 
 
 def load_rows(path: Path, key: str, kind: type[_Row]) -> tuple[_Row, ...]:
-    """Return rows of a table file; a `UsageError` KG002 names what is wrong with one that cannot be used."""
+    """Return rows of a table file; a `UsageError` KG002 names the problems of one that cannot be used."""
     try:
         return tuple(_row(row, kind) for row in tomllib.loads(path.read_text("utf-8"))[key])
     except (OSError, KeyError, TypeError, ValueError) as error:

@@ -1,4 +1,4 @@
-"""Which plugins a node loads by its parameters, and where what they declare stands.
+"""The plugins that a node loads by its parameters, and the places of their declarations.
 
 The table is `ontology/plugins.toml`; its head explains it.
 """
@@ -33,7 +33,7 @@ _LISTS: Final = ("plugins", "_ids", "filters", "navigators")
 
 @dataclass(frozen=True, slots=True)
 class Framework:
-    """A row of the table; its head says what the fields mean."""
+    """A row of the table; its head explains the fields."""
 
     base: str
     ros: int
@@ -54,7 +54,7 @@ class Framework:
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
-    """A plugin that an instance loads under the name `id`; `scope` stands before the parameter that says so.
+    """A plugin that an instance loads under the name `id`; `scope` is the prefix of the parameter that loads it.
 
     `found` is None for a class that the build does not have.
     """
@@ -68,7 +68,7 @@ class Loaded:
     """The parameter that says so, relative to the node (`global_costmap/plugins`)."""
 
     def place(self, node: Place) -> Place:
-        """Return what the plugin's names are resolved against."""
+        """Return the base of the plugin's names."""
         private = node.resolve(self._filled(self.framework.private))
         relative = self.framework.relative
         namespace = node.resolve(self._filled(relative)) if relative is not None else node.namespace
@@ -211,7 +211,7 @@ def _classes(value: Any) -> Iterator[tuple[str | None, str]]:
 
 
 def _listed(values: Mapping[str, str | None]) -> set[str] | None:
-    """Return the ids that lists of plugins name; None where there is no list that could be meant."""
+    """Return the ids in lists of plugins; None without such a list."""
     lists = [parsed(value) for name, value in values.items() if name.endswith(_LISTS) and value is not None]
     known = [entry for entry in lists if isinstance(entry, list)]
     return {str(item) for entry in known for item in entry} if known else None

@@ -91,7 +91,7 @@ class Remapping:
         return bool(self._rules)
 
     def apply(self, name: str, role: Role, handle: str | None = None) -> tuple[str, Remap | None]:
-        """Return the name that rules make of an absolute one, and the remapping that fits, if there is one.
+        """Return the remapped name of an absolute one, and the remapping that matches, if any.
 
         `handle` is the absolute namespace of the node handle that the name was given to (ROS 1), if it is known.
         """

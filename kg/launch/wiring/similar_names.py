@@ -1,12 +1,12 @@
 """Names that are likely meant to be one: typing errors, a namespace too many or too few, plurals, case, separators.
 
-What differs on purpose is told apart: numbers (`camera1`, `camera2`), short words (`min_x`, `max_x`), and words that
+Deliberate differences are excluded: numbers (`camera1`, `camera2`), short words (`min_x`, `max_x`), and words that
 differ in their first letter (`increase`, `decrease`). A misspelt name differs in one word only. Candidates are found by
 keys that alike names share, so that a system of thousands of names costs in proportion to their number.
 
 Two names are related if one has more to it: `imu/data` and `imu/data_compass`, `found/objects` and
 `found/tracker/objects`. Names of the same words in another order are related too, if they end alike:
-`camera/left/image`, `left_camera/image`. By itself that says little, since many topics of a node are named so. Where
+`camera/left/image`, `left_camera/image`. By itself this is weak evidence: many topics of a node are named so. Where
 one end of each is missing, or the types agree and only one name has both ends, it is how a topic gets lost when a part
 of a system is renamed.
 """
@@ -41,7 +41,7 @@ _MOST_EXTRA: Final = 2
 
 
 def alike(one: str, other: str) -> bool:
-    """Tell whether two different names are likely meant to be the same; holds in both directions, never of itself."""
+    """Return whether two different names are likely meant to be the same; holds in both directions, never of itself."""
     if one == other or is_partial(one) or is_partial(other):
         return False
     if _form(one) == _form(other):
@@ -53,9 +53,9 @@ def alike(one: str, other: str) -> bool:
 
 
 def alike_when_short(one: str, other: str) -> bool:
-    """Tell whether a letter was put into a name, left out or swapped, in a word that is too short for `alike`.
+    """Return whether a letter was put into a name, left out or swapped, in a word that is too short for `alike`.
 
-    So many short words are one letter apart that this says little, unless one of the names is known to be wrong.
+    So many short words are one letter apart that this is weak evidence, unless one of the names is known to be wrong.
     """
     words, others = words_of(one), words_of(other)
     if is_partial(one) or is_partial(other) or len(words) != len(others):
@@ -118,7 +118,7 @@ def _segment(segment: str) -> tuple[tuple[str, ...], str, str]:
 
 @lru_cache(maxsize=65_536)
 def _form(name: str) -> tuple[str, ...]:
-    """Return what stays of a name without case, separators and plurals; whether it is absolute stays, too."""
+    """Return a name without case, separators and plurals; a leading slash stays."""
     root = name[:1] if name[:1] in {"/", "~"} else ""
     return (root, *[_segment(segment)[1] for segment in name.split("/") if segment])
 
@@ -130,7 +130,7 @@ def _singular(word: str) -> str:
 
 
 def _tail(longer: str, shorter: str) -> bool:
-    """Tell whether a name is another without its first namespaces."""
+    """Return whether a name is another without its first namespaces."""
     rest = shorter.removeprefix("~").lstrip("/")
     return bool(rest) and longer != rest and longer.endswith(f"/{rest}")
 
@@ -146,7 +146,7 @@ def _misspelt(one: Words, other: Words) -> bool:
 
 
 def _slip(one: str, other: str) -> bool:
-    """Tell whether one word is the other with one typing error, or two where both are long."""
+    """Return whether one word is the other with one typing error, or two where both are long."""
     shorter = min(len(one), len(other))
     if shorter < _SHORT or one[0] != other[0] or not one.isalpha() or not other.isalpha():
         return False
@@ -154,7 +154,7 @@ def _slip(one: str, other: str) -> bool:
 
 
 def _distance(one: str, other: str) -> int:
-    """Return how many letters are to be put in, taken out, replaced or swapped with their neighbour."""
+    """Return the number of letters to insert, delete, replace or swap with their neighbour."""
     before: list[int] = []
     row = list(range(len(other) + 1))
     for i, a in enumerate(one, 1):
@@ -178,7 +178,7 @@ def _initials(name: str) -> str:
 
 
 class Related:
-    """An index of names by what is left of them without a word or two, or without a namespace."""
+    """An index of names by their rest without a word or two, or without a namespace."""
 
     def __init__(self, names: Iterable[str]) -> None:
         self._whole: defaultdict[Words, list[str]] = defaultdict(list)
@@ -204,7 +204,7 @@ class Related:
 
 
 def related(one: str, other: str) -> bool:
-    """Tell whether one of two names has words or a namespace that the other lacks, or the same in another order."""
+    """Return whether one of two names has words or a namespace that the other lacks, or the same in another order."""
     if is_partial(one) or is_partial(other):
         return False
     words, others = words_of(one), words_of(other)
@@ -219,7 +219,7 @@ def _ordered(words: Words) -> tuple[str, ...]:
 
 
 def _parts(words: Words) -> Iterator[Words]:
-    """Yield what is left without one or two words of a segment, or without a segment that is not the last."""
+    """Yield the rests without one or two words of a segment, or without a segment that is not the last."""
     for at in range(len(words) - 1):
         yield words[:at] + words[at + 1 :]
     for at, segment in enumerate(words):
@@ -229,7 +229,7 @@ def _parts(words: Words) -> Iterator[Words]:
 
 @lru_cache(maxsize=16_384)
 def _shorter(segment: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
-    """Return what is left of the words of a segment without one or two; words with digits stay."""
+    """Return the rests of the words of a segment without one or two; words with digits stay."""
     if len(segment) > _MOST_WORDS:
         return ()
     return tuple(

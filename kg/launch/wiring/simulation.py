@@ -1,8 +1,8 @@
-"""What simulated robots make: the plugins in their descriptions run in the simulator, under names of their own.
+"""Interfaces of simulated robots: the plugins in their descriptions run in the simulator, under own names.
 
 In ROS 1 they share the simulator's node, in a namespace of a node handle, so that its remappings count; in ROS 2 each
 is a node in its process. They belong to the instance that runs the simulator, else to the one that hands it the
-description. What they make is told by `ontology/simulation.toml`.
+description. `ontology/simulation.toml` lists what they make.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Simulated:
     model: str = ""
 
     def ends(self, node: Place, remapping: Remapping) -> Iterator[InstanceInterface]:
-        """Yield what the plugin makes in the instance at `node`."""
+        """Yield the ends that the plugin makes in the instance at `node`."""
         if self.row.ros == 1:
             yield from self._made(self._beside(node), remapping)
             return
@@ -63,7 +63,7 @@ class Simulated:
         return Place(node.resolve(namespace) if namespace else node.namespace, node.name, node.full)
 
     def _own_node(self) -> tuple[Place, Remapping]:
-        """Return the place of the plugin's own node, and its rules (ROS 2); the simulator itself stands at the root."""
+        """Return the place of the plugin's own node, and its rules (ROS 2); the simulator itself is at the root."""
         namespace = self._values().get("ros/namespace") or self.namespace
         place = Place(normalise(f"/{namespace}"), self.plugin.name or ANONYMOUS)
         remaps = []
@@ -85,7 +85,7 @@ class Simulated:
                     yield self._end(end, (below, name), place, remapping)
 
     def _each(self) -> Sequence[str | None]:
-        """Return what the ends are made for, each one once."""
+        """Return the subjects of the ends, each one once."""
         if self.row.each is None:
             return (None,)
         texts = [one.text for one in self.plugin.values if one.element == self.row.each]
@@ -186,7 +186,7 @@ def _simulator(draft: Draft, ros: int) -> Simulator | None:
 def own_ends(
     started: StartedNode, place: Place, remapping: Remapping, ros: int, repository: str
 ) -> Iterator[InstanceInterface]:
-    """Yield what a simulator offers itself, where no code of the build says it."""
+    """Yield the ends of a simulator itself, unless code of the build declares them."""
     row = simulator_of(started.package, started.executable, ros)
     if row is None:
         return

@@ -1,4 +1,4 @@
-"""The table of what plugins of simulators make, `ontology/simulation.toml`, whose head explains it."""
+"""The table of plugins of simulators, `ontology/simulation.toml`, whose head explains it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class End:
     negated: bool = False
 
     def is_there(self, values: Mapping[str, str]) -> bool:
-        """Tell whether a plugin with these texts of elements makes the end, as far as they are known."""
+        """Return whether a plugin with these texts of elements makes the end, as far as they are known."""
         if self.element is None:
             return True
         text = values.get(self.element, "")
@@ -65,7 +65,7 @@ class End:
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A row for plugins; the head of the table says what the fields mean."""
+    """A row for plugins; the head of the table explains the fields."""
 
     library: tuple[str, ...]
     ros: int
@@ -92,7 +92,7 @@ class Simulator:
 
 @dataclass(frozen=True, slots=True)
 class Spawner:
-    """A row for programs that hand a description to a simulator: their options for what is said how."""
+    """A row for programs that hand a description to a simulator: their options by meaning."""
 
     ros: int
     package: str
@@ -106,7 +106,7 @@ class Spawner:
 
 @cache
 def read_end(text: str) -> End:
-    """Return the end that a text of the table says; `ValueError` for one that says none."""
+    """Return the end that a text of the table describes; `ValueError` if malformed."""
     found = _END.fullmatch(text)
     if found is None:
         raise ValueError(f"`{text}` names no endpoint of a plugin")
@@ -151,7 +151,7 @@ def _is_of(row: Simulator | Spawner, package: str | None, executable: str | None
 
 @cache
 def load() -> tuple[tuple[Device, ...], tuple[Simulator, ...], tuple[Spawner, ...]]:
-    """Return the rows of the table of the installation; a `UsageError` KG002 names what is wrong with it."""
+    """Return the rows of the table of the installation; a `UsageError` KG002 names the problems of it."""
     path = folder("ontology") / _FILE
     return (
         load_rows(path, "device", Device),

@@ -63,7 +63,7 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
 
 
 def _line_of(draft: Draft) -> str | None:
-    """Return the name of what has the command line of a node that has none of its own."""
+    """Return the name of the process with the command line of a node that has none of its own."""
     return draft.process or draft.started.host
 
 
@@ -86,7 +86,7 @@ def _with_inner(
 
 
 def _without_shared(instance: NodeInstance, used: set[Location]) -> NodeInstance:
-    """Return the instance without guesses for remappings that stand for several nodes and fit one of the others."""
+    """Return the instance without guesses for remappings shared by several nodes that match another one."""
     if not any(rule.similar and rule.remap.location in used for rule in instance.remaps):
         return instance
     kept = (replace(rule, similar=()) if rule.remap.location in used else rule for rule in instance.remaps)

@@ -1,6 +1,6 @@
 """Command line tools that a configuration starts as nodes: their arguments name what they publish and subscribe to.
 
-What the words mean is told by `ontology/tools.toml`, whose head explains it.
+`ontology/tools.toml` defines the words; its head explains it.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Tool:
 
 
 def tool_ends(started: StartedNode, ends: Ends, repository: str) -> Iterator[InstanceInterface]:
-    """Yield what the command line of a tool names; `repository` is the source of the configuration."""
+    """Yield the ends that the command line of a tool names; `repository` is the source of the configuration."""
     rows = (row for row in _rows() if row.ros == ends.ros)
     found = next((one for row in rows if (one := _read(row, started, ends.settings)) is not None), None)
     if found is None:
@@ -74,7 +74,7 @@ def tool_ends(started: StartedNode, ends: Ends, repository: str) -> Iterator[Ins
 
 
 def _read(row: Tool, started: StartedNode, settings: Settings) -> tuple[Tool, dict[str, str], list[str]] | None:
-    """Return what the operands of a tool are, by their names, and the words behind them; None for another program."""
+    """Return the operands of a tool by their names, and the words after them; None for another program."""
     is_program = started.package == row.package and started.executable in row.executable
     if not is_program and (started.plugin is None or started.plugin != row.class_):
         return None
@@ -90,7 +90,7 @@ def _read(row: Tool, started: StartedNode, settings: Settings) -> tuple[Tool, di
 
 
 def _operands(words: list[str], options: tuple[str, ...]) -> list[str]:
-    """Return words without options and what options take."""
+    """Return words without options and their arguments."""
     found: list[str] = []
     skip = False
     for word in words:
@@ -101,7 +101,7 @@ def _operands(words: list[str], options: tuple[str, ...]) -> list[str]:
 
 
 def _type(kind: str) -> str | None:
-    """Return a type as `package/Name`; None for one that nothing tells."""
+    """Return a type as `package/Name`; None for an unknown one."""
     parts = kind.split("/")
     known = len(parts) > 1 and not is_partial(kind)
     return f"{parts[0]}/{parts[-1]}" if known else None

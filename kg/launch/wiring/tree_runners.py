@@ -1,6 +1,6 @@
-"""Which nodes run behavior trees: those with a parameter that names a file of trees, or nodes that these make for it.
+"""Nodes that run behavior trees: those with a parameter that names a file of trees, or nodes that these make for it.
 
-Rows `tree` of `ontology/plugins.toml` tell which; its head explains them.
+Rows `tree` of `ontology/plugins.toml` list them; its head explains them.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _UNKNOWN: Final = "no parameter names a behavior tree that is in the sources"
 
 @dataclass(frozen=True, slots=True)
 class _Runner:
-    """A row of the table; its head says what the fields mean."""
+    """A row of the table; its head explains the fields."""
 
     ros: int
     source: str
@@ -72,7 +72,7 @@ def _actions(row: _Runner, node: NodeType) -> Iterator[Interface]:
 
 
 def _beside(parameter: str, action: Interface, node: NodeType) -> bool:
-    """Tell whether a parameter and an action server are of the same class, by the names of their files."""
+    """Return whether a parameter and an action server are of the same class, by the names of their files."""
     stems = {PurePosixPath(one.location.path).stem for one in node.parameters if one.name == parameter}
     return PurePosixPath(action.location.path).stem in stems
 

@@ -33,7 +33,7 @@ class NodeTypes:
     types; `programs` what else packages install to be started, in which no node was found; `data` are the files.
 
     Whatever wiring learns of other packages it asks by one of `has`, `installed`, `executables`, `started`, `loaded`,
-    `data` and `like`, so that a build knows which answers a system depends on.
+    `data` and `like`, so a build can record the answers that a system depends on.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class NodeTypes:
             self._data[file.package].append(file)
 
     def _index(self, nodes: Iterable[tuple[str, NodeType | NodeName]]) -> None:
-        """Note where among the node types, given with their packages, each stands by its names."""
+        """Index the node types, given with their packages, by their names."""
         self._packages: set[str] = set()
         self._programs: dict[str, set[str]] = {}
         self._started: defaultdict[tuple[str, str], list[int]] = defaultdict(list)
@@ -75,11 +75,11 @@ class NodeTypes:
                     self._started[package, name].append(at)
 
     def has(self, package: str) -> bool:
-        """Tell whether the build has a package."""
+        """Return whether the build has a package."""
         return package in self._packages
 
     def installed(self, package: str) -> list[str]:
-        """Return what else a package installs to be started, sorted."""
+        """Return the other programs that a package installs, sorted."""
         return sorted(self._programs.get(package, ()))
 
     def executables(self, package: str) -> list[str]:
@@ -87,15 +87,15 @@ class NodeTypes:
         return sorted(self._names.get(package, ()))
 
     def started(self, package: str, name: str) -> list[Typed]:
-        """Return what is started by the name of a program of a package."""
+        """Return the node types started by the name of a program of a package."""
         return [self.typed(at) for at in self._started.get((package, name), ())]
 
     def loaded(self, name: str) -> list[Typed]:
-        """Return what is loaded by the name of a class, as `class_name` has it."""
+        """Return the node types loaded by the name of a class, as `class_name` has it."""
         return [self.typed(at) for at in self._loaded.get(name, ())]
 
     def like(self, package: str) -> tuple[str, ...]:
-        """Return the packages of the build that the name of one which is not there is likely meant to be."""
+        """Return suggestions from the build for the name of an unknown package."""
         if package in self._packages:
             return ()
         if self._alike is None:
@@ -107,7 +107,7 @@ class NodeTypes:
         return self._pairs[at]
 
     def of(self, started: StartedNode, repository: str) -> tuple[Typed | None, MissingType | None, str | None]:
-        """Return the node type that a node of a configuration in `repository` is of.
+        """Return the node type of a node of a configuration in `repository`.
 
         Of several sources that have it, the configuration's own counts before the first. Without any, what is missing
         and the reason in words come in its place.
@@ -145,7 +145,7 @@ class NodeTypes:
         return None, MissingType.UNKNOWN_NODE, f"package {package} has no class {plugin} to load"
 
     def plugin(self, name: str, repository: str, package: str | None = None) -> Typed | None:
-        """Return what is loaded by the name of a class (`pkg/Class`, `ns::Class`); of several that of `package`."""
+        """Return the node type loaded by the class (`pkg/Class`, `ns::Class`); if several, that of `package`."""
         known = [pair for pair in self.loaded(class_name(name)) if pair[1].base_class != TREE_NODE]
         exact = [pair for pair in known if name in (pair[1].plugin, pair[1].name)] or known
         own = [pair for pair in exact if pair[0].package == package] or exact

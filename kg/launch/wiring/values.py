@@ -1,6 +1,6 @@
-"""Values of parameters as a configuration gives them to an instance.
+"""Values of parameters that a configuration gives to an instance.
 
-In ROS 1 they stand on a server that all nodes share, by absolute names; in ROS 2 each node has its own. A parameter is
+In ROS 1 they are on a server that all nodes share, by absolute names; in ROS 2 each node has its own. A parameter is
 asked for by the name that code gives it.
 """
 
@@ -40,7 +40,7 @@ _LONGEST: Final = 100_000
 
 
 def parsed(value: str | None) -> Any:
-    """Return what a value written as YAML is; a text that is not YAML is itself, None what is not known."""
+    """Return the value of a YAML text; a text that is not YAML is itself, None if unknown."""
     if value is None:
         return None
     text = value.strip()
@@ -63,7 +63,7 @@ def shown(value: str | None) -> str | None:
 
 
 def is_text(value: str) -> bool:
-    """Tell whether a value written as YAML is a text."""
+    """Return whether a value written as YAML is a text."""
     return isinstance(parsed(value), str)
 
 
@@ -91,7 +91,7 @@ class Server:
 
 
 class Settings:
-    """What one instance can ask for."""
+    """The settings that one instance can read."""
 
     def __init__(self, server: Server | None, started: StartedNode, remapping: Remapping) -> None:
         self._server = server
@@ -107,9 +107,9 @@ class Settings:
         return len(self.words)
 
     def get(self, name: str, place: Place) -> LaunchParameter | None:
-        """Return what is set for a parameter that code of the instance asks for as `name`.
+        """Return the value of a parameter that code of the instance reads as `name`.
 
-        An argument of the command line comes as a parameter that is set where the node is started.
+        An argument of the command line is a parameter set at the start of the node.
         """
         if name.startswith(COMMAND_LINE):
             word = self.word(name)
@@ -126,7 +126,7 @@ class Settings:
         return self.own.get(below) if name.startswith("~") else self.own.get(below) or self.own.get(plain)
 
     def word(self, name: str) -> str | None:
-        """Return what the command line gives for an argument or option; None where it gives nothing."""
+        """Return the value of an argument or option on the command line; None if absent."""
         argument, option = ARGUMENT.fullmatch(name), OPTION.fullmatch(name)
         if argument is not None:
             index = int(argument[1])
@@ -139,7 +139,7 @@ class Settings:
         return None
 
     def tree(self, name: str, place: Place) -> LaunchParameter | dict[str, Any] | None:
-        """Return what is set for a parameter or, where it has parts, these by their names; None where nothing is."""
+        """Return the value of a parameter or, if it has parts, these by their names; None if unset."""
         given = self.get(name, place)
         if given is not None:
             return given
@@ -177,7 +177,7 @@ class Settings:
 
 
 def _prefix(place: Place) -> str:
-    """Return what the names of a plugin's parameters begin with in ROS 2 (`FollowPath`)."""
+    """Return the prefix of the names of a plugin's parameters in ROS 2 (`FollowPath`)."""
     private = place.private or place.full
     return private.removeprefix(f"{place.full}/").replace("/", ".") if private != place.full else ""
 

@@ -1,4 +1,4 @@
-"""One change in one transaction: what was asked for, and what rules infer from the data that then holds."""
+"""One change in one transaction: the request, and the inferences from the resulting data."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ __all__ = ["Applier", "apply"]
 def apply(
     store: EmbeddedStore, settings: Settings, change: Change, *, rules: bool = True, dry_run: bool = False
 ) -> Updated:
-    """Make a change, with what follows from it by rules unless `rules` is false; with `dry_run` nothing is written.
+    """Make a change, with its inferences unless `rules` is false; with `dry_run` nothing is written.
 
     Raises:
         KgError: what `Writer.update` names; the store is then as it was.
@@ -42,7 +42,7 @@ def apply(
 
 
 class Applier:
-    """Makes changes of one store, one after the other, and keeps in between what rules know of it."""
+    """Makes changes of one store, one after the other, and keeps the memory of the rules in between."""
 
     def __init__(self, store: EmbeddedStore, settings: Settings) -> None:
         self._store = store
@@ -51,22 +51,22 @@ class Applier:
         self._unsaved = 0
 
     def warm(self) -> None:
-        """Load what the first change would have to wait for: the rules, and what their last run left."""
-        # What is wrong is told by the first change.
+        """Load the rules and the memory of their last run, which saves the first change the wait."""
+        # The first change reports the error.
         with suppress(KgError):
             self._inference.prepare()
 
     def apply(self, change: Change, *, rules: bool = True, dry_run: bool = False) -> Updated:
-        """Make a change; see `apply`. What rules know is kept in this process until `save`."""
+        """Make a change; see `apply`. The memory of the rules is kept in this process until `save`."""
         try:
             return self._apply(change, rules=rules, dry_run=dry_run)
         except BaseException:
-            # What rules know may be half changed.
+            # The memory of the rules may be inconsistent.
             self._inference = Inference(self._store, self._settings)
             raise
 
     def save(self) -> None:
-        """Keep what rules know for other processes, unless nothing changed since."""
+        """Save the memory of the rules for other processes, unless nothing changed since."""
         if self._unsaved:
             self._inference.save()
             self._unsaved = 0
@@ -113,7 +113,7 @@ class Applier:
 
 
 def _make(executor: Executor, transaction: EmbeddedTransaction, change: Change) -> bool:
-    """Do what a change asks for; tell whether it made the graph that it writes."""
+    """Execute a change; return whether it created the graph that it writes."""
     if isinstance(change, GraphChange):
         return _write_graph(executor, transaction, change)
     text, found = parsed(change.text, change.path, change.base)

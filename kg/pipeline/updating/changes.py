@@ -1,4 +1,4 @@
-"""What can be asked to change, and what came of it; both travel between processes as MessagePack."""
+"""Requests for changes, and their results; both travel between processes as MessagePack."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ class Update(msgspec.Struct, frozen=True, tag="update", kw_only=True):
     """A SPARQL update: operations of which all happen or none.
 
     `using` and `using_named` replace the data set of each WHERE (SPARQL 1.1 Protocol, section 2.2.3). With `snapshot`
-    it happens only to the data of that identity. Relative IRIs are relative to `base`. `path` is what errors name as
-    the place of the text.
+    it happens only to the data of that identity. Relative IRIs are relative to `base`. `path` is the place of the text
+    in errors.
     """
 
     text: str
@@ -44,12 +44,12 @@ Change: TypeAlias = Update | GraphChange
 
 
 class Updated(msgspec.Struct, frozen=True, kw_only=True):
-    """What a change did.
+    """Result of a change.
 
     `snapshot` is the identity of the data that holds now, a new one only where `changed`. `graphs` counts the triples
     removed from and added to each graph that was written ("" is the default graph). `inferred` counts what rules infer
     now, `inferred_added` and `inferred_removed` what of it is new and gone; `mode` is how rules ran: `full`,
-    `incremental`, or `none` where they did not. `created` tells whether the graph of a `GraphChange` is new. `warnings`
+    `incremental`, or `none` where they did not. `created` is whether the graph of a `GraphChange` is new. `warnings`
     are for people. `seconds` is wall time.
     """
 

@@ -1,4 +1,4 @@
-"""What is refused of an update before anything runs: what is not SPARQL, and what would harm the engine."""
+"""Checks of an update before anything runs: syntax, and parts that would harm the engine."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def parsed(text: str, path: str, base: str | None) -> tuple[str, list[Operation]
 
 
 def _check_each(found: list[Operation], text: str, path: str, base: str | None) -> None:
-    """Have the engine parse one operation after the other: it knows no prologue behind the first one."""
+    """Have the engine parse one operation after the other: it ignores prologues after the first one."""
     labels: dict[str, Operation] = {}
     for number, operation in enumerate(found):
         alone = _alone(text, found[: number + 1])
@@ -77,7 +77,7 @@ def _alone(text: str, found: list[Operation]) -> str:
 
 
 def _is_sound(text: str, begin: int, base: str | None) -> bool:
-    """Tell whether the engine can parse an update whose first operation stands at `begin`; nothing of it runs."""
+    """Return whether the engine can parse an update whose first operation is at `begin`; nothing of it runs."""
     try:
         pyoxigraph.Store().update(text[:begin] + _FAILING + text[begin:], base_iri=base, prefixes=dict(PREFIXES))
     except SyntaxError:

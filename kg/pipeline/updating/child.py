@@ -63,7 +63,7 @@ def _cap_memory(most: int | None) -> None:
 
 
 def main() -> None:
-    """Serve until standard input ends; what anything prints goes to standard error."""
+    """Serve until standard input ends; all prints go to standard error."""
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     threading.stack_size(_STACK_BYTES)

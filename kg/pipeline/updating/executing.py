@@ -1,4 +1,4 @@
-"""Operations of an update, run one after the other inside a transaction so that it is known what each changes.
+"""Operations of an update, run one after the other inside a transaction, with the changes of each.
 
 The engine's own updates do not tell what they changed. So only the WHERE of an operation is the engine's work, as a
 query; templates are filled here, and what of them is new or gone is written as a patch.
@@ -59,7 +59,7 @@ class Executor:
                 self._manage(operation)
 
     def patch(self, removed: Iterable[Quad], added: Iterable[Quad]) -> None:
-        """Take quads out and then put others in; only what makes a difference is written. KG561."""
+        """Remove quads and then add others; only differences are written. KG561."""
         coming = dict.fromkeys(added)
         gone = [quad for quad in dict.fromkeys(removed) if quad not in coming and self._transaction.contains(quad)]
         new = [quad for quad in coming if not self._transaction.contains(quad)]
@@ -129,9 +129,9 @@ class Executor:
             return
         source, target = self._graph(operation, operation.source), self._graph(operation, operation.target)
         if operation.verb == "create":
-            if isinstance(target, NamedNode) and self._found(operation, target, wanted=False):
+            if isinstance(target, NamedNode) and self._check_exists(operation, target, wanted=False):
                 self.create(target)
-        elif source != target and self._found(operation, source, wanted=True):
+        elif source != target and self._check_exists(operation, source, wanted=True):
             self._copy(operation.verb, source, target)
 
     def _copy(self, verb: str, source: NamedNode | DefaultGraph, target: NamedNode | DefaultGraph) -> None:
@@ -151,7 +151,7 @@ class Executor:
             self.remove(_DEFAULT, drop=False)
         if operation.target not in {"NAMED", "DEFAULT", "ALL"}:
             target = self._graph(operation, operation.target)
-            if self._found(operation, target, wanted=True):
+            if self._check_exists(operation, target, wanted=True):
                 self.remove(target, drop=operation.verb == "drop")
 
     def remove(self, graph: NamedNode | DefaultGraph, *, drop: bool) -> None:
@@ -169,8 +169,8 @@ class Executor:
     def _graph(self, operation: Manage, name: str) -> NamedNode | DefaultGraph:
         return _DEFAULT if name == "DEFAULT" else iris(operation.prologue, [name])[0]
 
-    def _found(self, operation: Manage, graph: NamedNode | DefaultGraph, *, wanted: bool) -> bool:
-        """Tell whether a graph is there as `wanted`; where not, KG560 is raised unless the operation is SILENT."""
+    def _check_exists(self, operation: Manage, graph: NamedNode | DefaultGraph, *, wanted: bool) -> bool:
+        """Return whether a graph is there as `wanted`; where not, KG560 is raised unless the operation is SILENT."""
         if isinstance(graph, DefaultGraph) or self._transaction.has_graph(graph) == wanted:
             return True
         if operation.silent:

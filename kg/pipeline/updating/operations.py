@@ -25,7 +25,7 @@ _GROUPS: Final = frozenset({"default", "named", "all"})
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """What stands between two braces: `begin` is the offset behind the first, `end` that of the last."""
+    """What is between two braces: `begin` is the offset behind the first, `end` that of the last."""
 
     begin: int
     end: int
@@ -40,7 +40,7 @@ class Part:
 class Data:
     """`INSERT DATA` or `DELETE DATA`.
 
-    Of each operation, `prologue` is all that was declared before it, as text; `begin` and `end` are where it stands,
+    Of each operation, `prologue` is all that was declared before it, as text; `begin` and `end` are where it is,
     with the `;` behind it.
     """
 

@@ -1,4 +1,4 @@
-"""Whose graphs are whose: what only rules and builds write, and what the next build writes again."""
+"""Ownership of graphs: those that only rules and builds write, and those that the next build rewrites."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _FEW: Final = 2
 
 
 def protected_graphs(settings: Settings) -> list[NamedNode]:
-    """Return the graphs that nobody but `kg` writes: what rules infer, and the record of builds."""
+    """Return the graphs that only `kg` writes: the inferences, and the record of builds."""
     return [NamedNode(Iris(settings.base).graph(name)) for name in _NEVER]
 
 
 def warnings(executor: Executor, settings: Settings, inferred: Inferred | None) -> Iterator[str]:
-    """Yield what a person should know of a change that was made."""
+    """Yield warnings about a change that was made."""
     built = tuple(f"{settings.base}graph/{name}" for name in _BUILT)
     found = [f"<{name}>" for name in sorted(executor.touched) if name.startswith(built)]
     if found:

@@ -1,4 +1,4 @@
-"""Putting a backup back: the data, and forgetting what was known of the data that it replaces."""
+"""Restore a backup, and drop the caches of the data that it replaces."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Restored", "restore"]
 
 @dataclass(frozen=True, slots=True)
 class Restored:
-    """What holds after a restore: the identity of the data, how many quads, and the snapshot that was backed up."""
+    """Result of a restore: the identity of the data, the number of quads, and the snapshot that was backed up."""
 
     snapshot: int
     quads: int

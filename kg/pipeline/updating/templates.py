@@ -71,7 +71,7 @@ class Template:
                 yield Quad(subject, predicate, value, graph)
 
     def _value(self, term: Any, values: Sequence[Any], fresh: dict[Any, BlankNode]) -> Any:
-        """Return what stands for a term of the template; None where there is nothing."""
+        """Return the value of a term of the template; None if it has none."""
         if isinstance(term, BlankNode):
             return fresh.setdefault(term, BlankNode())
         if isinstance(term, Triple):

@@ -59,7 +59,7 @@ class Writer:
 
     @property
     def process(self) -> int | None:
-        """The identity of the process that makes changes; None where there is none now."""
+        """The identity of the process that makes changes; None if not running."""
         running = self._process is not None and self._process.returncode is None
         return self._process.pid if self._process is not None and running else None
 
@@ -96,7 +96,7 @@ class Writer:
         seconds: float | None = 60,
         snapshot: str | None = None,
     ) -> Updated:
-        """Give a graph (None: the default graph) a new content; `Updated.created` tells whether it is new.
+        """Give a graph (None: the default graph) a new content; `Updated.created` is true for a new one.
 
         `body` is RDF of `media_type` (or the name of a format), or several parts, each with its own. Raises as
         `update`, and KG562 for content that does not parse, KG563 for a format that holds no single graph.
@@ -113,13 +113,13 @@ class Writer:
         seconds: float | None = 60,
         snapshot: str | None = None,
     ) -> Updated:
-        """Add content to a graph, which is made where there is none; arguments and errors as `put_graph`."""
+        """Add content to a graph, created if missing; arguments and errors as `put_graph`."""
         return await self.apply(_graph_change("post", graph, body, media_type, base, snapshot), seconds=seconds)
 
     async def delete_graph(
         self, graph: str | None, *, seconds: float | None = 60, snapshot: str | None = None
     ) -> Updated:
-        """Remove a graph, or empty the default graph (None); raises as `update`, and KG564 where there is none."""
+        """Remove a graph, or empty the default graph (None); raises as `update`, and KG564 if it does not exist."""
         return await self.apply(GraphChange(action="delete", graph=graph, snapshot=snapshot), seconds=seconds)
 
     async def apply(self, change: Change, *, seconds: float | None = 60) -> Updated:
@@ -148,7 +148,7 @@ class Writer:
         process = await self._ready()
         whole = False
         try:
-            answer = await _asked(process, Call("apply", {"change": msgspec.msgpack.encode(change)}))
+            answer = await _request(process, Call("apply", {"change": msgspec.msgpack.encode(change)}))
             whole = True
         finally:
             if not whole:
@@ -158,7 +158,7 @@ class Writer:
         return msgspec.msgpack.decode(answer, type=Updated)
 
     async def _ready(self) -> asyncio.subprocess.Process:
-        """Return the process, started anew where it has ended."""
+        """Return the process, started again where it has ended."""
         if self._process is None or self._process.returncode is not None:
             self._process = await asyncio.create_subprocess_exec(
                 sys.executable, "-P", "-m", "kg.pipeline.updating.child",
@@ -170,7 +170,7 @@ class Writer:
         return self._process
 
     async def _stop(self) -> None:
-        """Let the process save what rules know, and end; it is killed if that takes long."""
+        """Have the process save the memory of the rules and end; it is killed if that takes too long."""
         if self._process is not None and self._process.stdin is not None and not self._turn.locked():
             self._process.stdin.close()
             with suppress(TimeoutError):
@@ -185,8 +185,8 @@ class Writer:
             await process.wait()
 
 
-async def _asked(process: asyncio.subprocess.Process, request: Call) -> bytes | Failure:
-    """Send a request and return what the process answers."""
+async def _request(process: asyncio.subprocess.Process, request: Call) -> bytes | Failure:
+    """Send a request and return the response of the process."""
     assert process.stdin is not None  # noqa: S101 - it was asked for a pipe
     assert process.stdout is not None  # noqa: S101 - the same
     try:

@@ -1,1 +1,1 @@
-"""What writers of rules work with: examples, differences, dependencies, profiles, coverage; nothing here prints."""
+"""Tools for authors of rules: examples, differences, dependencies, profiles, coverage. Nothing here prints."""

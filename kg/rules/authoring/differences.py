@@ -1,4 +1,4 @@
-"""What rules as they are on disk add to a store and take from it, before they are run."""
+"""The triples that a run of the rules on disk would add to a store and remove from it."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Changed:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """What comes and what goes, sorted; `tried` is what was inferred to find it."""
+    """Triples added and removed, sorted; `tried` is the inference that found them."""
 
     changes: tuple[Changed, ...]
     tried: Try
@@ -70,10 +70,10 @@ class Difference:
 def difference(
     bench: Workbench, files: Sequence[RuleFile], chosen: Sequence[RuleFile] = (), limits: Limits | None = None
 ) -> Difference:
-    """Compare what the rules of `files` infer with what the store holds as inferred.
+    """Compare the inferences of the rules of `files` with the inferred triples of the store.
 
-    With `chosen`, only what comes or goes because of these rules is told: in a store in which others were not run, or
-    have changed too, there is more. Raises what evaluating the rules raises.
+    With `chosen`, only differences due to these rules are returned. The store may differ more if other rules were not
+    run, or have changed too. Raises what evaluating the rules raises.
     """
     tried = bench.infer(files, limits)
     now = union_of([stored(tried.outcome.inferred, bench.dictionary), tried.stated])
@@ -87,7 +87,7 @@ def difference(
     prefixes = {file.name: {**common, **(file.prefixes or {})} for file in files}
     changes = [
         Changed(sign, triple, rules, prefixes[rules[0]] if rules else common)
-        for sign, triple, rules in (*_come(bench, tried, come), *_gone(bench, tried, gone))
+        for sign, triple, rules in (*_added(bench, tried, come), *_removed(bench, tried, gone))
         if sign == "+" or fed is None or fed.intersection(rules)
     ]
     return Difference(tuple(changes), tried)
@@ -110,8 +110,8 @@ def _fed_by(rules: Sequence[Rule], names: set[str]) -> set[str]:
 _Found: TypeAlias = "tuple[str, Triple, tuple[str, ...]]"
 
 
-def _come(bench: Workbench, tried: Try, come: Facts) -> Iterator[_Found]:
-    """Yield what comes, in the order of its spelling, with the rules that derive it."""
+def _added(bench: Workbench, tried: Try, come: Facts) -> Iterator[_Found]:
+    """Yield the triples added, in the order of their spelling, with the rules that derive them."""
     rules: dict[tuple[int, int], set[str]] = {}
     for firing in fire(_deriving(bench, tried, come), bench.dictionary, tried.asserted, tried.known):
         for predicate, keys in union_of(firing.heads) if firing.heads else Facts():
@@ -132,8 +132,8 @@ def _deriving(bench: Workbench, tried: Try, come: Facts) -> Iterator[Rule]:
             yield rule
 
 
-def _gone(bench: Workbench, tried: Try, gone: Facts) -> Iterator[_Found]:
-    """Yield what goes, in the order of its spelling, with the rules whose heads it fits."""
+def _removed(bench: Workbench, tried: Try, gone: Facts) -> Iterator[_Found]:
+    """Yield the triples removed, in the order of their spelling, with the rules whose heads match."""
     for triple in triples_of(gone, bench.dictionary):
         atom = Atom(triple.subject, triple.predicate, triple.object)
         names = (rule.name for rule in tried.rules if any(depends(atom, head) for head in rule.head))

@@ -51,7 +51,7 @@ def _pattern(pattern: Pattern, prefixes: Mapping[str, str]) -> str:
 
 
 def element_place(element: Element, rule: Rule) -> Place:
-    """Return where an element stands: its own place, or that of what it begins with, else the rule's."""
+    """Return the place of an element: its own, or that of its first part, else the rule's."""
     own = None
     if isinstance(element, Atom | EngineBlock):
         own = element.place

@@ -1,7 +1,7 @@
-"""Examples of rules, read from the Markdown page beside a file of rules (docs/rule-examples.md has the format).
+"""Examples of rules, read from the Markdown page next to a file of rules (docs/rule-examples.md has the format).
 
 An example is data (`given`), what the rule infers from it (`expect`, `expect exactly`), what it does not
-(`expect-not`), and what stands in the proofs (`why`).
+(`expect-not`), and what is in the proofs (`why`).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _PREAMBLE: Final = "".join(f"@prefix {prefix}: <{iri}> . " for prefix, iri in _K
 
 @dataclass(frozen=True, slots=True)
 class Expectation:
-    """One block of expected triples: `kind` is expect, exactly or not; a blank node stands for any term."""
+    """One block of expected triples: `kind` is expect, exactly or not; a blank node matches any term."""
 
     kind: str
     triples: tuple[Triple, ...]
@@ -52,7 +52,7 @@ class WhyLine:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """One example; `others` are the rules that run beside those of the file, each with the place that names it."""
+    """One example; `others` are the rules that run with those of the file, each with the place that names it."""
 
     title: str
     place: Place
@@ -86,7 +86,7 @@ def parse_examples(text: str, path: str) -> tuple[Example, ...]:
     """Return the examples of a page given as text.
 
     Raises:
-        RuleError: KG221 with the line of the block that is no part of an example, or does not parse.
+        RuleError: KG221 with the line of a block that does not belong to an example, or does not parse.
     """
     return tuple(one.finished() for one in _drafts(text, path))
 
@@ -141,7 +141,7 @@ class _Draft:
         self.prefixes.update(parsed.prefixes)
 
     def finished(self) -> Example:
-        """Return the example, when it says something that can be tested."""
+        """Return the example if it has anything to test."""
         if not self.expectations and not self.why:
             hint = "Add a block `turtle expect`, `turtle expect exactly` or `turtle expect-not` below the heading."
             raise RuleError("KG221", f"the example `{self.title}` expects nothing", place=self.place, hint=hint)
@@ -172,7 +172,7 @@ def _drafts(text: str, path: str) -> Iterator[_Draft]:
         if isinstance(part, Heading):
             if part.level > 2:  # noqa: PLR2004 - deeper headings stand inside an example
                 continue
-            if draft and _speaks(draft):
+            if draft and _has_blocks(draft):
                 yield draft
             draft = _Draft(part.title, place) if part.level == 2 else None  # noqa: PLR2004 - examples have `##`
         elif not part.closed:
@@ -181,17 +181,17 @@ def _drafts(text: str, path: str) -> Iterator[_Draft]:
             draft.add(part, place)
         elif _kind(part, place)[0]:
             raise RuleError("KG221", "the block stands under no example", place=place, hint="Begin it with `## TITLE`.")
-    if draft and _speaks(draft):
+    if draft and _has_blocks(draft):
         yield draft
 
 
-def _speaks(draft: _Draft) -> bool:
-    """Tell whether there is any block of an example below a heading; prose may have headings too."""
+def _has_blocks(draft: _Draft) -> bool:
+    """Return whether a heading has any block of an example; prose may have headings too."""
     return bool(draft.given or draft.others or draft.expectations or draft.why)
 
 
 def _kind(fence: Fence, place: Place) -> tuple[str, list[str]]:
-    """Return what a block is to an example, empty for those that are for readers, and the words behind that."""
+    """Return the kind of a block, empty if it is only for readers, and the words after the kind."""
     language, *words = fence.info.split() or [""]
     if language not in {"turtle", "text", "ttl"} or not words:
         return "", []

@@ -1,4 +1,4 @@
-"""Rules applied once to all that is known: what each gives, and how rows grow and shrink in its body."""
+"""Apply rules once to all known triples: the triples of each rule, and the rows after each element of its body."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ __all__ = ["Firing", "Passage", "fire", "holds"]
 
 @dataclass(slots=True)
 class Passage:
-    """What one element of a body did: the rows before and after it, and the seconds; `order` in which it was run."""
+    """The rows before and after one element of a body, and its seconds; `order` in which it was run."""
 
     order: int
     rows_in: int = 0
@@ -40,7 +40,7 @@ class Passage:
 
 @dataclass(frozen=True, slots=True)
 class Firing:
-    """One rule applied once: the triples of each triple of its head, and what its elements did, by their number."""
+    """One rule applied once: the triples of each triple of its head, and the passages by number of element."""
 
     rule: Rule
     heads: tuple[Facts, ...]
@@ -49,7 +49,7 @@ class Firing:
 
 
 class _Watched(Solver):
-    """A solver that writes down what each element does."""
+    """A solver that records each element."""
 
     def __init__(self, shop: Workshop, view: View) -> None:
         super().__init__(shop, view)
@@ -67,7 +67,7 @@ class _Watched(Solver):
 
 
 class _Bench:
-    """What applying rules over one dictionary shares."""
+    """State shared by applications of rules over one dictionary."""
 
     def __init__(self, rules: Iterable[Rule], dictionary: Dictionary, limits: Limits | None) -> None:
         predicates = {atom.predicate for rule in rules for atom in rule.head}
@@ -91,7 +91,7 @@ def _view(rule_plan: RulePlan, asserted: Facts, known: Facts) -> View:
 def fire(
     rules: Iterable[Rule], dictionary: Dictionary, asserted: Facts, known: Facts, limits: Limits | None = None
 ) -> Iterator[Firing]:
-    """Yield what each rule gives when it is applied to `known`, of which `asserted` is a part."""
+    """Yield the firing of each rule applied to `known`, which includes `asserted`."""
     every = list(rules)
     bench = _Bench(every, dictionary, limits)
     for rule in every:
@@ -108,7 +108,7 @@ def fire(
 
 
 def holds(rule: Rule, body: tuple[Element, ...], dictionary: Dictionary, asserted: Facts, known: Facts) -> bool:
-    """Tell whether a part of the body of a rule has a solution."""
+    """Return whether a part of the body of a rule has a solution."""
     bench = _Bench([rule], dictionary, None)
     rule_plan = bench.plan(replace(rule, head=(), body=body))
     solver = Solver(bench.shop, _view(rule_plan, asserted, known))

@@ -55,7 +55,7 @@ class RuleNode:
 
 @dataclass(frozen=True, slots=True)
 class RuleGraph:
-    """Rules, who derives a term that others read, and who reads it; True where its absence or number is asked for."""
+    """Rules with the terms passed between them; True if the reader tests the absence or number of a term."""
 
     rules: tuple[RuleNode, ...]
     terms: tuple[str, ...]
@@ -63,17 +63,17 @@ class RuleGraph:
     reads: Mapping[tuple[str, str], bool]
 
     def fed_by(self, name: str) -> list[str]:
-        """Return the other rules that derive what a rule reads."""
+        """Return the other rules that derive terms a rule reads."""
         terms = {term for term, reader in self.reads if reader == name}
         return sorted({writer for writer, term in self.derives if term in terms} - {name})
 
     def feeds(self, name: str) -> list[str]:
-        """Return the other rules that read what a rule derives."""
+        """Return the other rules that read terms a rule derives."""
         terms = {term for writer, term in self.derives if writer == name}
         return sorted({reader for term, reader in self.reads if term in terms} - {name})
 
     def around(self, names: Collection[str]) -> RuleGraph:
-        """Return these rules with those that feed them and those that they feed, and what passes between them."""
+        """Return these rules, the rules that feed them, those that they feed, and the terms passed between them."""
         read = {term for term, reader in self.reads if reader in names}
         derived = {term for writer, term in self.derives if writer in names}
         derives = {pair: None for pair in self.derives if pair[0] in names or pair[1] in read}
@@ -136,7 +136,7 @@ def _nodes(files: Sequence[RuleFile], rules: Sequence[Rule]) -> tuple[RuleNode, 
 
 
 def _joined(writer: Rule, reader: Rule) -> Iterator[tuple[Atom, Read]]:
-    """Yield the heads of a rule that another reads, with what reads them."""
+    """Yield the heads of a rule that another rule reads, with their readers."""
     for head in writes(writer):
         for read in reads(reader):
             if depends(read.atom, head):
@@ -144,7 +144,7 @@ def _joined(writer: Rule, reader: Rule) -> Iterator[tuple[Atom, Read]]:
 
 
 def _passed(head: Atom, read: Atom, prefixes: Mapping[str, str]) -> str:
-    """Return what passes: what is derived, or where the reader takes any of a kind, that kind."""
+    """Return the term passed: the derived one, or its kind if the reader takes any of that kind."""
     if isinstance(read.predicate, Variable):
         return _ANY_PROPERTY
     open_class = read.predicate == _TYPE and isinstance(read.object, Variable)
@@ -152,12 +152,12 @@ def _passed(head: Atom, read: Atom, prefixes: Mapping[str, str]) -> str:
 
 
 def is_inner(atom: Atom) -> bool:
-    """Tell whether an atom has a predicate that decomposition introduced, which passes between rules of one file."""
+    """Return whether an atom has a predicate that decomposition introduced, which passes between rules of one file."""
     return isinstance(atom.predicate, NamedNode) and atom.predicate.value.startswith(AUXILIARY)
 
 
 def spell_atom(atom: Atom, prefixes: Mapping[str, str] = PREFIXES) -> str:
-    """Return what an atom is about: its property, or for a type its class."""
+    """Return the property of an atom, or for a type its class."""
     if not isinstance(atom.predicate, NamedNode):
         return _ANY_PROPERTY
     if atom.predicate == _TYPE:
@@ -203,7 +203,7 @@ def _quoted(text: str) -> str:
 
 
 def graph_objects(graph: RuleGraph) -> Iterator[dict[str, Any]]:
-    """Yield a plain object for each rule: what it derives for others, and which rules it reads through which term."""
+    """Yield a plain object for each rule: the terms it derives for others, and which rules it reads by which term."""
     writers: dict[str, set[str]] = defaultdict(set)
     for name, term in graph.derives:
         writers[term].add(name)

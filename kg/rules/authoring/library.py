@@ -38,12 +38,12 @@ class Entry:
 
     @property
     def family(self) -> str:
-        """The first part of the name; empty for a file that stands in no folder of its own."""
+        """The first part of the name; empty for a file that is in no folder of its own."""
         return family_of(self.name)
 
     @property
     def examples(self) -> Path:
-        """Where its examples stand, whether there are any or not."""
+        """Path of its examples, whether it exists or not."""
         return self.path.with_suffix(".md")
 
     @property
@@ -68,7 +68,7 @@ class Library:
         self.refresh()
 
     def refresh(self) -> None:
-        """Look again which files there are."""
+        """List the files again."""
         found: dict[str, Entry] = {}
         self.problems = []
         shipped = resources.folder("rules")
@@ -118,7 +118,7 @@ class Library:
         return files, errors
 
     def with_those_in_force(self, chosen: Iterable[Entry] = ()) -> list[RuleFile]:
-        """Return the files of the rules in force and of those chosen; raises the first error there is."""
+        """Return the files of the rules in force and of those chosen; raises the first error."""
         wanted = {entry.name for entry in (*self.in_force, *chosen)}
         files, errors = self.read_all(entry for name, entry in self.entries.items() if name in wanted)
         for error in (*self.problems, *errors):

@@ -1,4 +1,4 @@
-"""What is known of one rule: its documentation, what it reads and derives, where it stands among the others."""
+"""The manual of one rule: its documentation, what it reads and derives, and its relations to other rules."""
 
 from __future__ import annotations
 
@@ -61,9 +61,9 @@ class Manual:
 
 
 def manual(library: Library, entry: Entry, schema: Iterable[Triple] = (), known: RuleGraph | None = None) -> Manual:
-    """Return what is known of a rule among others cut to `schema`; raises what reading its file raises.
+    """Return the manual of a rule among others cut to `schema`; raises what reading its file raises.
 
-    `known` is the graph of the rules in force where the caller has it.
+    `known` is the graph of the rules in force, if the caller has it.
     """
     file = library.read(entry.name)
     prefixes = {**PREFIXES, **(file.prefixes or {})}
@@ -87,7 +87,7 @@ def manual(library: Library, entry: Entry, schema: Iterable[Triple] = (), known:
 
 
 def _atoms(file: RuleFile) -> Iterator[tuple[Atom, bool]]:
-    """Yield what the rules of a file read, asserted data too, and whether its absence or number is asked for."""
+    """Yield the atoms that the rules of a file read, asserted data too, and whether they test absence or number."""
     for rule in file.rules:
         yield from atoms_of(rule.body)
         yield from ((each.atom, each.negated) for each in reads(rule))
@@ -123,7 +123,7 @@ def documentation(entry: Entry) -> Documentation:
 
 
 def entry_object(entry: Entry, told: Documentation, error: RuleError | None = None) -> dict[str, Any]:
-    """Return a rule in a list as plain values, ready for JSON; `error` is what keeps it from being read."""
+    """Return a rule in a list as plain values, ready for JSON; `error` is why it cannot be read."""
     return {
         "rule": entry.name,
         "family": entry.family,

@@ -26,7 +26,7 @@ class Heading:
 
 @dataclass(frozen=True, slots=True)
 class Fence:
-    """A fenced block: the words behind the fence and what it holds; `line` is that of the fence."""
+    """A fenced block: the words after the fence, and the content; `line` is that of the fence."""
 
     info: str
     text: str

@@ -1,4 +1,4 @@
-"""Whether what was inferred is what an example expects; a blank node that is expected stands for any term."""
+"""Compare inferred triples with those of an example; an expected blank node matches any term."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _WAYS: Final = 1000
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """What an example expects and is `missing`, what was inferred and is `unexpected`; `facts`: what was found."""
+    """Expected triples that are `missing`, inferred ones that are `unexpected`; `facts`: those found."""
 
     missing: tuple[Triple, ...]
     unexpected: tuple[Triple, ...]
@@ -34,7 +34,7 @@ class Difference:
 
 
 def compare(example: Example, inferred: Sequence[Triple], world: World) -> Difference:
-    """Compare what was inferred with all that an example expects."""
+    """Compare inferred triples with all that an example expects."""
     missing: list[Triple] = []
     unexpected: list[Triple] = []
     facts: list[Triple] = []
@@ -55,9 +55,9 @@ def compare(example: Example, inferred: Sequence[Triple], world: World) -> Diffe
 
 
 def _images(triples: Sequence[Triple], inferred: Sequence[Triple], world: World) -> list[Triple]:
-    """Return triples that were inferred and that a block, read as a whole, may stand for; none when it does not hold.
+    """Return inferred triples that a block, read as a whole, may match; none if it does not hold.
 
-    Of several readings the one is chosen that covers the most triples.
+    Of several matches, that of the most triples is chosen.
     """
     names = {label: f"b{number}" for number, label in enumerate(dict.fromkeys(_labels(triples)))}
     if not names:

@@ -1,4 +1,4 @@
-"""A handful of triples in memory, what rules infer from them, and questions about both."""
+"""A small graph in memory, its inferences, and queries about both."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class World:
         union: bool = True,
         substitutions: Mapping[pyoxigraph.Variable, Term] | None = None,
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
-        """Run a SPARQL query; with `union` its default graph is all there is."""
+        """Run a SPARQL query; with `union` its default graph is the union of all."""
         return self._store.query(
             text,
             prefixes=dict(prefixes or {}),
@@ -73,7 +73,7 @@ class World:
         )
 
     def matches(self, patterns: str, names: Iterable[str]) -> Iterator[dict[str, Term]]:
-        """Yield the ways in which triple patterns match what was inferred."""
+        """Yield the matches of triple patterns in the inferred triples."""
         names = list(names)
         columns = " ".join(f"?{name}" for name in names) or "(1 AS ?one)"
         text = f"SELECT DISTINCT {columns} WHERE {{ GRAPH {VOCABULARY.inferred} {{ {patterns} }} }}"

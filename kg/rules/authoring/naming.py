@@ -20,7 +20,7 @@ def find_rule(rules: Library, name: str) -> Entry:
     """Return the rule called `name`, whole or by its last part, or at that path.
 
     Raises:
-        UsageError: KG001 with what was probably meant, or with the rules that share the last part.
+        UsageError: KG001 with suggestions, or with the rules that share the last part.
     """
     found = _named(rules, name)
     if len(found) == 1:
@@ -35,7 +35,7 @@ def choose(rules: Library, names: Iterable[str]) -> tuple[Entry, ...]:
     """Return the rules, families, files and folders named, each rule once; without any name those in force.
 
     Raises:
-        UnknownNameError: KG001 with what was probably meant.
+        UnknownNameError: KG001 with suggestions.
     """
     wanted = list(names)
     if not wanted:
@@ -59,7 +59,7 @@ def _named(rules: Library, name: str) -> list[Entry]:
 
 
 def _same(path: Path, entry: Entry) -> bool:
-    """Tell whether a path is that of a rule or of its examples."""
+    """Return whether a path is that of a rule or of its examples."""
     return path.resolve() in {entry.path.resolve(), entry.examples.resolve()}
 
 

@@ -1,4 +1,4 @@
-"""What a run costs: time, rounds and triples by rule, and the rows that each element of a body passes on."""
+"""Profile of a run: time, rounds and triples by rule, and the rows after each element of a body."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Profile:
 def profile(
     bench: Workbench, files: Sequence[RuleFile], detailed: Sequence[str] = (), limits: Limits | None = None
 ) -> Profile:
-    """Run the rules of some files in memory and say what each cost; those in `detailed` element by element."""
+    """Run the rules of some files in memory and profile each; those in `detailed` element by element."""
     begin = time.perf_counter()
     bench.read(files)
     reading = time.perf_counter() - begin

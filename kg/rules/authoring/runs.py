@@ -1,4 +1,4 @@
-"""What a run of rules says of each file of rules, for people and programs."""
+"""Report of a run of rules for each file of rules, for people and programs."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class RuleRun:
 
 
 def rule_runs(reports: Iterable[RuleReport]) -> list[RuleRun]:
-    """Return what the rules of each file did, in the order in which the last of them ran."""
+    """Return the run of each file's rules, in the order in which the last of them ran."""
     found: dict[str, RuleRun] = {}
     for report in reports:
         name = report.rule.name
@@ -77,7 +77,7 @@ def run_objects(report: RunReport, changes: Iterable[Share] = ()) -> Iterator[di
 
 
 def remote_strata(report: RemoteReport) -> list[StratumReport]:
-    """Return what came of each stratum of a run on a server: of all its rules, whichever ran together."""
+    """Return the results of each stratum of a run on a server, for all rules that ran together."""
     found: dict[int, StratumReport] = {}
     for part in report.strata:
         before = found.get(part.number)

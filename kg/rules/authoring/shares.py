@@ -1,7 +1,7 @@
-"""Which rules account for the triples that a run added and took out.
+"""Which rules account for the triples that a run added and removed.
 
-A triple is of the rules whose heads it fits. Mostly that is one; where several derive the same property of things of
-the same kind it is told of all of them together, for nothing in the difference says which it was.
+A triple belongs to the rules whose heads match it. Mostly that is one. If several derive the same property of things
+of the same kind, all of them share it: nothing in the difference shows which it was.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ __all__ = ["Share", "shares"]
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """What came and went of some rules: one, or several of which any may be meant; none for what files state."""
+    """Triples added and removed by some rules: one, or several that derive the same; none for stated triples."""
 
     rules: tuple[str, ...]
     added: int
@@ -36,7 +36,7 @@ class Share:
 
 
 def shares(report: RunReport) -> list[Share]:
-    """Return who accounts for the difference that a run made, sorted; a first run knows it of each rule."""
+    """Return the shares of the rules in the difference that a run made, sorted; a first run has one for each rule."""
     if report.added == report.inferred and not report.removed and report.rules:
         found = [Share((rule.name,), rule.derived, 0) for rule in rule_runs(report.rules) if rule.derived]
         rest = report.added - sum(share.added for share in found)

@@ -18,7 +18,7 @@ __all__ = ["common_prefixes", "spell_term", "spell_triple"]
 
 
 def common_prefixes(files: Iterable[RuleFile]) -> dict[str, str]:
-    """Return the prefixes that everyone knows, and those that mean the same in all files that declare them."""
+    """Return the common prefixes, and those with the same meaning in all files that declare them."""
     meant: dict[str, set[str]] = {}
     for file in files:
         for name, iri in (file.prefixes or {}).items():

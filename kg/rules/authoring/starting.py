@@ -1,4 +1,4 @@
-"""A new rule: a file that runs as it stands, and examples of it that pass."""
+"""A new rule: a file that runs as it is, and examples of it that pass."""
 
 from __future__ import annotations
 
@@ -22,12 +22,14 @@ def start(name: str, folder: Path, notation: str = "rq") -> tuple[Path, Path]:
     """Write the rule `name` and its examples below `folder`, and return the two files.
 
     Raises:
-        UsageError: KG003 for a name that is not `family/name`, a notation there is not, a rule that exists, and a
+        UsageError: KG003 for a name that is not `family/name`, an unknown notation, a rule that exists, and a
             folder that cannot be written.
     """
     ending = _ending(notation)
     if not _NAME.fullmatch(name):
-        hint = f"Did you mean `{near}`?" if _NAME.fullmatch(near := _mended(name)) else "For example wiring/listens-to."
+        hint = (
+            f"Did you mean `{near}`?" if _NAME.fullmatch(near := _corrected(name)) else "For example wiring/listens-to."
+        )
         message = f"`{name}` is no name of a rule: a family and a name, of a-z, 0-9, - and _, joined by slashes"
         raise UsageError("KG003", message, hint=hint)
     targets = folder / f"{name}{ending}", folder / f"{name}.md"
@@ -54,7 +56,7 @@ def _ending(notation: str) -> str:
     return ending
 
 
-def _mended(name: str) -> str:
+def _corrected(name: str) -> str:
     """Return a name of the right form for one that is nearly so."""
     mended = re.sub(r"[^a-z0-9/]+", "-", re.sub(r"\.(rq|ttl|srl|md)$", "", name).lower()).strip("-/")
     return mended if "/" in mended else f"mine/{mended}"

@@ -40,7 +40,7 @@ _EMPTY_PREFIX: Final = re.compile(r"(?<![\w:]):(?=\w)")
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """How one example went: triples as the example spells them, the lines that no proof has, the proof there is.
+    """Result of one example: triples as the example spells them, lines missing from all proofs, and the proof.
 
     `error` is set instead when the rule or the page cannot be run; then `title` may be empty.
     """
@@ -70,7 +70,7 @@ def parted(entries: Iterable[Entry]) -> tuple[list[Entry], list[Entry]]:
 
 
 def run_examples(entries: Iterable[Entry], library: Library) -> Iterator[Result]:
-    """Yield the result of each example of some rules; what cannot be run is a result too, even without examples."""
+    """Yield the result of each example of some rules; one that cannot be run gives a result even without examples."""
     for entry in entries:
         try:
             file = library.read(entry.name)
@@ -86,7 +86,7 @@ def run_examples(entries: Iterable[Entry], library: Library) -> Iterator[Result]
 def run_example(
     file: RuleFile, example: Example, library: Library, programs: dict[tuple[str, ...], Program] | None = None
 ) -> Result:
-    """Run one example of a rule; `programs` keeps what is the same for the examples of a file."""
+    """Run one example of a rule; `programs` caches what the examples of a file share."""
     begin = time.perf_counter()
     try:
         files = [file, *(_other(library, name, place) for name, place in example.others)]
@@ -137,7 +137,7 @@ def _judged(file: RuleFile, example: Example, program: Program, data: tuple[Trip
 def _unexplained(
     example: Example, rules: tuple[Rule, ...], facts: Sequence[Triple], world: World
 ) -> tuple[tuple[WhyLine, ...], tuple[str, ...]]:
-    """Return the lines under `why` that stand in no proof of the expected facts, and the shortest proofs then."""
+    """Return the lines under `why` that are in no proof of the expected facts, and the shortest proofs then."""
     if not example.why:
         return (), ()
     view = View(world, VOCABULARY)

@@ -33,7 +33,7 @@ class Watched:
         self.saved()
 
     def saved(self) -> Saved:
-        """Return what happened since the last call."""
+        """Return the changes since the last call."""
         if not self._folders or any(_time(folder) != time for folder, time in self._folders.items()):
             # A file came or went: only then the folders are searched.
             self._folders = {folder: _time(folder) for folder in self._library.directories()}

@@ -1,4 +1,4 @@
-"""A store beside which rules are tried: its triples as columns, kept from one try to the next; nothing is written."""
+"""A store on which rules are tried: its triples as columns, cached between tries; nothing is written."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ _KEPT: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class Try:
-    """What rules infer.
+    """Inferences of rules.
 
-    `read` is what they were given, `stated` the part of it that files state and the store does not have, `asserted`
-    adds the axioms, and `known` is all of it with what was inferred.
+    `read` are the triples they were given, `stated` those of them that files state and the store does not have,
+    `asserted` adds the axioms, and `known` adds the inferred triples.
     """
 
     rules: tuple[Rule, ...]
@@ -52,7 +52,7 @@ class Try:
 
 @dataclass(slots=True)
 class Workbench:
-    """One snapshot of a store; what was read of it stays read."""
+    """One snapshot of a store; columns read from it are cached."""
 
     snapshot: EmbeddedSnapshot
     names: Names
@@ -75,12 +75,12 @@ class Workbench:
 
     @property
     def _graphs(self) -> list[NamedNode | None]:
-        """The graphs that hold what is asserted."""
+        """The graphs of asserted triples."""
         hidden = {self.names.inferred, self.names.builds}
         return [None, *(graph for graph in self.snapshot.graphs() if graph not in hidden)]
 
     def infer(self, files: Sequence[RuleFile], limits: Limits | None = None) -> Try:
-        """Return what the rules of some files infer; the last answers are kept. Raises what `evaluate` raises."""
+        """Return the inferences of the rules of some files; the last are cached. Raises what `evaluate` raises."""
         key = tuple((file.name, file.text) for file in files)
         found = self._tries.pop(key, None) or self._try(files, limits)
         self._tries[key] = found
@@ -98,7 +98,7 @@ class Workbench:
         return Try(rules, read, extra, asserted, outcome, union_of([asserted, outcome.inferred]))
 
     def read(self, files: Sequence[RuleFile]) -> None:
-        """Read what the rules of some files need."""
+        """Read the columns that the rules of some files need."""
         self._reading(specialise((rule for file in files for rule in file.rules), self.schema))
 
     def _reading(self, rules: Sequence[Rule]) -> Facts:
@@ -111,7 +111,7 @@ class Workbench:
 
     @property
     def inferred(self) -> Facts:
-        """What the store holds as inferred."""
+        """The inferred triples of the store."""
         if self._inferred is None:
             _, self._inferred = read_columns(self.snapshot, EVERYTHING, [self.names.inferred], self.dictionary)
         return self._inferred

@@ -1,7 +1,7 @@
-"""Rules as blocks: a tree for people who compose them, its JSON form, the `.rq` that says the same, and the way back.
+"""Rules as blocks: a tree for editors, its JSON form, and its translation to and from `.rq`.
 
     tree -> text     kg.rules.blocks.write
     text -> tree     kg.rules.blocks.read
 
-What has no block of its own is kept as SPARQL inside one (`Other`, `Formula`), so that every `.rq` can be shown.
+SPARQL without a block of its own is kept as text (`Other`, `Formula`), so every `.rq` can be shown.
 """

@@ -1,4 +1,4 @@
-"""Expressions of SPARQL as blocks: what has none stays text, as a whole.
+"""Expressions of SPARQL as blocks; an expression without a block stays text, as a whole.
 
 The grammar is that of SPARQL 1.1, productions from Expression on; the text was checked by the parser of rules before.
 """
@@ -42,17 +42,17 @@ _LONG: Final = ('"""', "'''")
 
 
 class _NoBlock(Exception):  # noqa: N818 - no error: there is only no block for it
-    """Something stands here for which there is no block."""
+    """No block exists for an expression."""
 
 
 def test_of(text: str) -> Test | None:
-    """Return the test that an expression is; None where there is no block for a part of it."""
+    """Return the test of an expression; None if a part of it has no block."""
     found = _parsed(text)
     return found if isinstance(found, _TESTS) else None
 
 
 def value_of(text: str) -> Value:
-    """Return the value that an expression has, as SPARQL where there is no block for a part of it."""
+    """Return the value of an expression, as SPARQL if a part of it has no block."""
     found = _parsed(text)
     return Formula(text=formula(text)) if found is None or isinstance(found, _TESTS) else found
 
@@ -187,7 +187,7 @@ class _Parser:
 
 
 def _closing(pieces: list[Token]) -> int:
-    """Return the number of the bracket that closes the one at the beginning; -1 where none stands there."""
+    """Return the index of the bracket that closes the first one; -1 if there is none."""
     depth = 0
     for number, piece in enumerate(pieces):
         depth += (piece.text == "(") - (piece.text == ")")

@@ -57,15 +57,15 @@ _NUMBERS: Final = {
 
 
 def read(text: str, name: str, path: str = "") -> Rule:
-    """Return the blocks of a rule's text; `name` is `family/name`, `path` what errors name.
+    """Return the blocks of a rule's text; `name` is `family/name`, `path` the path in errors.
 
-    What has no block stays SPARQL inside one; comments inside the rule are left out. Raises RuleError: KG201 and KG209
+    Parts without a block stay SPARQL inside one; comments inside the rule are dropped. RuleError: KG201 and KG209
     as `parse_rq`, KG206 for the header, and KG209 for what blocks have not: blank nodes and triple terms in the head,
     and names beyond letters, digits and `_`.
     """
     text = normalise(text)
     header = parse_header(text, path)
-    parse_rq(text, path)  # so that errors have their place in the text as it is
+    parse_rq(text, path)  # errors then have their place in the original text
     text = _unmarked(text)
     unit = parse_rq(text, path)
     (rule,) = unit.rules
@@ -85,7 +85,7 @@ def read(text: str, name: str, path: str = "") -> Rule:
         then=tuple(reader.conclusion(one) for one in rule.template),
     )
     if said["infers"] == inferred(found):
-        said["infers"] = ""  # what is written for authors who say nothing
+        said["infers"] = ""  # the default texts of the writer
     try:
         return msgspec.convert(msgspec.to_builtins(msgspec.structs.replace(found, **said)), Rule)
     except msgspec.ValidationError as error:
@@ -94,14 +94,14 @@ def read(text: str, name: str, path: str = "") -> Rule:
 
 
 def _unmarked(text: str) -> str:
-    """Return a text in which the names that stand there once do not begin with `_`: `write` marks them so."""
+    """Return a text without the `_` that `write` puts before names that occur once."""
     names = Counter(token.text[1:] for token in tokens_of(text) if token.kind is Kind.VARIABLE)
     marked = (name for name, uses in names.items() if uses == 1 and re.match(r"_[^\W\d]", name))
     return renamed(text, {name: name[1:] for name in marked if name[1:] not in names})
 
 
 class _Reader:
-    """Knows the text and its prefixes."""
+    """Reads a text with its prefixes."""
 
     def __init__(self, text: str, path: str, prefixes: Mapping[str, str]) -> None:
         self._text = text
@@ -193,7 +193,7 @@ class _Reader:
         return Text(value=literal.value, datatype=name_of(literal.datatype, self._prefixes))
 
     def _name(self, variable: Variable) -> str:
-        """Return the name of a variable; what `[ ]` stands for gets one that the text does not have."""
+        """Return the name of a variable; `[ ]` gets one that the text does not have."""
         if not variable.name.startswith("."):
             return variable.name
         if variable.name not in self._named:

@@ -1,4 +1,4 @@
-"""The tree of a rule made of blocks, as JSON by msgspec; the tags `block`, `test` and `term` say what a part is.
+"""The tree of a rule made of blocks, as JSON by msgspec; the tags `block`, `test` and `term` give the type of a part.
 
 Names of properties, classes and things of the vocabulary are texts as SPARQL writes them: `rnkg:publishes`, or an IRI
 in angle brackets; a property may be a path. `id` names a block for faces; it means nothing.
@@ -83,7 +83,7 @@ class Text(_Part, frozen=True, tag_field="term", tag="text"):
 
 
 class Number(_Part, frozen=True, tag_field="term", tag="number"):
-    """A number as SPARQL writes it, so that 1, 1.0 and 1e0 stay what they are."""
+    """A number as SPARQL writes it: 1, 1.0 and 1e0 are kept apart."""
 
     value: Annotated[str, msgspec.Meta(pattern=_NUMBER)]
 
@@ -101,7 +101,7 @@ class Join(_Part, frozen=True, tag_field="term", tag="join"):
 
 
 class Of(_Part, frozen=True, tag_field="term", tag="of"):
-    """What a function of one value gives: its text, its text in small letters, its length, the number rounded."""
+    """A function of one value: its text, its text in lower case, its length, the rounded number."""
 
     function: Literal["STR", "LCASE", "UCASE", "STRLEN", "ABS", "ROUND"]
     of: Value
@@ -116,7 +116,7 @@ class Reckon(_Part, frozen=True, tag_field="term", tag="reckon"):
 
 
 class Formula(_Part, frozen=True, tag_field="term", tag="formula"):
-    """An expression of SPARQL for which there is no block."""
+    """A SPARQL expression without a block of its own."""
 
     text: _Line
 
@@ -163,7 +163,7 @@ class Not(_Part, frozen=True, tag_field="test", tag="not"):
 
 
 class Says(_Part, frozen=True, tag_field="test", tag="formula"):
-    """A test of SPARQL for which there is no block."""
+    """A SPARQL test without a block of its own."""
 
     text: _Line
 
@@ -204,19 +204,19 @@ class Let(_Block, frozen=True, kw_only=True, tag_field="block", tag="let"):
 
 
 class Absent(_Block, frozen=True, kw_only=True, tag_field="block", tag="absent"):
-    """There is nothing that matches this."""
+    """Nothing matches this."""
 
     when: tuple[Condition, ...]
 
 
 class Present(_Block, frozen=True, kw_only=True, tag_field="block", tag="present"):
-    """There is something that matches this, whatever it is."""
+    """Something matches this."""
 
     when: tuple[Condition, ...]
 
 
 class Perhaps(_Block, frozen=True, kw_only=True, tag_field="block", tag="perhaps"):
-    """What is taken along where it is there."""
+    """An optional part, bound if it matches."""
 
     when: tuple[Condition, ...]
 
@@ -228,7 +228,7 @@ class Either(_Block, frozen=True, kw_only=True, tag_field="block", tag="either")
 
 
 class Other(_Block, frozen=True, kw_only=True, tag_field="block", tag="sparql"):
-    """A part of a pattern in SPARQL for which there is no block."""
+    """A part of a SPARQL pattern without a block of its own."""
 
     text: _Line
 
@@ -259,7 +259,7 @@ class Rule(_Part, frozen=True):
     then: tuple[Conclusion, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse (ValueError) a severity there is not, and a namespace that is no IRI."""
+        """Raise ValueError for an unknown severity, and for a namespace that is not an IRI."""
         if self.severity is not None and self.severity not in SEVERITIES:
             raise ValueError(f"`{self.severity}` is no severity")
         for namespace in self.prefixes.values():

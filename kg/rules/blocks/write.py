@@ -77,7 +77,7 @@ class _Writer:
             self.condition(one, depth)
 
     def condition(self, one: Condition, depth: int) -> None:
-        """Add a condition with what is inside it."""
+        """Add a condition and its content."""
         if isinstance(one, Absent | Present | Perhaps):
             self.line(f"{OPENING[type(one)]} {{", depth, one.id)
             self.conditions(one.when, depth + 1)
@@ -138,7 +138,7 @@ def _prose(text: str) -> Iterator[str]:
 
 
 def inferred(rule: Rule) -> str:
-    """Return what a rule infers in a sentence, for one whose author says nothing."""
+    """Return a sentence about what a rule infers, for a rule whose author gives none."""
     facts = [f"`{_plain(one).removesuffix(' .')}`" for one in rule.then]
     return f"{' and '.join(facts)}, for all that the pattern below finds." if facts else ""
 
@@ -157,7 +157,7 @@ def _body(rule: Rule, writer: _Writer) -> None:
 
 
 def _marked(body: str) -> str:
-    """Return a body in which the names that stand there once begin with `_`, which says that this is meant."""
+    """Return a body with `_` before each name that occurs once, which marks it as intended."""
     names = Counter(token.text[1:] for token in tokens_of(body) if token.kind is Kind.VARIABLE)
     once = {
         name: f"_{name}" for name, uses in names.items() if uses == 1 and name[0] != "_" and f"_{name}" not in names
@@ -166,7 +166,7 @@ def _marked(body: str) -> str:
 
 
 def namespace(rule: Rule) -> str:
-    """Return what `my:` stands for: the terms of the rule's family, as `kg rules new` names them."""
+    """Return the namespace of `my:`: the terms of the rule's family, as `kg rules new` names them."""
     return f"https://example.org/{rule.name.rpartition('/')[0]}#"
 
 

@@ -1,1 +1,1 @@
-"""What is wrong with rules before they run: one check a file, each with its code."""
+"""Checks of rules before they run: one module a check, each with its code."""

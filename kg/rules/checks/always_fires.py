@@ -27,7 +27,7 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     try:
         fires = in_thread(lambda: any(empty.matches(rule.body) for rule in file.rules), context.seconds)
     except DeadlineError:
-        return  # rows of VALUES alone may be too many to join; what follows from them is not known
+        return  # rows of VALUES alone may be too many to join; their results are unknown
     if fires:
         message = "the rule fires whatever the data are: an empty store satisfies its body"
         hint = "State facts in an ontology or in DATA, or add what the rule should depend on."

@@ -1,4 +1,4 @@
-"""KG212: parts of a body that share no variable, so that each match of one is combined with each of the other."""
+"""KG212: parts of a body without a shared variable: each match of one is combined with each of the other."""
 
 from __future__ import annotations
 

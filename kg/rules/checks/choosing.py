@@ -34,6 +34,6 @@ def outside(found: Read, words: Iterable[str]) -> list[Path]:
 
 
 def others_than(found: Read, shipped: Path) -> list[str]:
-    """Return the rules that do not stand below the folder `shipped`."""
+    """Return the rules outside the folder `shipped`."""
     folder = shipped.resolve()
     return [name for name, file in found.paths if not file.resolve().is_relative_to(folder)]

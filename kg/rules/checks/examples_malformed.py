@@ -32,7 +32,7 @@ def check(file: RuleFile, _context: Context) -> Iterator[Finding]:
 
 
 def orphan(path: Path, name: str) -> Finding | None:
-    """Return the note that a page of examples has no rule beside it; None for a page without examples."""
+    """Return the note that a page of examples has no rule next to it; None for a page without examples."""
     try:
         read_examples(path)
     except RuleError:

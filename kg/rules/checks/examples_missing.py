@@ -1,4 +1,4 @@
-"""KG219: a rule without examples beside it."""
+"""KG219: a rule without examples next to it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What checks report, and what they look at."""
+"""Findings of checks, and their input."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ class Finding:
 
 
 class Store(Protocol):
-    """What checks ask of a store that the rules are for."""
+    """Interface of the store that rules are checked against."""
 
     def matches(self, body: tuple[Element, ...]) -> bool:
-        """Tell whether a body has a solution."""
+        """Return whether a body has a solution."""
         ...
 
     def failing(self, body: tuple[Element, ...]) -> Element | None:
@@ -52,7 +52,7 @@ class Store(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """What a file is checked against.
+    """Input of the checks of a file.
 
     `rules` are all in force, the file itself among them, and `cut` the same cut to the schema, where that was done;
     `terms` what ontologies and data define or use, as IRIs; `read` the IRIs that stored queries mention; `schema` the
@@ -76,7 +76,7 @@ class Check(Protocol):
     """A check: a module with a function `check`."""
 
     def check(self, file: RuleFile, context: Context) -> Iterator[Finding]:
-        """Yield what is wrong with one file."""
+        """Yield the findings of one file."""
         ...
 
 

@@ -52,5 +52,5 @@ def _read_by_rules(head: Atom, file: RuleFile, context: Context) -> bool:
 
 
 def _chooses(atom: Atom) -> bool:
-    """Tell whether an atom reads some triples, not each and every one as a copy under another name does."""
+    """Return whether an atom reads some triples only, not all, as a copy under another name does."""
     return any(not isinstance(position, Variable) for position in atom.positions)

@@ -1,4 +1,4 @@
-"""KG213: a rule whose body matches nothing in the store; KG205 where the store takes too long to say so."""
+"""KG213: a rule whose body matches nothing in the store; KG205 if the store takes too long."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ _IRI: Final = re.compile(r"<([^<>\s]*)>")
 
 
 def check(file: RuleFile, context: Context) -> Iterator[Finding]:
-    """Yield one finding for a file of which no rule has a match, naming the first part that leaves it without.
+    """Yield one finding for a file whose rules match nothing, with the first part that matches nothing.
 
-    Where the store does not answer in time, the finding says that.
+    If the store does not answer in time, the finding reports that.
     """
     store = context.store
     asked = [rule for rule in file.rules if not _auxiliary(rule)]
@@ -72,7 +72,7 @@ def _shown(element: Element, file: RuleFile) -> str:
 
 
 def _place(element: Element) -> Place | None:
-    """Return where a part of a body stands: itself, its expression, or the first triple in it."""
+    """Return the place of a part of a body: its own, that of its expression, or of its first triple."""
     if isinstance(element, Filter | Assignment):
         return element.expression.place
     if isinstance(element, Exists | Aggregate):
@@ -81,7 +81,7 @@ def _place(element: Element) -> Place | None:
 
 
 def _hint(element: Element | None, file: RuleFile, context: Context) -> str:
-    """Return what can be done about a part that lets nothing through."""
+    """Return a hint for a part that no solution passes."""
     if isinstance(element, Atom):
         heads = ((rule.name, head) for rule in context.cut or context.rules.rules for head in rule.head)
         writer = next((name for name, head in heads if name != file.name and depends(element, head)), None)
@@ -96,6 +96,6 @@ def _hint(element: Element | None, file: RuleFile, context: Context) -> str:
 
 
 def _auxiliary(rule: Rule) -> bool:
-    """Tell whether a rule reads or derives what only decomposition knows, which no store holds."""
+    """Return whether a rule reads or derives auxiliary predicates of decomposition, which no store holds."""
     atoms: list[Element] = [*rule.head, *(atom for atom, _ in atoms_of(rule.body))]
     return any(isinstance(atom, Atom) and str(atom.predicate).startswith(f"<{AUXILIARY}") for atom in atoms)

@@ -1,4 +1,4 @@
-"""KG201: a file in which there is no rule, or none whose filters can hold."""
+"""KG201: a file without rules, or without one whose filters can hold."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Running the checks: files are read one by one, so that one that does not parse leaves the others checked."""
+"""Running the checks: files are read one by one; one that does not parse does not stop the others."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ CHECKS: Final[tuple[Check, ...]] = (
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """The rules of some folders: those that could be read, and what is wrong with the others.
+    """The rules of some folders: those that could be read, and the problems of the others.
 
     `paths` has every file with the name of its rule, whether it could be read or not.
     """
@@ -91,7 +91,7 @@ def read_all(folders: Iterable[Path], installed: Iterable[Pack] = (), families: 
 
 
 def _pages(folder: Path) -> Iterator[tuple[Path, str]]:
-    """Yield the pages below a folder that no file of a rule stands beside."""
+    """Yield the pages below a folder without a rule file next to them."""
     for path in sorted(folder.rglob("*.md")):
         below = path.relative_to(folder)
         rules = (path.with_suffix(ending) for ending in NOTATIONS)
@@ -100,10 +100,10 @@ def _pages(folder: Path) -> Iterator[tuple[Path, str]]:
 
 
 def check(found: Read, context: Context, names: Iterable[str] | None = None) -> list[Finding]:
-    """Return what is wrong with the rules read, or with those called `names`, sorted by place.
+    """Return the findings on the rules read, or on those called `names`, sorted by place.
 
-    A cycle belongs to each of its rules, wherever its error stands. `context` tells what they are checked against; its
-    rules are those that were read.
+    A cycle belongs to each of its rules, wherever its error stands. `context` is the input of the checks; its rules
+    are those that were read.
     """
     context = beside(found.rules, context)
     wanted = None if names is None else set(names)
@@ -121,7 +121,7 @@ def beside(rules: RuleSet, context: Context) -> Context:
 
 
 def check_file(file: RuleFile, context: Context) -> Iterator[Finding]:
-    """Yield what is wrong with one file that could be read."""
+    """Yield the findings of one file that could be read."""
     for each in CHECKS:
         yield from each.check(file, context)
 

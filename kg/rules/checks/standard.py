@@ -1,4 +1,4 @@
-"""The terms of RDF, RDFS and OWL: closed vocabularies, so that a name they do not have is misspelt.
+"""The terms of RDF, RDFS and OWL: closed vocabularies, so an unknown name is misspelt.
 
 Sources: RDF 1.2 Schema, sections 2 to 5; OWL 2 Mapping to RDF Graphs, tables 1 and 2; RDF 1.2 Concepts for rdf:reifies
 and the types of strings.
@@ -47,7 +47,7 @@ def namespace_of(iri: str) -> str:
 
 
 def is_standard(iri: str) -> bool:
-    """Tell whether an IRI is a term of one of the three vocabularies, `rdf:_1` and so on among them."""
+    """Return whether an IRI is a term of one of the three vocabularies, `rdf:_1` and so on among them."""
     namespace = namespace_of(iri)
     local = iri.removeprefix(namespace)
     numbered = namespace == PREFIXES["rdf"] and _NUMBERED.fullmatch(local) is not None

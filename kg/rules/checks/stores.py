@@ -28,7 +28,7 @@ class StoreOf:
     view: View
 
     def matches(self, body: tuple[Element, ...]) -> bool:
-        """Tell whether a body has a solution."""
+        """Return whether a body has a solution."""
         return bool(self.view.solutions(body, bound_by(body), {}, 1))
 
     def failing(self, body: tuple[Element, ...]) -> Element | None:

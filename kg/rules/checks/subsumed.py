@@ -25,7 +25,7 @@ STEPS: Final = 20_000
 
 def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     """Yield one finding for a file whose every rule is subsumed by a rule of another file, or by what it reads."""
-    if file.rules and all(_idle(rule) for rule in file.rules):
+    if file.rules and all(_is_tautology(rule) for rule in file.rules):
         message = "the rule derives only what it reads"
         yield Finding(CODE, "warning", file.name, message, at_rule(file), "Change its head, or remove it.")
         return
@@ -43,14 +43,14 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     yield Finding(CODE, "warning", file.name, f"the rule {words} {by.name} ({by.place})", at_rule(file), hint)
 
 
-def _idle(rule: Rule) -> bool:
-    """Tell whether each triple of the head stands in the body."""
+def _is_tautology(rule: Rule) -> bool:
+    """Return whether each triple of the head is in the body."""
     read = [atom.positions for atom in rule.body if isinstance(atom, Atom)]
     return all(atom.positions in read for atom in rule.head)
 
 
 def subsumes(general: Rule, special: Rule) -> bool:
-    """Tell whether a renaming of `general`'s variables gives the head of `special` and a part of its body.
+    """Return whether a renaming of `general`'s variables gives the head of `special` and a part of its body.
 
     Then whatever `special` derives `general` derives too. Bodies with blocks that are compared by nothing but their
     text (aggregates, blocks of SPARQL) count as equal only when they are the same. The question is NP-complete: where
@@ -77,11 +77,11 @@ def _heads(
 def _covers(
     general: list[Element], special: Sequence[Element], bindings: dict[Variable, Pattern], steps: Iterator[int]
 ) -> bool:
-    """Tell whether each part of the general body is a part of the special one under some substitution."""
+    """Return whether each part of the general body is a part of the special one under some substitution."""
     if not general:
         return True
     first, *rest = general
-    # Rules that say the same mostly say it in the same order: the part in the same place is tried first.
+    # Equivalent rules mostly have the same order: the part in the same place is tried first.
     turned = [*special[1:], *special[:1]]
     for element, _ in zip(special, steps, strict=False):
         extended = _same(first, element, bindings, steps)

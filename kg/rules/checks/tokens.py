@@ -1,4 +1,4 @@
-"""Where names and variables stand in the text of a rule."""
+"""Where names and variables are in the text of a rule."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""KG211: a class or property that neither the ontologies nor the store nor another rule know."""
+"""KG211: a class or property unknown to the ontologies, the store and all other rules."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
 
 
 def _finding(file: RuleFile, iri: str, kind: str, message: str, known: Iterable[str]) -> Finding:
-    hint = _meant(iri, kind, known) or "Define it in an ontology, or correct the name."
+    hint = _suggestion(iri, kind, known) or "Define it in an ontology, or correct the name."
     return Finding(CODE, "warning", file.name, message, place_of_name(file, iri), hint)
 
 
-def _meant(iri: str, kind: str, known: Iterable[str]) -> str | None:
-    """Return the question for the terms that may be meant: those of its kind first, which its first letter tells."""
+def _suggestion(iri: str, kind: str, known: Iterable[str]) -> str | None:
+    """Return the hint with similar terms: those of its kind, by the case of the first letter, come first."""
     namespace = namespace_of(iri)
     # Of terms of one name the one in the namespace that was written is meant.
     ordered = sorted(known, key=lambda term: (namespace_of(term) == namespace, term))
@@ -71,7 +71,7 @@ def _meant(iri: str, kind: str, known: Iterable[str]) -> str | None:
 
 
 def _read_in(file: RuleFile, iri: str) -> bool:
-    """Tell whether a file derives a term for itself: what it both writes and reads is a term of its own."""
+    """Return whether a file both writes and reads a term, which makes it a term of its own."""
     return any(used == iri for rule in file.rules for atom, _ in atoms_of(rule.body) for used, _ in _terms(atom))
 
 
@@ -85,7 +85,7 @@ def _used(rule: Rule) -> Iterator[tuple[str, bool]]:
 
 
 def _terms(atom: Atom) -> Iterator[tuple[str, bool]]:
-    """Yield the property of an atom, and the class where it says what something is."""
+    """Yield the property of an atom, and the class if the atom is a type."""
     if isinstance(atom.predicate, NamedNode) and not atom.predicate.value.startswith(AUXILIARY):
         yield atom.predicate.value, True
         if atom.predicate.value == _TYPE and isinstance(atom.object, NamedNode):

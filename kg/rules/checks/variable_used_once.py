@@ -1,4 +1,4 @@
-"""KG217: a variable that stands in one place only: a slip of the pen, or a blank node in disguise."""
+"""KG217: a variable that is in one place only: a slip of the pen, or a blank node in disguise."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ TITLE: Final = "variable used once"
 
 
 def check(file: RuleFile, _context: Context) -> Iterator[Finding]:
-    """Yield each variable that a file has once; names that begin with `_` say that this is meant."""
+    """Yield each variable that occurs once in a file; a `_` before the name marks it as intended."""
     found = list(variables(file))
     blank = _replaceable(file)
     uses = Counter(token.text[1:] for token in found)
@@ -43,7 +43,7 @@ def _hint(name: str, blank: set[Variable]) -> str:
 
 
 def _replaceable(file: RuleFile) -> set[Variable]:
-    """Return the variables in whose place `[]` may stand: subjects and objects, and nothing else."""
+    """Return the variables that `[]` may replace: those that are only subjects or objects."""
     atoms = [atom for rule in file.rules for atom, _ in atoms_of(rule.body)]
     ends = {end for atom in atoms for end in (atom.subject, atom.object) if isinstance(end, Variable)}
     return ends - {atom.predicate for atom in atoms if isinstance(atom.predicate, Variable)}

@@ -1,4 +1,4 @@
-"""Groups that stay SPARQL: what the engine has to know of them, told conservatively."""
+"""Groups that stay SPARQL: conservative estimates of what they read and bind."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _read(nodes: Iterable[Node]) -> Iterator[NamedNode | None]:
         if isinstance(node, TriplePattern):
             yield from _path_reads(node.predicate)
             if normal(node.predicate).zero and not _is_anchored(node, nodes):
-                # Of length zero it holds for all terms of the graph, whatever predicate they stand with.
+                # Of length zero it holds for all terms of the graph, whatever predicate they are with.
                 yield _ANY
         elif isinstance(node, Filter | Bind):
             yield from _expression_reads(node.expression)
@@ -80,7 +80,7 @@ def _read(nodes: Iterable[Node]) -> Iterator[NamedNode | None]:
 
 
 def _is_anchored(pattern: TriplePattern, nodes: tuple[Node, ...]) -> bool:
-    """Tell whether an end of a path is an end of a triple beside it that has its own predicate.
+    """Return whether an end of a path is an end of a triple next to it that has its own predicate.
 
     A constant is not enough: the store's engine finds no path of length zero at a term that its graph does not have.
     """
@@ -108,7 +108,7 @@ def _path_reads(path: Path) -> Iterator[NamedNode | None]:
 
 
 def is_monotone(nodes: Iterable[Node]) -> bool:
-    """Tell whether more triples never take a solution away; False when in doubt."""
+    """Return whether more triples never take a solution away; False when in doubt."""
     return all(map(_grows, nodes))
 
 

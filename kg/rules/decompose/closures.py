@@ -44,9 +44,9 @@ class Walk:
         self._place = place
 
     def along(self, part: Part, start: Pattern, steps: Steps, end: Pattern) -> Part | None:
-        """Return a part with steps from one term to another behind it; None if no atoms say that.
+        """Return a part followed by steps from one term to another; None if atoms cannot express them.
 
-        `part.subjects` are the variables that are no literals, those bound before the part among them.
+        `part.subjects` are the variables that are not literals, those bound before the part among them.
         """
         here = start
         for number, step in enumerate(steps, 1):
@@ -91,7 +91,7 @@ class Walk:
         return None
 
     def _predicate(self, step: Closure) -> NamedNode | None:
-        """Return the auxiliary predicate of a closure, making its rules when there are none yet."""
+        """Return the auxiliary predicate of a closure; its rules are created on first use."""
         predicate = _name(step)
         if predicate.value in self._auxiliary:
             return predicate
@@ -123,7 +123,7 @@ def _may_begin_at_literal(step: Step) -> bool:
 
 
 def _is_resource(end: Pattern, part: Part) -> bool:
-    """Tell whether what stands at an end is certainly no literal and no triple term."""
+    """Return whether what is at an end is certainly no literal and no triple term."""
     if isinstance(end, Variable):
         return end in part.subjects
     return not isinstance(end, Literal | Triple | TripleTerm)

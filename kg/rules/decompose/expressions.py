@@ -1,6 +1,6 @@
-"""Expressions as text: cutting them at `&&`, and knowing what makes them fail.
+"""Expressions as text: splitting them at `&&`, and what makes them fail.
 
-All work on tokens, so that strings and IRIs are never taken for names or signs.
+All functions work on tokens: strings and IRIs are never taken for names or signs.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def expression(text: str, place: Place | None = None) -> Expression:
 
 
 def _mints(tokens: Sequence[Token]) -> bool:
-    """Tell whether the value may be a new term: arithmetic, triple terms, all functions that are not known not to."""
+    """Return whether the value may be a new term: arithmetic, triple terms, all functions not known to be safe."""
     for index, token in enumerate(tokens):
         follows = tokens[index + 1 : index + 2]
         if token.kind is Kind.WORD and _word(token) not in _GIVE_KNOWN_TERMS:
@@ -82,19 +82,19 @@ def _mints(tokens: Sequence[Token]) -> bool:
 
 
 def _is_sign(tokens: Sequence[Token], index: int) -> bool:
-    """Tell whether `+` or `-` begins a number."""
+    """Return whether `+` or `-` begins a number."""
     before, behind = tokens[:index], tokens[index + 1 :]
     operand = bool(before) and (before[-1].kind in _TERMS or before[-1].text == ")")
     return not operand and bool(behind) and behind[0].kind is Kind.NUMBER
 
 
 def is_strict(text: str) -> bool:
-    """Tell whether an expression is in error whenever one of its variables is unbound."""
+    """Return whether an expression is in error whenever one of its variables is unbound."""
     return not any(_word(token) in _FORGIVING for token in tokens_of(text))
 
 
 def can_fail(text: str) -> bool:
-    """Tell whether an expression may be in error although all of its variables are bound; True when in doubt."""
+    """Return whether an expression may be in error although all of its variables are bound; True when in doubt."""
     tokens = tokens_of(text)
     if len(tokens) == 1:
         return tokens[0].kind is Kind.WORD and _word(tokens[0]) not in {"TRUE", "FALSE"}
@@ -140,7 +140,7 @@ def resolved(text: str, visible: Collection[str]) -> str | None:
 
 
 def _bounds(tokens: Sequence[Token], missing: set[str]) -> Iterator[tuple[int, int, str]]:
-    """Yield what is to be replaced, from where to where, by what; first a place before all."""
+    """Yield replacements as start, end and text; first an empty one before all."""
     yield 0, 0, ""
     for index, token in enumerate(tokens):
         if token.kind is not Kind.VARIABLE or token.text[1:] not in missing:
@@ -190,7 +190,7 @@ def _partner(tokens: Sequence[Token]) -> int:
 
 
 def existence(text: str) -> bool | None:
-    """Tell of a test that is nothing but EXISTS or NOT EXISTS whether a `!` turns it round; None for other tests.
+    """Return whether a test that is only EXISTS or NOT EXISTS is negated by a `!`; None for other tests.
 
     Raises ValueError where an EXISTS is only a part of the test.
     """

@@ -47,7 +47,7 @@ def _expressions(body: Sequence[Element]) -> Iterator[str]:
 
 
 def _printable(body: tuple[Element, ...], names: Names) -> tuple[Element, ...]:
-    """Give names that SPARQL can write to variables that stand for blank nodes and are in expressions or blocks."""
+    """Give SPARQL names to variables of blank nodes that are used in expressions or blocks."""
     written = set(_expressions(body))
     hidden = {variable for variable in everywhere(body) if variable.name.startswith(".")}
     chosen = sorted((v for v in hidden if sparql.spelling(v)[1:] in written), key=str)

@@ -10,7 +10,7 @@ Each rewriting keeps the set of solutions:
   does have a match then derives triples of the head that the first part derives too.
 * MINUS {G}: no solution of G that agrees on the shared variables; without shared variables nothing is removed.
 * FILTER EXISTS {G}: a test for each solution, which everything in G sees.
-* FILTER: tests all of the group, wherever it stands, so it comes behind what binds its variables.
+* FILTER: tests all of the group, wherever it is, so it comes behind what binds its variables.
 * BIND: the solutions in which the expression has a value; and those in which it is in error, with the variable
   unbound, left out where nothing comes of a solution without the variable.
 * VALUES: a join with rows; rows with UNDEF at the same places are a table of their own.
@@ -114,7 +114,7 @@ class Groups:
             yield rest
 
     def _comes_to_nothing(self, names: frozenset[str], node: tree.Node, scope: Scope) -> bool:
-        """Tell whether solutions in which a node did not bind these names come to nothing."""
+        """Return whether solutions in which a node did not bind these names derive nothing."""
         return any(not self._work.bound_elsewhere(name, node) for name in names & scope.required)
 
     def _without(self, part: Part, matches: list[Part], shared: frozenset[Variable], node: tree.Node) -> Part | None:

@@ -29,7 +29,7 @@ class Part:
 
     `nodes` are the variables whose value is certainly a subject or object in the graph, `subjects` those of them whose
     value is a subject, and so neither a literal nor a triple term. `given` are variables of the group that have their
-    value from what stands before the part, in which they are the end of a path of length zero.
+    value from what is before the part, in which they are the end of a path of length zero.
     """
 
     elements: tuple[Element, ...] = ()
@@ -47,7 +47,7 @@ class Part:
         subjects: frozenset[Variable] = frozenset(),
         given: frozenset[Variable] = frozenset(),
     ) -> Part:
-        """Return the part of some elements, of which is known what is known of it."""
+        """Return the part of some elements, with the knowledge of this part."""
         elements = tuple(elements)
         return cls(elements, nodes, subjects, given, bound_in(elements) | given)
 
@@ -80,11 +80,11 @@ EMPTY: Final = Part()
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """What a group is decomposed for.
+    """Context of a group under decomposition.
 
     `outer`: variables bound around an EXISTS, which everything inside sees. `seen`: those that only the group's own
     filters see, for OPTIONAL. `near`: those that are subjects or objects in the graph and bound before the group where
-    it will stand; `subjects` those of them that are subjects. `required`: solutions without one of these come to
+    it will be; `subjects` those of them that are subjects. `required`: solutions without one of these come to
     nothing. `single`: it matters how often a solution comes.
     """
 
@@ -115,7 +115,7 @@ class Scope:
         return Scope(self.outer, near=kept.near, subjects=kept.subjects)
 
     def _kept(self, part: Part, shared: frozenset[Variable]) -> Scope:
-        """Return what is known behind `part` of the variables that a negation there shares with what is around it."""
+        """Return what is known after `part` of the variables that a negation there shares with its surroundings."""
         behind = self.behind(part)
         return replace(behind, near=behind.near & shared, subjects=behind.subjects & shared)
 
@@ -131,7 +131,7 @@ def joined(left: Part, right: Part, names: Names) -> Part:
 
 
 def attached(elements: Iterable[Element], bound: frozenset[Variable], names: Names) -> Iterator[Element]:
-    """Yield elements as they stand behind what binds `bound`: what they assign is compared with what is there.
+    """Yield elements as they are after `bound` is bound: an assignment to a bound variable becomes a comparison.
 
     SPARQL joins solutions whose terms are the same, so `sameTerm` is the comparison. The expression compared is in
     error where the assignment is, and both take the solution away.

@@ -122,7 +122,7 @@ def inverse(step: Step) -> Step:
 
 
 def is_plain(path: Path) -> bool:
-    """Tell whether a path gives its pairs as often as the joins of its normal form do: no choice, no repetition."""
+    """Return whether a path gives its pairs as often as the joins of its normal form do: no choice, no repetition."""
     if isinstance(path, Sequence):
         return all(map(is_plain, path.parts))
     if isinstance(path, Inverse):

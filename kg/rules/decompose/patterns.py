@@ -1,7 +1,7 @@
-"""Triple patterns that stand together: joins, whose order is free, so paths come behind what binds their ends.
+"""Triple patterns that are together: joins, whose order is free, so paths come behind what binds their ends.
 
 A path of length zero joins two ends that are the same term. Exact only where one end is a constant, which matches
-itself, or bound to a subject or object of the graph by what stands before (SPARQL 1.1, section 18.4, ZeroLengthPath);
+itself, or bound to a subject or object of the graph by what is before (SPARQL 1.1, section 18.4, ZeroLengthPath);
 a path between two open ends is left to the store's engine.
 """
 
@@ -54,13 +54,13 @@ def _waiting(work: Work, patterns: list[TriplePattern], part: Part, scope: Scope
 
 
 def _waits(pattern: TriplePattern) -> bool:
-    """Tell whether it matters what is known of the ends of a pattern."""
+    """Return whether the knowledge about the ends of a pattern matters."""
     found = normal(pattern.predicate)
     return found.zero or any(isinstance(step, Closure) for steps in found.alternatives for step in steps)
 
 
 def _matches(work: Work, pattern: TriplePattern, part: Part, scope: Scope) -> list[Part] | None:
-    """Return the parts of a join with a pattern, one for each way through its path; None if that cannot be said."""
+    """Return the parts of a join with a pattern, one for each way through its path; None if it has no such form."""
     path = pattern.predicate
     found = normal(path)
     if scope.single and not is_plain(path) and not (isinstance(path, Repeat) and not found.zero):
@@ -88,7 +88,7 @@ def _ends_equal(pattern: TriplePattern, part: Part) -> list[Part] | None:
             if end in part.nodes:
                 return [_equal(part, end, other)]
         elif not isinstance(pattern.predicate, Sequence):
-            # A sequence of paths is a join: its middle is no constant, so it has to be in the graph.
+            # A sequence of paths is a join: its middle is not a constant, so it has to be in the graph.
             return _constant(part, end, other)
     return None
 
@@ -120,5 +120,5 @@ def _block(work: Work, pattern: TriplePattern) -> EngineBlock:
 
 
 def known(part: Part, scope: Scope) -> Part:
-    """Return a part that knows what is known before the group that it begins."""
+    """Return an empty part with the knowledge from before its group."""
     return replace(part, nodes=part.nodes | scope.near, subjects=part.subjects | scope.subjects)

@@ -90,7 +90,7 @@ def _assignment(  # noqa: PLR0913, PLR0917 - what is assigned, in which column o
 
 
 def _needed(work: Work, node: tree.SubSelect, variable: Variable, scope: Scope) -> bool:
-    """Tell whether nothing comes of a solution without a column of a sub-SELECT."""
+    """Return whether a solution without a column of a sub-SELECT derives nothing."""
     return variable.name in scope.required and not work.bound_elsewhere(variable.name, node)
 
 
@@ -104,7 +104,7 @@ def _hiding(work: Work, part: Part, visible: Iterable[Variable]) -> Part:
 
 
 def _is_written(work: Work, variable: Variable) -> bool:
-    """Tell whether the rule has a variable of that name; others have a name of their own already."""
+    """Return whether the rule has a variable of that name; others have a name of their own already."""
     return not variable.name.startswith(".") and variable.name in work.mentioned
 
 

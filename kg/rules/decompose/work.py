@@ -1,4 +1,4 @@
-"""What is known of the one rule that is being decomposed, and what is made on the way."""
+"""State of the decomposition of one rule."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Work:
     mints_blanks: bool = field(init=False)
 
     def __post_init__(self) -> None:
-        """Count what occurs where."""
+        """Count the occurrences of names."""
         self.written = normalise(self.text)
         self.mentioned = uses(self.rule.group.nodes)
         self.binding = uses(self.rule.group.nodes, binding=True)
@@ -57,12 +57,12 @@ class Work:
         return place_at(self.written, span.start, self.path)
 
     def used_elsewhere(self, names: frozenset[str], node: Node) -> bool:
-        """Tell whether the pattern mentions one of the variables outside of a node."""
+        """Return whether the pattern mentions one of the variables outside of a node."""
         within = uses([node])
         return any(self.mentioned[name] > within[name] for name in names)
 
     def bound_elsewhere(self, name: str, node: Node) -> bool:
-        """Tell whether something outside of a node may bind a variable."""
+        """Return whether something outside of a node may bind a variable."""
         return self.binding[name] > uses([node], binding=True)[name]
 
 

@@ -1,6 +1,6 @@
-"""What rules derive for one query, from the triples that a store has.
+"""Derive the triples that one query needs from those of a store.
 
-Reading these takes far longer than evaluation where a query needs little: they are kept for the next query.
+Reading these takes far longer than evaluation if a query needs little: they are cached for the next query.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Derived:
 
 
 def derive(text: str, rule_set: RuleSet, base: Base, limits: Limits) -> Derived:
-    """Return what the rules of a set derive for a query from the triples of a store.
+    """Return the triples that a set of rules derives for a query from those of a store.
 
     Raises RuleError: KG202 for rules that cannot be stratified, KG204 for rules that make terms in recursion, KG205 at
     a limit.
@@ -101,9 +101,9 @@ class Base:
 
     @classmethod
     def of(cls, rule_set: RuleSet, source: Tables, generation: int, names: Names, cache: Path) -> Self:
-        """Read what a set of rules may read or derive.
+        """Read the triples that a set of rules may read or derive.
 
-        It is kept below the folder `cache`, where that can be written, for the next query of the same generation.
+        It is cached below the folder `cache`, if writable, for the next query of the same generation.
         """
         what = wanted(rule_set.rules) | Wanted(frozenset(triple.predicate for triple in rule_set.data))
         digest = blake2b(f"{names} {rule_set.digest}".encode(), digest_size=16).hexdigest()
@@ -117,7 +117,7 @@ class Base:
         return base
 
     def read_by(self, rules: Iterable[Rule]) -> tuple[Facts, Facts]:
-        """Return what is asserted, and what is inferred and stored, of what rules read: also patterns of a query."""
+        """Return the asserted and the stored inferred triples that rules, or the patterns of a query, read."""
         asserted, before = self.memory.asserted.copy(), self.memory.inferred.copy()
         further = _without(wanted(rules), self.what)
         if further.predicates or further.members:
@@ -127,7 +127,7 @@ class Base:
         return asserted, before
 
     def _read(self, what: Wanted) -> tuple[Facts, Facts]:
-        """Return what graphs assert, but for the record of builds, and what rules in force inferred."""
+        """Return the asserted triples of all graphs except the record of builds, and the stored inferences."""
         own = {self.names.inferred, self.names.builds}
         graphs = [None, *(graph for graph in self.source.graphs() if graph not in own)]
         dictionary = self.memory.dictionary
@@ -136,7 +136,7 @@ class Base:
 
 
 def _without(what: Wanted, read: Wanted) -> Wanted:
-    """Return what of some triples was not read yet."""
+    """Return those of some triples that were not read yet."""
     if read.predicates is None or what.predicates is None:
         return Wanted(frozenset())
     members = (pair for pair in what.members - read.members if pair[0] not in read.predicates)
@@ -158,7 +158,7 @@ def _matching(facts: Facts, goals: Iterable[Goal], dictionary: Dictionary) -> Fa
 
 
 def _ends(facts: Facts, predicate: int, atom: Atom, dictionary: Dictionary) -> Keys:
-    """Return the pairs of a predicate that have the terms that stand at the ends of an atom."""
+    """Return the pairs of a predicate that have the terms that are at the ends of an atom."""
     keys = facts.keys(predicate)
     if isinstance(atom.subject, Variable | TripleTerm) and isinstance(atom.object, Variable | TripleTerm):
         return keys

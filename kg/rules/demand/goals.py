@@ -1,7 +1,7 @@
 """The patterns of a SPARQL query as goals: what it may read of what rules derive.
 
 A goal is a group's triple patterns with those that restrict them: rows of VALUES, and patterns of groups around it
-that each solution has to match. A group behind OPTIONAL, MINUS or EXISTS is restricted by what stands before it in the
+that each solution has to match. A group behind OPTIONAL, MINUS or EXISTS is restricted by what is before it in the
 group around it, and by nothing further out: it may be evaluated before that is joined. A sub-SELECT is not restricted.
 
 A path that repeats, such as `:p+`, asks for all of its predicates. A query that this grammar lacks, such as DESCRIBE,
@@ -34,7 +34,7 @@ _EVERYTHING: Final[Goal] = (Atom(Variable("s"), Variable("p"), Variable("o")),)
 
 
 def goals_of(text: str) -> tuple[Goal, ...]:
-    """Return the goals of a query that guards let through; none for a text that is not SPARQL."""
+    """Return the goals of a query that guards let through; none for invalid SPARQL."""
     try:
         unit = parse_query(text, "query")
     except RuleError:
@@ -54,7 +54,7 @@ def _is_sparql(text: str) -> bool:
 
 
 def open_ended(goals: Sequence[Goal]) -> bool:
-    """Tell whether a goal has a variable as predicate: every rule may answer it."""
+    """Return whether a goal has a variable as predicate: every rule may answer it."""
     return any(isinstance(atom, Atom) and isinstance(atom.predicate, Variable) for goal in goals for atom in goal)
 
 

@@ -32,7 +32,7 @@ _DOUBLE: Final = 2
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A rule of the left or the right form: its head, the atom of the same predicate, and the atoms beside it."""
+    """A rule of the left or the right form: its head, the atom of the same predicate, and the atoms next to it."""
 
     rule: Rule
     head: Atom
@@ -52,12 +52,12 @@ class Recursion:
 
 
 def exit_of(predicate: NamedNode) -> NamedNode:
-    """Return the predicate of what is stored of a predicate, and of what its exits derive."""
+    """Return the predicate of the stored triples of a predicate and of the triples of its exits."""
     return NamedNode(f"{AUXILIARY}exit/{predicate.value}")
 
 
 def stored_of(predicate: NamedNode) -> NamedNode:
-    """Return the predicate of what is stored of a predicate."""
+    """Return the predicate of the stored triples of a predicate."""
     return NamedNode(f"{AUXILIARY}stored/{predicate.value}")
 
 
@@ -71,7 +71,7 @@ def recursion_of(
 ) -> Recursion | None:
     """Return the rules of a predicate by their forms; None where one has another form, or none is recursive.
 
-    `recurs` tells whether elements of a body read, directly or through other rules, what `rules` derive.
+    `recurs` returns whether elements of a body read, directly or through other rules, what `rules` derive.
     """
     exits: list[tuple[Rule, Atom]] = []
     right: list[Step] = []

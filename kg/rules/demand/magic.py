@@ -1,4 +1,4 @@
-"""Magic sets: rules rewritten so that evaluation derives what some goals need.
+"""Magic sets: rules rewritten to derive only the triples that some goals need.
 
     rule       ?x :ancestor ?z  from  ?x :parent ?y . ?y :ancestor ?z
     goal       ?who :ancestor :a
@@ -163,7 +163,7 @@ class _Rewriting:
         return next((one for one in self._recursions.values() if one and exit_of(one.predicate) == predicate), None)
 
     def _adorn_exits(self, recursion: Recursion, adornment: str) -> None:
-        """Rewrite what ends a recursion: stored triples, and rules that do not recur."""
+        """Rewrite the exits of a recursion: stored triples, and rules that do not recur."""
         exits, copy = exit_of(recursion.predicate), stored_of(recursion.predicate)
         self._copies[copy] = recursion.predicate
         head = Atom(_X, exits, _Z)
@@ -266,14 +266,14 @@ def _closed(numbers: Iterable[int], needs: Sequence[set[int]]) -> set[int]:
 
 
 def _simple(head: Atom) -> bool:
-    """Tell whether demand can be stated for a head: for its predicate, and for terms and variables at its ends."""
+    """Return whether demand can be stated for a head: for its predicate, and for terms and variables at its ends."""
     return isinstance(head.predicate, NamedNode) and not any(
         isinstance(end, TripleTerm | BlankNode) for end in (head.subject, head.object)
     )
 
 
 def _perhaps_unbound(body: tuple[Element, ...]) -> bool:
-    """Tell whether a solution may leave a variable unbound: a demand would bind it to what is asked for."""
+    """Return whether a solution may leave a variable unbound: a demand would bind it to what is asked for."""
     return any(isinstance(one, Aggregate) or (isinstance(one, EngineBlock) and one.optional) for one in body)
 
 

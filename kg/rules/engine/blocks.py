@@ -35,7 +35,7 @@ def lines(dictionary: Dictionary, facts: Facts, predicates: Iterable[int]) -> It
 
 
 class Blocks:
-    """Evaluates blocks; the solutions of the last ones are kept for as long as what they read is the same."""
+    """Evaluates blocks; the last solutions are cached until the triples that they read change."""
 
     def __init__(self, dictionary: Dictionary) -> None:
         self._dictionary = dictionary

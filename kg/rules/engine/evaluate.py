@@ -39,7 +39,7 @@ __all__ = ["Limits", "Outcome", "Program", "RuleReport", "evaluate"]
 
 @dataclass(slots=True)
 class RuleReport:
-    """What a rule did: `stratum` is its level, `derived` counts the triples that it was the first to derive."""
+    """Report of a rule: `stratum` is its level, `derived` counts the triples that it was the first to derive."""
 
     rule: Rule
     stratum: int
@@ -53,14 +53,14 @@ class RuleReport:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What was inferred, without anything that was asserted, and what each rule did, in the order they ran."""
+    """The inferred triples that are not asserted, and the report of each rule, in the order they ran."""
 
     inferred: Facts
     reports: list[RuleReport] = field(default_factory=list)
 
 
 class Program:
-    """A set of rules, stratified; plans and what expressions gave are kept for each dictionary it runs over."""
+    """A set of rules, stratified; plans and values of expressions are cached for each dictionary it runs over."""
 
     def __init__(self, rules: Iterable[Rule], strata: Sequence[Stratum] = ()) -> None:
         """Raise `RuleError` KG202 for rules that cannot be stratified, KG204 for volatile functions in recursion.
@@ -73,20 +73,20 @@ class Program:
 
     @property
     def levels(self) -> int:
-        """How many levels there are, each above what it negates and counts."""
+        """Number of levels, each above those that it negates and counts."""
         return max((stratum.level for stratum in self.strata), default=0)
 
     def refuse_minting(self) -> None:
         """Raise `RuleError` KG204 when a rule makes terms from what it derives itself."""
         if any(stratum.recursive and any(map(mints, stratum.rules)) for stratum in self.strata):
-            stratify(self.rules)  # tells which one, and through which others
+            stratify(self.rules)  # raises with the rule and its cycle
 
     def plans(self, dictionary: Dictionary) -> Mapping[Rule, RulePlan]:
-        """Return the plan of each rule over a dictionary, made when it is asked for."""
+        """Return the plan of each rule over a dictionary, made on first use."""
         return self._over(dictionary).plans
 
     def workshop(self, dictionary: Dictionary, limits: Limits | None = None) -> Workshop:
-        """Return what evaluation over a dictionary needs, with a clock that begins now."""
+        """Return the shared state for evaluation over a dictionary, with a clock that begins now."""
         bound = self._over(dictionary)
         return Workshop(dictionary, bound.expressions, bound.blocks, Clock(limits or Limits()), bound.hidden)
 
@@ -133,7 +133,7 @@ def evaluate(
     inferred: Facts | None = None,
     limits: Limits | None = None,
 ) -> Outcome:
-    """Return what the rules infer from `asserted`, which is not changed.
+    """Return the triples that the rules infer from `asserted`, which is not changed.
 
     `inferred` is what other rules inferred before: the rules read it, except where they read asserted triples only.
 
@@ -150,7 +150,7 @@ def evaluate(
 
 
 class _Run:
-    """One evaluation: `known` is all there is so far, `inferred` the part that rules added."""
+    """One evaluation: `known` has all triples so far, `inferred` the part that rules added."""
 
     def __init__(self, program: Program, dictionary: Dictionary, asserted: Facts, limits: Limits) -> None:
         self._shop = program.workshop(dictionary, limits)
@@ -176,7 +176,7 @@ class _Run:
             self._apply(rule, self._everything(rule.plan), delta)
         self._close(closures, delta, [self._known, delta])
         while stratum.recursive and delta.predicates:
-            # What was there before is only read by rules that read what changes more than once.
+            # Only rules that read the changing triples more than once read the earlier ones.
             old = self._known.copy() if any(len(rule.pivots) > 1 for rule in rules) else self._known
             self._merge(delta)
             last, delta = delta, Facts()
@@ -188,7 +188,7 @@ class _Run:
         self._merge(delta)
 
     def _close(self, closures: _Closures, delta: Facts, fresh: list[Facts]) -> None:
-        """Add to `delta` what follows from equal terms, where `fresh` was not looked at before."""
+        """Add to `delta` the triples that follow from equal terms; `fresh` was not examined before."""
         before = len(delta)
         closures.close(self._known, delta, fresh, self._size)
         self._size += len(delta) - before
@@ -203,7 +203,7 @@ class _Run:
         return [self._asserted if source.asserted else self._known for source in plan.sources]
 
     def _changed(self, rule: _Active, pivot: _Pivot, last: Facts, old: Facts) -> list[Facts]:
-        """Return what the sources read in a round: the pivot what was new in the last one."""
+        """Return the triples that the sources read in a round: for the pivot, those new in the last one."""
         found = self._everything(rule.plan)
         if pivot.block:
             return found
@@ -214,7 +214,7 @@ class _Run:
         return found
 
     def _apply(self, rule: _Active, sources: list[Facts], delta: Facts) -> None:
-        """Run a rule and add to `delta` what is not known."""
+        """Run a rule and add to `delta` the triples not yet known."""
         begin = time.perf_counter()
         report, clock = rule.report, self._shop.clock
         report.rounds += 1
@@ -262,7 +262,7 @@ class _Closures:
         return False
 
     def close(self, known: Facts, delta: Facts, fresh: list[Facts], size: int) -> None:
-        """Add to `delta` what the equalities derive, each from what it did not have before, until none adds more."""
+        """Add to `delta` the triples that the equalities derive, each from its new input, until none adds more."""
         waiting = [fresh] * len(self._closures)
         before = len(delta)
         while any(waiting):

@@ -1,7 +1,7 @@
 """Values of expressions: computed by the store's engine, once for each combination of terms.
 
 The combinations that a table has are numbered and handed over as one `VALUES`; results are remembered by the text of
-the expression and the identifiers, across rounds and runs. What identifiers alone can tell, they do.
+the expression and the identifiers, across rounds and runs. Values that identifiers alone decide need no engine.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Expressions:
     def holds(
         self, expression: Expression, table: Table, columns: Sequence[tuple[str, str]], clock: Clock
     ) -> NDArray[np.bool_]:
-        """Tell for each row whether the effective boolean value is true; an error is not."""
+        """Return for each row whether the effective boolean value is true; an error is not."""
         quick = shortcut(expression, table, dict(columns), self._dictionary)
         if quick is not None:
             return quick
@@ -158,7 +158,7 @@ class Expressions:
         self._read(self._store.query(query), rows, found)
 
     def _with_blanks(self, text: str, names: tuple[str, ...], arguments: Table, rows: Keys, found: Keys) -> None:
-        """Evaluate an expression for rows with blank nodes, which cannot stand in `VALUES`: they go into a store."""
+        """Evaluate an expression for rows with blank nodes, which cannot be in `VALUES`: they go into a store."""
         store = Store()
         for row in range(arguments.rows):
             subject = NamedNode(f"urn:kg:row:{row}")
@@ -199,7 +199,7 @@ def _distinct(arguments: Table) -> tuple[Table, Keys]:
 
 
 def _shown(name: str) -> str:
-    """Return how a variable stands in the text of an expression."""
+    """Return how a variable is written in an expression."""
     return spelling(form.Variable(name))
 
 

@@ -64,7 +64,7 @@ def distinct(keys: Keys) -> Keys:
 
 
 def _among(keys: Keys, others: Keys) -> NDArray[np.bool_]:
-    """Tell for each of the sorted `keys` whether the sorted `others` have it."""
+    """Return for each of the sorted `keys` whether the sorted `others` have it."""
     if not others.size:
         return np.zeros(keys.size, bool)
     found = np.searchsorted(others, keys)
@@ -84,7 +84,7 @@ def intersection(keys: Keys, others: Keys) -> Keys:
 
 
 def union(keys: Keys, others: Keys) -> Keys:
-    """Return what either of two sorted arrays has, sorted, each once."""
+    """Return the sorted union of two sorted arrays, each value once."""
     if not others.size:
         return keys
     return others if not keys.size else distinct(np.concatenate([keys, others]))
@@ -134,7 +134,7 @@ def _fan_out(keys: Keys) -> float:
 
 
 class Facts:
-    """A set of triples; arrays that it gives out are never written to.
+    """A set of triples; arrays that it returns are never written to.
 
     What is added to a predicate waits in sorted runs, each more than twice as large as the next, and is put into the
     one array when somebody asks for it: a recursion of many rounds that only adds does not copy everything each time.
@@ -155,24 +155,24 @@ class Facts:
     def __iter__(self) -> Iterator[tuple[int, Keys]]:
         """Yield each predicate with its keys, none of them empty."""
         for predicate in list(self._runs):
-            self._settle(predicate)
+            self._merge_runs(predicate)
         return iter(self._keys.items())
 
     @property
     def predicates(self) -> Collection[int]:
-        """The predicates of which there is a triple."""
+        """The predicates with a triple."""
         return self._keys.keys() | self._runs.keys() if self._runs else self._keys.keys()
 
     def keys(self, predicate: int) -> Keys:
         """Return the pairs of a predicate, sorted by subject."""
         if predicate in self._runs:
-            self._settle(predicate)
+            self._merge_runs(predicate)
         return self._keys.get(predicate, EMPTY)
 
     def by_object(self, predicate: int) -> Keys:
         """Return the pairs of a predicate as `object << 32 | subject`, sorted."""
         if predicate in self._runs:
-            self._settle(predicate)
+            self._merge_runs(predicate)
         found = self._flipped.get(predicate)
         if found is None:
             found = self._flipped[predicate] = flipped(self.keys(predicate))
@@ -185,7 +185,7 @@ class Facts:
         return keys[begin:end]
 
     def has(self, predicate: int, subject: int | None = None, value: int | None = None) -> bool:
-        """Tell whether there is a triple of a predicate, with that subject, and one with that object."""
+        """Return whether a predicate has a triple with that subject, and one with that object."""
         if predicate not in self._keys and predicate not in self._runs:
             return False
         if subject is not None and not self.pairs_of(predicate, subject, by_object=False).size:
@@ -207,7 +207,7 @@ class Facts:
         return found
 
     def has_starts(self, predicate: int, terms: int, *, by_object: bool = False) -> bool:
-        """Tell whether `starts` of that many terms is there already."""
+        """Return whether `starts` for that many terms exists already."""
         found = self._starts.get((predicate, by_object))
         return found is not None and found.size > terms and predicate not in self._runs
 
@@ -253,8 +253,8 @@ class Facts:
             last = runs.pop()
             runs[-1] = merged(runs[-1], last)
 
-    def _settle(self, predicate: int) -> None:
-        """Put what waits into the array; the order by object is carried on if it is there."""
+    def _merge_runs(self, predicate: int) -> None:
+        """Merge the waiting runs into the array; an existing order by object is updated."""
         runs = self._runs.pop(predicate)
         new = runs[0] if len(runs) == 1 else np.sort(np.concatenate(runs))
         self._keys[predicate] = merged(self._keys.get(predicate, EMPTY), new)

@@ -81,7 +81,7 @@ class _Columns:
         return self._on_integers(column.function, member, numbers)
 
     def _whole(self, values: Keys) -> Keys | None:
-        """Return the numbers that the values are, None when one of them is no integer of a few digits."""
+        """Return the numbers that the values are, None when one of them is not an integer of a few digits."""
         different = distinct(values)
         found = [_WHOLE.fullmatch(spelling) for spelling in self._dictionary.spellings(different)]
         numbers = [int(part[1]) for part in found if part]
@@ -128,7 +128,7 @@ class _Columns:
         least = self._blank_minima(column, member, values)
         keep = self._dictionary.kinds(values) != BLANK
         if column.function in {"MIN", "MAX"}:
-            # Blank nodes come before all other terms (section 15.1) and cannot stand in VALUES.
+            # Blank nodes come before all other terms (section 15.1) and cannot be in VALUES.
             member, values = member[keep], values[keep]
         else:
             values = np.where(keep, values, 0)
@@ -169,7 +169,7 @@ class _Columns:
                 found[int(solution["g"].value)] = self._dictionary.intern_term(value)
 
     def _empty(self, column: Column, empty: Keys, found: Keys) -> None:
-        """Give groups without a value what the aggregate of nothing is: zero, or the empty string."""
+        """Give groups without a value the aggregate of the empty set: zero, or the empty string."""
         for solution in ox.Store().query(f"SELECT ({_call(column)} AS ?v) {{ VALUES ?x {{}} }}"):  # type: ignore[union-attr]  # a SELECT
             if solution["v"] is not None:
                 found[empty] = self._dictionary.intern_term(solution["v"])

@@ -39,7 +39,7 @@ class Collector:
         self._keys: dict[int, list[Keys]] = {}
 
     def add(self, table: Table, heads: Sequence[Head]) -> None:
-        """Add the triples of `heads` for each row. What is no triple of RDF is left out, as CONSTRUCT does."""
+        """Add the triples of `heads` for each row. What is not a triple of RDF is left out, as CONSTRUCT does."""
         if self._plan.solution:
             table = distinct_rows(table)
         kinds = self._dictionary.kinds
@@ -115,7 +115,7 @@ class Collector:
 
 
 def made_node(rule: Rule, label: str, names: Sequence[str], solution: Mapping[str, Term]) -> BlankNode:
-    """Return what a blank node of a rule's head is in a solution; `names`: the variables that the body binds."""
+    """Return the node for a blank node of a rule's head in a solution; `names`: the variables that the body binds."""
     ordered = sorted(names)
     values = [spell(solution[name]) if name in solution else b"" for name in ordered]
     return BlankNode(_label(_beginning(rule, label), [name.encode() for name in ordered], values)[2:].decode())

@@ -1,4 +1,4 @@
-"""Limits of a run, so that it never runs away."""
+"""Limits of the time and size of a run."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ __all__ = ["Clock", "Limits"]
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """How long a run may take and how much it may infer; None is no limit.
+    """Limits of the time and the triples of a run; None for unlimited.
 
-    With either of them rules may make terms in recursion: the limit ends what would not end.
+    With either of them rules may make terms in recursion: the limit ends an infinite run.
     """
 
     deadline: float | None = None
@@ -24,12 +24,12 @@ class Limits:
 
     @property
     def bounded(self) -> bool:
-        """Whether there is any limit."""
+        """Whether any limit is set."""
         return self.deadline is not None or self.max_triples is not None
 
 
 class Clock:
-    """Watches the limits of one run; knows which rule runs, to name it."""
+    """Watches the limits of one run; has the name of the running rule for errors."""
 
     def __init__(self, limits: Limits) -> None:
         self._limits = limits
@@ -38,7 +38,7 @@ class Clock:
         self.round = 0
 
     def check(self, inferred: int = 0) -> None:
-        """Raise `RuleError` KG205 when the time is over or there are more triples than allowed."""
+        """Raise `RuleError` KG205 after the time limit or with more triples than allowed."""
         if self._end is not None and time.monotonic() > self._end:
             raise self._error(f"the deadline of {self._limits.deadline:g} s is over", "Raise the deadline")
         most = self._limits.max_triples
@@ -46,7 +46,7 @@ class Clock:
             raise self._error(f"more than {most:,} triples are inferred", "Raise the limit")
 
     def may_exceed(self, inferred: int) -> bool:
-        """Tell whether so many triples, some of them perhaps known already, are more than allowed."""
+        """Return whether so many triples, some of them perhaps known already, are more than allowed."""
         return self._limits.max_triples is not None and inferred > self._limits.max_triples
 
     def _error(self, what: str, way: str) -> RuleError:

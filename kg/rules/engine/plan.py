@@ -169,7 +169,7 @@ Step: TypeAlias = Match | Structure | Test | Assign | Nested | Rows | Grouped | 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """Steps to run in any order that respects what filters, assignments and inner bodies see."""
+    """Steps to run in any order that respects the variables visible to filters, assignments and inner bodies."""
 
     steps: tuple[Step, ...]
     numbers: frozenset[int]
@@ -194,7 +194,7 @@ class Head:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """What an atom or a block reads; `positive`: more of it only adds solutions, and each of them through it."""
+    """The input of an atom or a block; `positive`: more of it only adds solutions, each through it."""
 
     reads: Atom | EngineBlock
     positive: bool

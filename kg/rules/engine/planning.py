@@ -1,4 +1,4 @@
-"""Prepares rules: decides what the order of a body means, so that its steps may run in any order afterwards.
+"""Prepares rules: resolves the meaning of a body's order. Its steps may then run in any order.
 
 * A filter or an assignment sees the variables bound before it in the text, and no others.
 * A positive EXISTS becomes part of the body, its own variables renamed; a solution stays one solution, since what
@@ -79,7 +79,7 @@ def _columns(node: HeadNode) -> list[str]:
 
 
 def _body(steps: Sequence[Step]) -> Body:
-    """Return steps with what is known about all of them."""
+    """Return a body of steps with the properties of all of them."""
     numbers: set[int] = set()
     names: set[str] = set()
     for step in steps:
@@ -195,7 +195,7 @@ class _Planner:
         return Block(len(self.sources) - 1, block, columns, element)
 
     def head_node(self, pattern: Pattern, scope: dict[str, str]) -> HeadNode:
-        """Return what stands in a position of the head."""
+        """Return the node at a position of the head."""
         if isinstance(pattern, Variable):
             return scope[pattern.name]
         if isinstance(pattern, BlankNode):

@@ -1,4 +1,4 @@
-"""Filters that identifiers alone decide, as masks over rows: what the store's engine would say, without asking it."""
+"""Filters that identifiers alone decide, as masks over rows, with the same result as the store's engine."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ _KINDS: Final = {"isiri": IRI, "isuri": IRI, "isblank": BLANK, "isliteral": LITE
 
 @cache
 def has_shortcut(text: str) -> bool:
-    """Tell whether identifiers may decide a filter, so that it costs next to nothing."""
+    """Return whether identifiers may decide a filter, which costs almost nothing."""
     return any(form.fullmatch(bare(text)) for form, _ in _FORMS)
 
 
 @dataclass(frozen=True, slots=True)
 class _Rows:
-    """The rows that a filter is asked about."""
+    """The rows that a filter is applied to."""
 
     table: Table
     columns: Mapping[str, str]
@@ -64,7 +64,7 @@ class _Rows:
         return values if values.all() else None
 
     def same(self, left: Keys, right: Keys, *, wanted: bool) -> Mask:
-        """Tell for each row whether two operands are the same term, or are not."""
+        """Return for each row whether two operands are the same term, or are not."""
         mask: Mask = np.broadcast_to((left == right) == wanted, (self.table.rows,))
         return mask
 
@@ -91,7 +91,7 @@ def _closing(text: str) -> int:
 
 
 def shortcut(expression: Expression, table: Table, columns: Mapping[str, str], dictionary: Dictionary) -> Mask | None:
-    """Return for each row whether a filter holds, or None where only evaluation can tell."""
+    """Return for each row whether a filter holds, or None if that needs evaluation."""
     rows = _Rows(table, columns, dictionary)
     text = bare(expression.text)
     for form, decide in _FORMS:

@@ -44,7 +44,7 @@ _SEED: Final = 4096
 
 @dataclass(slots=True)
 class Workshop:
-    """What evaluations over one dictionary share and keep from run to run."""
+    """State shared by evaluations over one dictionary, kept between runs."""
 
     dictionary: Dictionary
     expressions: Expressions
@@ -56,7 +56,7 @@ class Workshop:
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """What each source of a rule reads in one evaluation, by number: a change, what was before it, or everything."""
+    """Input of each source of a rule in one evaluation, by number: a change, the data before it, or all data."""
 
     sources: Sequence[Facts]
 
@@ -177,7 +177,7 @@ class Solver:
         return Reading(self.view.sources[step.number], len(self.shop.dictionary), needed, self.shop.hidden)
 
     def _estimate(self, table: Table, step: Step) -> float | None:
-        """Estimate the rows after a step; None while it cannot run. Cheap tests come before joins, dear ones after."""
+        """Estimate rows after a step; None if it cannot run. Cheap filters run before joins, expensive ones after."""
         bound = table.columns.keys()
         if isinstance(step, Match):
             factor, most = self._spread(table, step)
@@ -255,7 +255,7 @@ class Solver:
         return table.take(~found if step.negated else found)
 
     def _mask(self, table: Table, step: Nested) -> NDArray[np.bool_]:
-        """Tell for each row whether the inner body has a solution."""
+        """Return for each row whether the inner body has a solution."""
         seeds = table.keeping(step.shared)
         if not step.shared:
             there = any(part.rows for part in self._inner().solutions(step.body, frozenset()))
@@ -277,7 +277,7 @@ class Solver:
         return Solver(self.shop, self.view, spreads=self.spreads)
 
     def _grouped(self, table: Table, step: Grouped) -> Table:
-        """Join with the groups; those only that are asked for, where that is known and few."""
+        """Join with the groups; only with those needed, if these are known and few."""
         inner_of = {outer: inner for inner, outer in step.keys}
         asked = sorted(table.columns.keys() & inner_of.keys())
         seeds = UNIT
@@ -295,7 +295,7 @@ class Solver:
 
 
 def _by_unbound(table: Table, names: Iterable[str]) -> list[Table]:
-    """Return the rows of a table apart by which of the columns are unbound, each part without these columns.
+    """Return the rows of a table partitioned by their unbound columns, each part without these columns.
 
     What is unbound agrees with every value (SPARQL 1.1, section 18.3): a later step binds it as if for the first time.
     """

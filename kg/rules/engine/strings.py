@@ -1,6 +1,6 @@
 """Tests of text in filters (REGEX, CONTAINS, STRSTARTS, STRENDS) on the spellings of terms, without the store's engine.
 
-Only what certainly means the same here and there is decided: patterns of ASCII without look-around, shorthands or
+Only tests with certainly the same meaning in both are decided: patterns of ASCII without look-around, shorthands or
 flags, on strings without a type or a language, and on IRIs within STR. The rest is left open.
 """
 
@@ -44,7 +44,7 @@ _REPETITIONS: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class TextTest:
-    """One test: `variable` is its argument; `lexical`: STR stands around it.
+    """One test: `variable` is its argument; `lexical`: STR is around it.
 
     What the argument is compared with is the value of the variable `other`; None where it is written in the test.
     """
@@ -56,7 +56,7 @@ class TextTest:
     holds: Callable[[str], object] = bool
 
     def against(self, spelling: bytes) -> TextTest | None:
-        """Return the test with a term for its `other` variable; None where only the engine knows what that means."""
+        """Return the test with a term for its `other` variable; None if only the engine can decide it."""
         found = _SPELT.fullmatch(spelling.decode())
         holds = _holding(self.name, re.sub(r"\\(.)", r"\1", found[1])) if found else None
         return None if holds is None else replace(self, other=None, holds=holds)

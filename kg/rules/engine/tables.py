@@ -88,7 +88,7 @@ UNIT: Final = Table({}, 1)
 
 
 def ranks(values: Keys) -> Keys:
-    """Return for each value its place among the distinct values, so that it fits half a key."""
+    """Return for each value its place among the distinct values, which fits half a key."""
     return np.searchsorted(distinct(values), values)
 
 
@@ -120,9 +120,9 @@ def concatenate(tables: Sequence[Table], names: Iterable[str]) -> Table:
 
 
 def among(values: Keys, ordered: Keys) -> NDArray[np.bool_]:
-    """Tell for each value whether the sorted array has it.
+    """Return for each value whether the sorted array has it.
 
-    Of many values, most of those that it lacks are told by a table of a bit of each hash, a tenth of the time.
+    For many values, a table with a bit of each hash excludes most of those missing, in a tenth of the time.
     """
     if not ordered.size:
         return np.zeros(values.size, bool)

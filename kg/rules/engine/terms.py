@@ -41,7 +41,7 @@ _FEW: Final = 10_000
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """The spellings of terms 1, 2, ... as they stand in a file, to be read one by one."""
+    """The spellings of terms 1, 2, ... as they are in a file, to be read one by one."""
 
     text: memoryview
     """All spellings, without anything between them."""
@@ -54,7 +54,7 @@ class Kept:
 
     @classmethod
     def of(cls, spellings: Sequence[bytes]) -> Kept:
-        """Return different spellings as they are to stand in a file."""
+        """Return distinct spellings in the form of a file."""
         ends = np.zeros(len(spellings) + 1, np.int64)
         np.cumsum(np.fromiter(map(len, spellings), np.int64, len(spellings)), out=ends[1:])
         sums = np.fromiter(map(crc32, spellings), np.uint32, len(spellings))
@@ -119,7 +119,7 @@ class Dictionary:
     """Spellings to identifiers and back. Identifiers count from 1; 0 stands for "unbound"."""
 
     def __init__(self, kept: Kept | None = None) -> None:
-        """With `kept`, its terms are known, and read when they are asked for."""
+        """With `kept`, its terms are known, and read on use."""
         self._kept = kept
         self._spellings: list[bytes | None] = [b"", *[None] * (len(kept) if kept else 0)]
         self._identifiers = _Identifiers(self._spellings, kept)
@@ -177,9 +177,9 @@ class Dictionary:
         return of_spelling(self.spelling(identifier))
 
     def kinds(self, identifiers: NDArray[np.int64]) -> NDArray[np.int8]:
-        """Return the kind of each term. Only spellings of terms that are asked for the first time are looked at."""
+        """Return the kind of each term. Only spellings of terms new to this method are parsed."""
         if self._kinds.size < len(self._spellings):
-            # Grown by more than is needed, so that terms made one after the other do not copy it each time.
+            # Grown by more than needed, so terms created one by one do not copy it each time.
             grown = np.zeros(len(self._spellings) * 5 // 4, np.int8)
             grown[: self._kinds.size] = self._kinds
             self._kinds = grown

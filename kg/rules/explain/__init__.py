@@ -1,1 +1,1 @@
-"""Why a fact holds, and why one does not: computed from the data when asked, down to the line of code."""
+"""Why a fact holds, and why one does not: computed from the data on request, down to the line of code."""

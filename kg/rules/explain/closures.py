@@ -1,4 +1,4 @@
-"""Paths of any length, which decomposition made into predicates of its own, as the store knows them.
+"""Paths of any length, which decomposition turned into auxiliary predicates, as triples of the store.
 
 A rule with `:p+` reads an auxiliary predicate that a store never holds. For queries it is written as the path again;
 in a proof the triples of a shortest way from one end to the other stand for it.
@@ -33,7 +33,7 @@ _MOST_STEPS: Final = 20_000
 
 
 def is_auxiliary(pattern: object) -> bool:
-    """Tell whether a predicate is one that decomposition made."""
+    """Return whether a predicate was introduced by decomposition."""
     return isinstance(pattern, NamedNode) and pattern.value.startswith(AUXILIARY)
 
 

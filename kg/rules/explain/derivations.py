@@ -47,7 +47,7 @@ def _inferred(view: View, derivation: Derivation) -> int:
 
 
 def derivation_of(view: View, rule: Rule, solution: dict[str, Term]) -> Derivation | None:
-    """Return the application under a solution; None when a fact stands only where rules do not read."""
+    """Return the application under a solution; None if a fact is only in graphs that rules do not read."""
     facts: list[Triple] = []
     conditions: list[Condition] = []
     for element in rule.body:

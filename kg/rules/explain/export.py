@@ -96,7 +96,7 @@ def _attempt_object(attempt: Attempt, view: View) -> dict[str, object]:
 
 
 def mermaid(proofs: Sequence[Proof], view: View) -> str:
-    """Return proofs as one Mermaid flowchart: facts are boxes, those inferred rounded, rules stand at the arrows."""
+    """Return proofs as one Mermaid flowchart: facts are boxes, those inferred rounded, rules are at the arrows."""
     lines: list[str] = []
     links: list[str] = []
     for number, proof in enumerate(proofs):

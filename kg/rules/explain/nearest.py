@@ -1,4 +1,4 @@
-"""What there is instead of something that is not there: the nearest matches, by likeness of names."""
+"""The nearest matches of a missing fact, by similarity of names."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ALIKE: Final = 0.4
 
 
 def filled(pattern: Pattern, solution: Mapping[str, Term]) -> Term | None:
-    """Return what a position of an atom is under a solution; None when it is free."""
+    """Return the term at a position of an atom under a solution; None if it is free."""
     if isinstance(pattern, Variable):
         return solution.get(pattern.name)
     return None if hasattr(pattern, "subject") else pattern
@@ -48,7 +48,7 @@ def nearest(view: View, atom: Atom, solutions: Sequence[dict[str, Term]]) -> tup
 def _alternatives(
     view: View, subject: Term | None, predicate: Term | None, value: Term | None
 ) -> Iterator[tuple[float, str]]:
-    """Yield what is there beside a triple that is not, with how like it is (1: the same)."""
+    """Yield existing alternatives to a missing triple, with their similarity (1: the same)."""
     if predicate is None:
         return
     name = view.spelt(predicate)
@@ -70,7 +70,7 @@ def _alternatives(
 
 
 def _likeness(view: View, wanted: Term | None, other: Term) -> float:
-    """Compare what both are called, and the last parts of their names; the closer of the two counts."""
+    """Compare the labels of both, and the last parts of their names; return the higher similarity."""
     if wanted is None:
         return 1.0
     pairs = ((view.label(wanted), view.label(other)), (_last(wanted), _last(other)))
@@ -83,7 +83,7 @@ def _last(term: Term) -> str:
 
 
 def instead(view: View, fact: Triple) -> tuple[str, ...]:
-    """Return sentences about what the store has instead of a fact: other values, a property of a like name."""
+    """Return sentences about what the store has instead of a fact: other values, a property of a similar name."""
     if view.graphs(fact):
         return ("the store holds it: `kg why` explains it",)
     properties = {view.spelt(each) for each in view.predicates(fact.subject, _CANDIDATES)}

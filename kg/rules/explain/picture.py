@@ -46,7 +46,7 @@ def picture(proofs: Sequence[Proof], view: View) -> str:
 
 
 def _depth(line: Line) -> int:
-    """Return how many branches stand before a line: each is three signs wide, the last of a rule's line two."""
+    """Return how many branches are before a line: each is three signs wide, the last of a rule's line two."""
     return (len(line.branches) + 1) // 3
 
 

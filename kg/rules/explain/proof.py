@@ -1,4 +1,4 @@
-"""What an explanation is made of: facts, the rules that derive them, and where in the sources they stand."""
+"""Parts of an explanation: facts, the rules that derive them, and their places in the sources."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["Attempt", "Condition", "Derivation", "Evidence", "Premise", "Proof",
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """A line of a source: what an asserted fact was read from; `thing` is the IRI of what stands there."""
+    """The source line that an asserted fact was read from; `thing` is the IRI of the thing on it."""
 
     path: str
     line: int | None = None
@@ -30,7 +30,7 @@ class Evidence:
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """A part of a body that is no fact: a filter, something that is absent, a value computed from others.
+    """A part of a body that is not a fact: a filter, something that is absent, a value computed from others.
 
     `facts` are some of those that were aggregated, `count` how many there were.
     """
@@ -80,7 +80,7 @@ class Attempt:
     """How far one rule comes towards a fact: `held` matched, `failing` did not, with what was `bound` by then.
 
     `failing` is None when the whole body matches: then rules have not been run since the data changed. `nearest` are
-    sentences about what there is instead; `deeper` says why a premise that rules could derive is missing.
+    sentences about what the store has instead; `deeper` explains why a premise that rules could derive is missing.
     """
 
     rule: Rule

@@ -43,9 +43,9 @@ _MOST: Final = 1000
 
 @dataclass(frozen=True, slots=True)
 class RowProof:
-    """What a row rests on: proofs of the facts of one solution of the query, and the `conditions` that held.
+    """The proof of a row: proofs of the facts of one solution of the query, and the `conditions` that held.
 
-    `solutions` is how many there are where the query makes one row of many by grouping, counting or DISTINCT; more than
+    `solutions` is their number if the query makes one row of many by grouping, counting or DISTINCT; more than
     1,000 are not counted.
     """
 
@@ -55,7 +55,7 @@ class RowProof:
 
     @property
     def remark(self) -> str | None:
-        """The sentence that says of how many solutions this is one, None where there are no others."""
+        """A sentence with the number of solutions, None if this is the only one."""
         if self.solutions == 1:
             return None
         more = " or more" if self.solutions == _MOST else ""
@@ -66,8 +66,8 @@ def why_row(view: View, rules: tuple[Rule, ...], text: str, row: Mapping[str, Te
     """Return the proofs of the facts that the SELECT query `text` matched for a row.
 
     Raises:
-        QueryError: KG502 or KG516 for a query that the engine would not be given.
-        RuleError: KG201 for a query that is no SELECT, KG226 when the row cannot be traced back.
+        QueryError: KG502 or KG516 for a query that is refused.
+        RuleError: KG201 for a query that is not a SELECT, KG226 when the row cannot be traced back.
     """
     text = _WHOLE.sub("", normalise(text))
     found = list(tokens(text))
@@ -90,7 +90,7 @@ def why_row(view: View, rules: tuple[Rule, ...], text: str, row: Mapping[str, Te
 
 
 def _clauses(found: Sequence[Token]) -> tuple[int, int, int]:
-    """Return where SELECT stands among the tokens of a query, where its WHERE clause opens, and where that ends."""
+    """Return where SELECT is among the tokens of a query, where its WHERE clause opens, and where that ends."""
     start = next((index for index, token in enumerate(found) if _is(token, "SELECT")), None)
     if start is None:
         raise RuleError("KG201", "only rows of SELECT queries can be explained", place=Place(_NAME), hint=_HINT)

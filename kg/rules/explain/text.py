@@ -1,4 +1,4 @@
-"""Explanations as text: trees of lines, so that a terminal can make links of the places in them."""
+"""Explanations as text: trees of lines, in which a terminal can link the places."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _from_here(name: str) -> str:
 
 
 def proof_lines(proof: Proof, view: View) -> Iterator[Line]:
-    """Yield a proof as a tree; what was told above is not told again."""
+    """Yield a proof as a tree; each fact is explained once."""
     yield from _proof(proof, view, "", "", set())
 
 
@@ -96,7 +96,7 @@ def _bindings(bindings: Mapping[str, Term], view: View) -> str:
 
 
 def why_not_lines(answer: WhyNot, view: View) -> Iterator[Line]:
-    """Yield why a fact does not hold: each rule that could derive it, how far it comes, and what is there instead."""
+    """Yield why a fact does not hold: each rule that could derive it, how far it comes, and what exists instead."""
     yield Line("", f"{view.sentence(answer.fact)}: not derived", "fact")
     yield from _absent(answer, view, "")
 
@@ -125,12 +125,12 @@ def _attempt(attempt: Attempt, view: View, below: str, *, last: bool) -> Iterato
 
 
 def _general(attempt: Attempt) -> bool:
-    """Tell whether a rule derives facts of any property, as those of OWL do: it says little where nothing holds."""
+    """Return whether a rule derives facts of any property, as those of OWL do: it explains little if nothing holds."""
     return any(isinstance(atom.predicate, Variable) for atom in attempt.rule.head)
 
 
 def _place(element: Element | None) -> Place | None:
-    """Return where a part of a body stands; a block stands where its first pattern does."""
+    """Return the place of a part of a body; for a block, that of its first pattern."""
     if isinstance(element, Exists):
         return next((place for part in element.body if (place := _place(part))), None)
     if isinstance(element, Filter | Assignment):

@@ -17,7 +17,7 @@ __all__ = ["heads", "instance", "unify"]
 
 
 def unify(atom: Atom, fact: Triple) -> dict[str, Term] | None:
-    """Return what the variables of the head `atom` are when it derives `fact`, None when it cannot.
+    """Return the bindings of the head `atom` when it derives `fact`, None if it cannot.
 
     A blank node in a head stands for any blank node: which one, the solution of the body decides.
     """
@@ -52,7 +52,7 @@ def heads(rules: tuple[Rule, ...], fact: Triple) -> Iterator[tuple[Rule, dict[st
 
 
 def instance(atom: Atom, bindings: Mapping[str, Term]) -> Triple | None:
-    """Return the fact that an atom is under `bindings`; None while a variable is not bound, or where it is no triple.
+    """Return the fact of an atom under `bindings`; None if a variable is unbound, or if it is not a triple.
 
     A blank node of a head is itself, unless `bindings` say what it is, under its name with `_:` before it.
     """

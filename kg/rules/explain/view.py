@@ -1,4 +1,4 @@
-"""What explanations ask of a store: where a fact stands, what a body matches, which line a fact was read from."""
+"""Queries of explanations: the graphs of a fact, the matches of a body, the source line of a fact."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Vocabulary:
     """Which graphs and properties of a store matter to explanations.
 
     `inferred` holds what rules derived; graphs `ignored` are not read by rules; `path`, `line` and `repository` are the
-    properties that say where in the sources a thing was read; `documents` knows the lines of what files of RDF state.
+    properties that say where in the sources a thing was read; `documents` has the lines of the statements of RDF files.
     """
 
     inferred: NamedNode
@@ -68,9 +68,9 @@ class Vocabulary:
 
 
 class View:
-    """A snapshot as explanations see it; answers are remembered, since a snapshot does not change.
+    """A snapshot as explanations see it; answers are cached, since a snapshot does not change.
 
-    `rules` are those that bodies asked about come from: they tell what auxiliary predicates stand for.
+    `rules` are those of the bodies: they define the auxiliary predicates.
     """
 
     def __init__(
@@ -111,13 +111,13 @@ class View:
     def solutions(
         self, body: Sequence[Element], names: Sequence[str], bindings: Mapping[str, Term], limit: int
     ) -> list[dict[str, Term]]:
-        """Return up to `limit` solutions of a body under `bindings`: what the variables `names` are, where bound."""
+        """Return up to `limit` solutions of a body under `bindings`: the values of the bound variables in `names`."""
         return list(self.stream(body, names, bindings, limit))
 
     def stream(
         self, body: Sequence[Element], names: Sequence[str], bindings: Mapping[str, Term], limit: int | None = None
     ) -> Iterator[dict[str, Term]]:
-        """Yield what `solutions` returns as the engine finds it, all of it where there is no limit."""
+        """Yield the results of `solutions` as the engine finds them, all of them without a limit."""
         given = {Variable(name): term for name, term in bindings.items()}
         blank = substitutions(given)
         wanted = [Variable(name) for name in names if name not in bindings or spelling(Variable(name))[1:] in blank]
@@ -146,9 +146,9 @@ class View:
         return [cast("Term", row["v"]) for row in rows]
 
     def evidence(self, fact: Triple) -> Evidence | None:
-        """Return the line that a fact was read from, or the peer that showed it while it ran.
+        """Return the line that a fact was read from, or the peer that reported it at run time.
 
-        An object that stands on a line of its own (an interface of a node) is more exact than the subject.
+        An object that is on a line of its own (an interface of a node) is more exact than the subject.
         """
         for thing in (fact.object, fact.subject):
             found = self._place(cast("Term", thing)) if not isinstance(thing, Literal) else None
@@ -184,7 +184,7 @@ class View:
         return known
 
     def _called(self, term: Term) -> str | None:
-        """Return the label of a thing, or of what it is a part of with the name of the part."""
+        """Return the label of a thing, or that of its whole with the name of the part."""
         if isinstance(term, Literal):
             return f'"{term.value}"' if term.datatype.value == _STRING else term.value
         found = self.objects(term, NamedNode(_LABEL), 1)

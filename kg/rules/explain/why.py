@@ -1,4 +1,4 @@
-"""Why a fact holds: its proof trees, found from the data when they are asked for.
+"""Why a fact holds: its proof trees, computed from the data on request.
 
 Facts and the applications of rules that derive them form a hypergraph. It is opened from the fact asked for, one level
 at a time; after each level the cheapest proofs of all facts opened so far are found as shortest hyperpaths are (Knuth,
@@ -101,7 +101,7 @@ class _Search:
         return best
 
     def explore(self, goal: Triple, most: int, *, whole: bool = False) -> bool:
-        """Open level after level until `goal` has a proof, or with `whole` all there is; tell whether it has one."""
+        """Open level after level until `goal` has a proof, or with `whole` all facts; return whether it has one."""
         level, seen = [goal], {goal}
         while level and len(self.opened) < most:
             for fact in level:

@@ -47,7 +47,7 @@ class _Inquiry:
         return WhyNot(fact, tuple(ordered), instead(self.view, fact))
 
     def _attempt(self, rule: Rule, bindings: dict[str, Term], depth: int) -> Attempt:
-        """Extend what holds by one element of the body after the other, until there is no solution."""
+        """Extend the matching part of the body element by element, until no solution is left."""
         order = _ordered(rule.body, bindings)
         solutions: list[dict[str, Term]] = [dict(bindings)]
         for index, element in enumerate(order):
@@ -76,21 +76,21 @@ class _Inquiry:
                 deeper = self.about(missing, depth - 1)
         elif isinstance(element, Exists) and element.negated:
             others = tuple(self._blocking(element, chosen))
-        text = self._told(element, chosen)
+        text = self._missing(element, chosen)
         return Attempt(rule, _named(chosen), _facts(before, chosen), element, text, others, deeper)
 
     def _worth_following(self, rule: Rule, before: Sequence[Element], missing: Triple) -> bool:
-        """Tell whether rules could derive a premise, and it is not the first of a rule that fits every property."""
+        """Return whether rules could derive a premise, and it is not the first of a rule that fits every property."""
         general = any(isinstance(atom.predicate, Variable) for atom in rule.head)
         return (bool(before) or not general) and any(True for _ in heads(self.rules, missing))
 
     def _blocking(self, element: Exists, solution: Mapping[str, Term]) -> Iterator[str]:
-        """Say which facts are there that must not be."""
+        """Return which facts exist that must not."""
         for inner in self.view.solutions(element.body, bound_by(element.body), solution, 1):
             for fact in _facts(element.body, inner):
                 yield f"there is {self.view.sentence(fact)}"
 
-    def _told(self, element: Element, solution: Mapping[str, Term]) -> str:
+    def _missing(self, element: Element, solution: Mapping[str, Term]) -> str:
         if isinstance(element, Atom):
             subject, predicate, value = (self._shown(position, solution) for position in element.positions)
             return f"no {subject} {predicate} {value}"
@@ -134,7 +134,7 @@ def _ordered(body: Sequence[Element], bindings: Mapping[str, Term]) -> list[Elem
 
 
 def _ready(element: Element, waiting: Sequence[Element], known: set[Variable]) -> bool:
-    """Tell whether nothing that stands before an element and is still waiting binds what it needs."""
+    """Return whether nothing that is before an element and is still waiting binds what it needs."""
     if isinstance(element, Atom | Values | Aggregate):
         return True
     before = waiting[: waiting.index(element)]

@@ -1,4 +1,4 @@
-"""What an editor asks about the text of a rule, as functions of the text; positions are offsets in characters."""
+"""Language features for the text of a rule, as functions of the text; positions are offsets in characters."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def prefixes_of(text: str) -> dict[str, str]:
 
 
 def diagnose(text: str, path: Path, name: str, context: Context) -> list[Finding]:
-    """Return what is wrong with the text of a rule, saved or not."""
+    """Return the findings on the text of a rule, saved or not."""
     try:
         file = read_text(text, path, name)
     except RuleError as error:
@@ -59,7 +59,7 @@ def diagnose(text: str, path: Path, name: str, context: Context) -> list[Finding
 
 
 def width(text: str, place: Place) -> int:
-    """Return how many characters of its line belong to what stands at a place: a token, or a line of the header."""
+    """Return how many characters of its line belong to what is at a place: a token, or a line of the header."""
     lines = normalise(text).split("\n")
     number, column = (place.line or 1) - 1, (place.column or 1) - 1
     line = lines[number] if number < len(lines) else ""
@@ -71,7 +71,7 @@ def width(text: str, place: Place) -> int:
 
 
 def complete(text: str, offset: int, suffix: str, terms: Terms) -> list[Suggestion]:
-    """Return what may stand where the text ends at `offset`: variables, terms of a prefix, words of the notation."""
+    """Return completions at `offset`: variables, terms of a prefix, words of the notation."""
     match = _WORD.search(text, 0, offset)
     word = match.group() if match else ""
     start = offset - len(word)
@@ -100,7 +100,7 @@ def _variables(text: str) -> Iterator[str]:
 
 
 def hover(text: str, offset: int, path: Path, name: str, terms: Terms) -> str | None:
-    """Return Markdown about what stands at `offset`: a term, or in the header the documentation of the rule."""
+    """Return Markdown about what is at `offset`: a term, or in the header the documentation of the rule."""
     term = term_at(text, offset, terms)
     if term is not None:
         return term.described()

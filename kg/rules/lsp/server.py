@@ -1,4 +1,4 @@
-"""The language server over standard input and output; what it answers is in `kg.rules.lsp.language`."""
+"""The language server over standard input and output; the features are in `kg.rules.lsp.language`."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _KINDS: Final = {
 
 @dataclass(slots=True)
 class Knowledge:
-    """What the server knows beside the text: asked for at the start and again whenever a rule is saved."""
+    """Knowledge of the server in addition to the text: loaded at the start and whenever a rule is saved."""
 
     folders: tuple[Path, ...]
     context: Callable[[], Context]
@@ -74,7 +74,7 @@ class _Session:
         return self._server.workspace.get_text_document(uri), Path(path).resolve()
 
     def publish(self, uri: str) -> None:
-        """Send what is wrong with a document as it is in the editor."""
+        """Publish the findings on a document as it is in the editor."""
         found = self._document(uri)
         if found is None:
             return
@@ -86,7 +86,7 @@ class _Session:
         )
 
     def completions(self, uri: str, position: types.Position) -> list[types.CompletionItem]:
-        """Return what may stand at a position."""
+        """Return the completions at a position."""
         found = self._document(uri)
         if found is None:
             return []
@@ -95,7 +95,7 @@ class _Session:
         return [_item(each, offset, position) for each in complete(document.source, offset, path.suffix, self._terms)]
 
     def hover(self, uri: str, position: types.Position) -> types.Hover | None:
-        """Return what is known of what stands at a position."""
+        """Return the documentation of the token at a position."""
         found = self._document(uri)
         if found is None:
             return None

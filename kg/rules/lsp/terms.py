@@ -35,7 +35,7 @@ _COMMENTS: Final = (NamedNode(PREFIXES["rdfs"] + "comment"), NamedNode(PREFIXES[
 
 @dataclass(frozen=True, slots=True)
 class DefinedTerm:
-    """A class, property or individual: `kind` says which, `uses` how often the store has it (None: not known)."""
+    """A class, property or individual: `kind` is which, `uses` how often the store has it (None: not known)."""
 
     iri: str
     kind: str
@@ -50,7 +50,7 @@ class DefinedTerm:
         return shorten(self.iri)
 
     def described(self) -> str:
-        """Return Markdown for a person who points at the term."""
+        """Return the Markdown of the hover on a term."""
         lines = [f"**{self.short}** ({self.kind})" + (f": {self.label}" if self.label else "")]
         lines += [self.comment] if self.comment else []
         lines += [f"{self.uses:,} triples in the store"] if self.uses is not None else []

@@ -1,4 +1,4 @@
-"""Incremental maintenance: what rules infer, kept true under insertions and deletions."""
+"""Incremental maintenance of inferred triples under insertions and deletions."""
 
 from __future__ import annotations
 

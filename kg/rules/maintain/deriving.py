@@ -1,4 +1,4 @@
-"""What one rule derives from a change, in the data before it or after it."""
+"""Consequences of a change by one rule, in the data before it or after it."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class MaintainedRule:
 
     @property
     def _planned(self) -> bool:
-        """Whether its pivots exist already, so that nothing is saved by a look at its text."""
+        """Whether its pivots exist already, so looking at its text saves nothing."""
         return "_pivots" in self.__dict__
 
     @cached_property
@@ -93,11 +93,11 @@ class MaintainedRule:
         return [step for step in steps if isinstance(step, Match) and isinstance(step.predicate, int)]
 
     def everything(self, world: World) -> Facts:
-        """Return what the rule derives."""
+        """Return the triples that the rule derives."""
         return self._derived(self._sources(world), UNIT)
 
     def grows(self, written: frozenset[int] | None) -> bool:
-        """Tell whether more triples of the predicates `written` (None is any) only add to what the rule derives."""
+        """Return whether more triples of the predicates `written` (None is any) only add to what the rule derives."""
         inner = [pivot for pivot in self._pivots if (pivot.chain or pivot.block) and not pivot.asserted]
         return not any(written is None or pivot.predicates is None or pivot.predicates & written for pivot in inner)
 
@@ -169,7 +169,7 @@ class MaintainedRule:
         return collector.facts()
 
     def _meets(self, number: int, sources: Sequence[Facts]) -> bool:
-        """Tell whether a triple of a source may have, for each atom beside its own, one that fits.
+        """Return whether a triple of a source may have, for each atom next to its own, one that fits.
 
         Most of what a small change reaches ends here, which is far cheaper than to begin a solution.
         """
@@ -187,7 +187,7 @@ class MaintainedRule:
         return table.rows > 0
 
     def _possible(self, sources: Sequence[Facts]) -> bool:
-        """Tell whether each atom of the outer body has triples at all.
+        """Return whether each atom of the outer body has triples at all.
 
         Most rules that a small change reaches lack some; the atom that had none is asked first the next time.
         """
@@ -205,7 +205,7 @@ def _patterns(elements: Iterable[Element], dictionary: Dictionary, *, head: bool
     for element in elements:
         if isinstance(element, Atom):
             predicate, value = element.predicate, element.object
-            # A blank node of a body is a term of the data, one of a head is made anew.
+            # A blank node of a body is a term of the data, one of a head is a new node.
             made = head and isinstance(value, BlankNode)
             yield pattern(
                 dictionary.intern_term(predicate) if isinstance(predicate, NamedNode) else None,

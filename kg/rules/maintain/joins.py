@@ -76,7 +76,7 @@ class Join:
         return None if isinstance(node, TripleTerm) else self._dictionary.intern_term(node)
 
     def possible(self, changes: Sequence[Delta], worlds: tuple[World, World]) -> bool:
-        """Tell whether a solution, in the world before or after, may have a triple of the changes; True if unknown."""
+        """Return whether a solution, before or after, may have a triple of the changes; True if unknown."""
         if any(not self._others.isdisjoint(change.patterns) for change in changes):
             return True
         parts = [part for change in changes for part in (change.known, change.asserted)]
@@ -96,7 +96,7 @@ class Join:
     def _joined(
         self, atom: _Atom, scope: frozenset[str] | None, triple: tuple[int, int], known: Sequence[Facts]
     ) -> bool:
-        """Tell whether each other atom of the outer body has triples where `atom` matches a triple."""
+        """Return whether each other atom of the outer body has triples where `atom` matches a triple."""
         bound: dict[int | str, int] = {}
         for node, term in zip((atom.subject, atom.object), triple, strict=True):
             if node is not None and (node if isinstance(node, int) else bound.setdefault(node, term)) != term:

@@ -32,14 +32,14 @@ __all__ = ["Change", "Maintained", "maintain"]
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What becomes of the inferred triples: those to add and those to take out, which share nothing."""
+    """Change of the inferred triples: those to add and those to remove, which are disjoint."""
 
     added: Facts = field(default_factory=Facts)
     removed: Facts = field(default_factory=Facts)
 
 
 class Maintained:
-    """A program, what is asserted, and what the program infers from it, kept in step.
+    """A program, asserted triples, and those that the program infers, kept consistent.
 
     The sets given are not changed; `asserted` and `inferred` are those in force, not to be changed by others.
     """
@@ -67,7 +67,7 @@ class Maintained:
         return [self._dictionary.intern_term(equality.predicate) for equality in equalities(stratum.rules)]
 
     def apply(self, inserted: Facts, deleted: Facts, *, limits: Limits | None = None) -> Change:
-        """Assert triples, take back others, and return what becomes of the inferred ones.
+        """Assert triples, retract others, and return the change of the inferred ones.
 
         A triple in both sets stays asserted. What is asserted already, or was not, changes nothing.
 
@@ -84,14 +84,14 @@ class Maintained:
         try:
             self._strata.maintain(progress)
         except LargeChangeError:
-            return self._again(progress.after.asserted, limits)
+            return self._evaluate_again(progress.after.asserted, limits)
         change = _change(progress)
         self.asserted, self._known = progress.after.asserted, progress.after.known
         self.inferred = self._inferred(change)
         return change
 
-    def _again(self, asserted: Facts, limits: Limits) -> Change:
-        """Evaluate everything again, and return what becomes of the inferred triples."""
+    def _evaluate_again(self, asserted: Facts, limits: Limits) -> Change:
+        """Evaluate everything again, and return the change of the inferred triples."""
         most = limits.max_triples
         wider = limits if most is None else replace(limits, max_triples=most + len(self.inferred))
         inferred = evaluate(self._program, self._dictionary, asserted, limits=wider).inferred
@@ -131,7 +131,7 @@ class Maintained:
 
 
 def _change(progress: Progress) -> Change:
-    """Tell which inferred triples come and go: of what is known, those that are not asserted."""
+    """Return the inferred triples added and removed: of the known ones, those that are not asserted."""
     added = lacking(progress.came.known, progress.after.asserted)
     absorb(added, common(progress.gone.asserted, progress.after.known))
     removed = lacking(progress.gone.known, progress.gone.asserted)
@@ -149,7 +149,7 @@ def maintain(  # noqa: PLR0913, PLR0917 - a state and a change, of two sets each
     *,
     limits: Limits | None = None,
 ) -> Change:
-    """Return what becomes of the inferred triples when `inserted` is asserted and `deleted` is not any more.
+    """Return the change of the inferred triples when `inserted` is asserted and `deleted` is retracted.
 
     `asserted` and `inferred` are the state before, and stay as they are. For several changes `Maintained` is cheaper.
 

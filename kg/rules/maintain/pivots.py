@@ -1,9 +1,9 @@
-"""Where a change enters a rule: for each of its sources, what has to be looked at when that source changes.
+"""Where a change enters a rule: for each of its sources, what to examine when that source changes.
 
 A source of the outer body is read from the change itself, the others from the data before (what was derived from a
 triple that goes) or after it (what can be derived from one that comes).
 
-A source inside NOT, or an aggregate, says only which solutions of the outer body to look at again. The bodies around
+A source inside NOT, or an aggregate, only selects solutions of the outer body to examine again. The bodies around
 it form a chain. The innermost is solved with the source read from the change; the values of the columns that it shares
 with the body around it (of an aggregate: its keys) restrict that one, and so on outwards. In which data each body is
 solved alternates: a triple that comes gives an inner body a new solution in the data after, which takes solutions
@@ -34,7 +34,7 @@ Reading: TypeAlias = tuple[bool, ...]
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """One body of a chain. `body` lacks what it cannot know by itself and what is not joined with what changed.
+    """One body of a chain. `body` lacks steps that need outer variables and those not joined with the change.
 
     `shared` pairs its columns with outer ones.
     """
@@ -114,7 +114,7 @@ def _chain(around: Sequence[_Inner], source: Match | Block) -> tuple[Link, ...]:
 
 
 def _link(inner: _Inner, kept: tuple[Step, ...], names: frozenset[str]) -> Link:
-    """Return what restricts the body around an inner one, where some columns of it are known to be few."""
+    """Return the restriction of the body around an inner one, if some columns have few known values."""
     steps, names = _connected(_solvable(inner.body), kept, names)
     pairs = inner.keys if isinstance(inner, Grouped) else tuple((name, name) for name in sorted(inner.shared))
     shared = tuple(pair for pair in pairs if pair[0] in names)

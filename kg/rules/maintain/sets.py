@@ -30,6 +30,6 @@ def absorb(facts: Facts, others: Facts) -> None:
 
 
 def take_out(facts: Facts, others: Facts) -> None:
-    """Take triples away, some of which may not be there."""
+    """Remove triples, some of which may be absent."""
     for predicate, keys in others:
         facts.remove(predicate, keys)

@@ -45,9 +45,9 @@ class LargeChangeError(Exception):
 
 @dataclass(slots=True)
 class Progress:
-    """How far a change has come: the worlds before and after it, and what came and went so far.
+    """Progress of a change: the worlds before and after it, and the triples added and removed so far.
 
-    `came` and `gone` share nothing; of everything, `gone` was known before and `came` was not.
+    `came` and `gone` are disjoint; of all triples, `gone` was known before and `came` was not.
     """
 
     before: World
@@ -66,7 +66,7 @@ class Progress:
 
 
 class Strata:
-    """Rules that are maintained, stratum after stratum, and what they read and derive."""
+    """Rules maintained stratum by stratum, and the patterns they read and derive."""
 
     def __init__(
         self, strata: Iterable[tuple[Stratum, Sequence[MaintainedRule]]], equal: Callable[[Stratum], Sequence[int]]
@@ -84,7 +84,7 @@ class Strata:
         self.patterns = Patterns(one for rule in self._rules for one in rule.reads | rule.derives)
 
     def maintain(self, progress: Progress) -> None:
-        """Bring what rules derive up to date with a change of what is asserted.
+        """Update the derived triples after a change of the asserted ones.
 
         Raises:
             LargeChangeError: when evaluating everything again costs less.
@@ -102,7 +102,7 @@ class Strata:
 
 
 class _Stratum:
-    """One stratum; `begin` is how many rules there are before it, `equal` the predicates of its equalities."""
+    """One stratum; `begin` is the number of rules before it, `equal` the predicates of its equalities."""
 
     def __init__(
         self,
@@ -119,7 +119,7 @@ class _Stratum:
         self._derives = frozenset[int]().union(*(rule.derives for rule in rules))
 
     def reached(self, progress: Progress) -> bool:
-        """Tell whether a rule reads anything that came or went, or may derive what went by itself."""
+        """Return whether a rule reads added or removed triples, or may derive removed ones itself."""
         came, gone = progress.came.patterns, progress.gone.patterns
         return not (self._reads.isdisjoint(came) and self._reads.isdisjoint(gone) and self._derives.isdisjoint(gone))
 
@@ -146,25 +146,25 @@ class _Work:
 
     @property
     def recursive(self) -> bool:
-        """Whether the rules read what they derive."""
+        """Whether the rules read their own derivations."""
         return self.stratum.recursive
 
     def take_away(self) -> None:
-        """Take away what may have no derivation any more."""
+        """Remove triples that may have lost all derivations."""
         progress = self.progress
         if self.recursive:
-            stays = self._founded(self._own(progress.gone.known))
+            stays = self._supported(self._removed_here(progress.gone.known))
             take_out(progress.gone.known, stays)
             for predicate, keys in stays:
                 progress.after.known.extend(predicate, keys)
-        frontier = self._lose(self._consequences(progress.came, progress.gone, after=False))
+        frontier = self._record_lost(self._consequences(progress.came, progress.gone, after=False))
         while self.recursive and len(frontier):
-            frontier = self._lose(self._consequences(None, self._delta(frontier), after=False))
+            frontier = self._record_lost(self._consequences(None, self._delta(frontier), after=False))
         if self.recursive:
             self._discard_lost()
 
     def put_back(self) -> Facts:
-        """Put back what is still derived from what is left, and return it."""
+        """Put back triples still derived from those left, and return them."""
         progress = self.progress
         back = Facts()
         lost = progress.patterns.of(self.lost)
@@ -178,7 +178,7 @@ class _Work:
         for predicate, keys in missing:
             progress.after.known.extend(predicate, keys)
         if not self.recursive:
-            # Nothing here reads what it derives itself: only what stays lost has to be taken from the columns.
+            # Not recursive: only triples that stay lost have to be taken from the columns.
             self._discard_lost()
         return back
 
@@ -191,7 +191,7 @@ class _Work:
         return (rule for rule in self.rules if not rule.derives.isdisjoint(patterns))
 
     def _delta(self, frontier: Facts) -> Delta:
-        """Return what came or went in a round of a recursion."""
+        """Return the triples added or removed in a round of a recursion."""
         return Delta(Facts(), frontier, self.progress.patterns.of(frontier))
 
     def _discard_lost(self) -> None:
@@ -199,7 +199,7 @@ class _Work:
             self.progress.after.known.discard(predicate, keys)
 
     def add(self, back: Facts) -> None:
-        """Add what follows from what came and from what was put back."""
+        """Add the triples that follow from those added and from those put back."""
         progress = self.progress
         came = progress.came
         if self.recursive and len(back):
@@ -237,21 +237,21 @@ class _Work:
         self.progress.clock.rule = rule.name
         self.progress.clock.check(self.progress.added)
 
-    def _lose(self, found: Facts) -> Facts:
-        """Note the triples that are to be taken away: all but those asserted, and return them.
+    def _record_lost(self, found: Facts) -> Facts:
+        """Record the triples to remove, all but those asserted, and return them.
 
-        What rules derive in the world before is known there, so that nobody has to look for it among all.
+        Triples derived in the world before are known there, which saves a search among all.
         """
         going = lacking(lacking(lacking(found, self.progress.after.asserted), self.progress.gone.known), self.lost)
         if self.recursive and len(going) > self._size:
-            going = lacking(going, self._founded(going))
+            going = lacking(going, self._supported(going))
         self._size = len(going)
         for predicate, keys in going:
             self.lost.extend(predicate, keys)
         return going
 
-    def _own(self, gone: Facts) -> Facts:
-        """Return what went of what this stratum may derive: others have put back by now what they derive."""
+    def _removed_here(self, gone: Facts) -> Facts:
+        """Return the removed triples that this stratum may derive; others have put theirs back already."""
         written = _written(self.rules)
         found = Facts()
         for predicate, keys in gone:
@@ -259,8 +259,8 @@ class _Work:
                 found.replace(predicate, keys)
         return found
 
-    def _founded(self, candidates: Facts) -> Facts:
-        """Return the candidates that follow in one step from what is asserted and what other strata derived."""
+    def _supported(self, candidates: Facts) -> Facts:
+        """Return the candidates that follow in one step from asserted triples and those of other strata."""
         found = Facts()
         written = _written(self.rules)
         patterns = self.progress.patterns.of(candidates)

@@ -1,4 +1,4 @@
-"""The data at one moment, and what comes or goes between two moments."""
+"""The data at one moment, and the triples added or removed between two moments."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Delta", "World"]
 
 @dataclass(slots=True)
 class World:
-    """The data at one moment: what is asserted, and everything that is asserted or inferred."""
+    """The data at one moment: the asserted triples, and all triples."""
 
     asserted: Facts
     known: Facts
@@ -25,7 +25,7 @@ class World:
 
 @dataclass(slots=True)
 class Delta:
-    """Triples that came or that went: from what is asserted, and from everything; `patterns` has those of all."""
+    """Triples added or removed: among the asserted ones, and among all; `patterns` has those of all."""
 
     asserted: Facts
     known: Facts

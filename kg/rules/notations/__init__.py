@@ -1,1 +1,1 @@
-"""Notations of rules: each module turns what its parser gives into the internal form."""
+"""Notations of rules: each module turns its parser's result into the internal form."""

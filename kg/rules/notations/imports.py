@@ -24,7 +24,7 @@ __all__ = ["imported"]
 def imported(unit: RuleUnit, path: Path, text: str) -> Iterator[tuple[Path, str, RuleUnit]]:
     """Yield path, text and tree of each rule set that a rule set imports, also through others; cycles end.
 
-    Raises RuleError: KG208 for an import that is no file here, KG201 for one that does not parse.
+    Raises RuleError: KG208 for an import that is not a file here, KG201 for one that does not parse.
     """
     seen = {path.resolve()}
     waiting = [(unit, path, text)]
@@ -59,7 +59,7 @@ def _read(file: Path, target: NamedNode, source: Path, text: str) -> str:
 
 
 def _error(message: str, target: NamedNode, source: Path, text: str, hint: str) -> RuleError:
-    """Return an error at the statement that imports, as far as its text tells."""
+    """Return an error at the importing statement, if the text allows to find it."""
     written = normalise(text)
     name = target.value.rpartition("/")[2]
     keyword = max(written.upper().find("IMPORTS"), 0)

@@ -70,7 +70,7 @@ def _predicate(pattern: TriplePattern) -> NamedNode | Variable:
 
 
 def _stored(pattern: Pattern, stem: str) -> Term | None:
-    """Return a term that a store can hold, its blank nodes named anew; None when it cannot."""
+    """Return a term that a store can hold, its blank nodes renamed; None when it cannot."""
     if isinstance(pattern, BlankNode):
         return BlankNode(f"d{stem}-{pattern.value}")
     if not isinstance(pattern, TripleTerm):
@@ -101,11 +101,11 @@ class _Reader:
         return place_at(self._text, span.start, self._path)
 
     def head(self) -> tuple[Atom, ...]:
-        """Return what the rule derives."""
+        """Return the triples that the rule derives."""
         return tuple(map(self._derived, self._rule.template))
 
     def body(self) -> tuple[Element, ...]:
-        """Return what the rule matches."""
+        """Return the body of the rule."""
         return tuple(self._elements(self._rule.group, asserted=self._rule.asserted))
 
     def _derived(self, pattern: TriplePattern) -> Atom:

@@ -36,7 +36,7 @@ def check(rule: RuleText, path: str, text: str) -> None:
 
 
 class _Checker:
-    """Knows the text, to say where a variable stands."""
+    """Has the text, for the places of variables in errors."""
 
     def __init__(self, path: str, text: str) -> None:
         self._path = path

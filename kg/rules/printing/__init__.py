@@ -1,6 +1,6 @@
 """Rules of the internal form as text: in each notation, and as the form itself for people.
 
-Each function takes rules of one file. What a notation cannot say raises RuleError KG209 and says what that is.
+Each function takes rules of one file. A rule that a notation cannot express raises RuleError KG209 with the part.
 """
 
 from __future__ import annotations

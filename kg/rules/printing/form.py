@@ -81,7 +81,7 @@ def _below(title: str, body: Iterable[Element]) -> str:
 
 
 def _aggregate(element: Aggregate) -> str:
-    """Return the columns of an aggregate and what it groups by."""
+    """Return the columns and the keys of an aggregate."""
     columns = []
     for column in element.columns:
         argument = column.expression.text if column.expression else "*"

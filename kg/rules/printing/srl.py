@@ -45,7 +45,7 @@ def _rule(rule: Rule) -> str:
 
 
 def _only_asserted(rule: Rule, body: tuple[Element, ...]) -> bool:
-    """Tell whether the triples of a body are asserted ones."""
+    """Return whether the triples of a body are asserted ones."""
     found = {element.asserted for element in body if isinstance(element, Atom)}
     if len(found) > 1:
         raise refusal(rule, _MIXED, "SPARQL RL has DATA for a whole body or NOT.")

@@ -1,4 +1,4 @@
-"""What the printed notations share: names made short, heads, and what none of them can say."""
+"""Parts shared by the printed notations: short names, heads, and rules that none can express."""
 
 from __future__ import annotations
 
@@ -60,5 +60,5 @@ def indented(text: str) -> str:
 
 
 def refusal(rule: Rule, what: str, hint: str) -> RuleError:
-    """Return the error that a notation cannot say something of a rule."""
+    """Return the error for a part of a rule that a notation cannot express."""
     return RuleError("KG209", f"rule `{rule}` {what}", place=rule.place, hint=hint)

@@ -1,4 +1,4 @@
-"""What rules read as asserted, in one graph: the only one of the server, or a copy of what rules read of several."""
+"""The asserted triples in one graph: the only one of the server, or a copy from several of what rules read."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _OF_VIRTUOSO: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Sources:
-    """The graphs that hold what is asserted: named ones, told by a condition on `?g`, and perhaps the default graph."""
+    """The graphs of asserted triples: named ones, by a condition on `?g`, and perhaps the default graph."""
 
     named: tuple[NamedNode, ...]
     condition: str
@@ -81,10 +81,10 @@ def _copy(graphs: Graphs, shape: str, pattern: str) -> str:
 
 
 def _default_pattern(store: RemoteStore, graphs: Graphs) -> str | None:
-    """Return the pattern for what stands in the default graph, None when it is empty.
+    """Return the pattern for what is in the default graph, None when it is empty.
 
-    On some servers the default graph of a query is the union of all. A probe tells; there only what no named graph
-    has can be told to stand in the default graph.
+    On some servers the default graph of a query is the union of all. A probe detects this; then only
+    triples that no named graph has are known to be in the default graph.
     """
     probe = f"{graphs.stated} {graphs.stated} {graphs.stated}"
     store.update(f"INSERT DATA {{ GRAPH {graphs.stated} {{ {probe} }} }}")
@@ -96,7 +96,7 @@ def _default_pattern(store: RemoteStore, graphs: Graphs) -> str | None:
 
 
 def _some(snapshot: RemoteSnapshot, pattern: str) -> bool:
-    """Tell whether a pattern has a solution; to ASK, Virtuoso answers with a row."""
+    """Return whether a pattern has a solution; to ASK, Virtuoso answers with a row."""
     return next(iter(snapshot.rows(f"SELECT * WHERE {{ {pattern} }} LIMIT 1")), None) is not None
 
 

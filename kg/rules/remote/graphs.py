@@ -73,5 +73,5 @@ class Graphs:
 
 
 def auxiliary(predicate: Pattern) -> bool:
-    """Tell whether decomposition introduced a predicate."""
+    """Return whether decomposition introduced a predicate."""
     return isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)

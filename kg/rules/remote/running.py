@@ -36,7 +36,7 @@ _GRACE_SECONDS: Final = 2.0
 
 @dataclass(frozen=True, slots=True)
 class StratumReport:
-    """What came of rules of a stratum that run together: their names, rounds, the triples they added.
+    """Results of rules of a stratum that run together: their names, rounds, the triples they added.
 
     `derived` counts auxiliary triples too; `number` is that of the stratum, which may have several such groups.
     """
@@ -50,7 +50,7 @@ class StratumReport:
 
 @dataclass(frozen=True, slots=True)
 class RemoteReport:
-    """What came of a run: the triples in the graph of inferred ones, and how long it took."""
+    """Results of a run: the number of inferred triples in the graph, and the time it took."""
 
     inferred: int
     seconds: float
@@ -98,7 +98,7 @@ def _results(graphs: Graphs, inferred: NamedNode) -> tuple[NamedNode, NamedNode,
 
 @contextmanager
 def _dropped_at_the_end(store: RemoteStore, graphs: Graphs) -> Iterator[None]:
-    """Drop the temporary graphs behind the body; a failure of the body is the one that is told."""
+    """Drop the temporary graphs after the body; a failure of the body is the one reported."""
     drop = " ;\n".join(f"DROP SILENT GRAPH {graph}" for graph in graphs.temporary)
     try:
         yield

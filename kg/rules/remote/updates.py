@@ -1,4 +1,4 @@
-"""A rule as an update that adds what it derives to the graph of new triples, from everything or from a delta."""
+"""A rule as an update that adds its derivations to the graph of new triples, from all data or from a delta."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ["first_update", "next_update"]
 
 
 def first_update(rule: Rule, graphs: Graphs) -> str:
-    """Return the update that applies a rule to everything there is."""
+    """Return the update that applies a rule to all data."""
     return _insert(rule, [_placed(rule.body, graphs)], graphs)
 
 
@@ -112,7 +112,7 @@ def _variants(body: tuple[Element, ...], heads: Sequence[Atom], graphs: Graphs) 
 
 
 def _may_lead(atom: Atom, before: Sequence[Element]) -> bool:
-    """Tell whether an atom means the same in front of what stands before it, which then sees what it binds."""
+    """Return whether an atom means the same in front of what is before it, which then sees what it binds."""
     bound = binds(atom)
     seen = frozenset[object]()
     for element in before:

@@ -1,4 +1,4 @@
-"""What a question means: the types that it names, and what a chain must go through."""
+"""The meaning of a request: the types that it names, and what a chain must go through."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Asked:
     """A question in terms of a network.
 
     Each thing that a chain must go through has a bit: `types` and `parts` (places in the network) have it. `named` are
-    parts that are meant by name, so that they may stand in a chain whatever they are.
+    parts that are meant by name, so that they may be in a chain whatever they are.
     """
 
     starts: tuple[str, ...]
@@ -43,7 +43,7 @@ class Asked:
     """What is not obvious about how names were understood."""
 
     def names(self, place: int) -> bool:
-        """Tell whether the part at a place of the network is asked for by name."""
+        """Return whether the part at a place of the network is requested by name."""
         return place in self.named
 
     def marks(self, place: int, target: str) -> int:
@@ -54,7 +54,7 @@ class Asked:
 def asked(
     network: Network, snapshot: Snapshot, sources: Sequence[str], targets: Sequence[str], using: Sequence[str]
 ) -> Asked:
-    """Return what types and names mean in a network.
+    """Resolve types and names in a network.
 
     Raises:
         UnknownNameError: KG705 for a type that no node publishes or subscribes, KG707 for what to go through and is
@@ -144,6 +144,6 @@ def _names(part: Part) -> set[str | None]:
 
 
 def _described(network: Network, snapshot: Snapshot, name: str) -> set[int]:
-    """Return the parts in whose descriptions a word stands."""
+    """Return the parts whose descriptions contain a word."""
     found = {node for (node,) in rows(snapshot, _DESCRIBED % literal(name.lower()))}
     return {place for place, part in enumerate(network.parts) if part.iri in found}

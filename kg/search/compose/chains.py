@@ -44,14 +44,14 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Steps of which each takes what the one before gives; `cost` counts what stands between two steps too."""
+    """Steps of which each takes what the one before gives; `cost` counts what is between two steps too."""
 
     cost: int
     steps: tuple[Step, ...]
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """What puts chains of the same cost in order."""
+        """Order of chains of the same cost."""
         return tuple(step.key for step in self.steps)
 
 
@@ -74,7 +74,7 @@ _Waiting: TypeAlias = "list[tuple[int, tuple[str, ...], int, int | None, _Path]]
 
 @dataclass(slots=True)
 class Search:
-    """What is searched: chains of at most `length` steps from one of `starts` to one of `goals`.
+    """A search: chains of at most `length` steps from one of `starts` to one of `goals`.
 
     `steps` are all steps by the type they take. A chain must have all bits of `wanted`; `start_marks` are those of the
     types it may begin with. `between` is what it costs to put one step behind another, nothing at least. No family
@@ -105,10 +105,10 @@ class Search:
         What waits comes in that order too, and what follows from it is never before it, so that what is complete when
         its turn comes is the next. Where the search is cut off, the complete chains that wait are all there is.
         """
-        self._look_back()
+        self._bound_costs()
         waiting: _Waiting = []
         for start in sorted(set(self.starts)):
-            self._wait(waiting, _Path(0, (), start, self.start_marks.get(start, 0) & self.wanted), 0)
+            self._queue(waiting, _Path(0, (), start, self.start_marks.get(start, 0) & self.wanted), 0)
         seen: set[tuple[int, ...]] = set()
         while waiting:
             _, _, _, place, path = heappop(waiting)
@@ -118,12 +118,12 @@ class Search:
                     seen.add(families)
                     yield Chain(path.cost, path.steps)
             elif not self.cut_off:
-                self._look(waiting, path, place)
+                self._extend(waiting, path, place)
 
-    def _look(self, waiting: _Waiting, path: _Path, place: int) -> None:
-        """Let a path grow by its step at a place, and wait for the step behind that."""
+    def _extend(self, waiting: _Waiting, path: _Path, place: int) -> None:
+        """Extend a path by its step at a place, and queue it for the step after that."""
         self.looks += 1
-        self._wait(waiting, path, place + 1)
+        self._queue(waiting, path, place + 1)
         step = self._follow(path)[place][2]
         grown = self._grown(path, step)
         if grown is None:
@@ -131,10 +131,10 @@ class Search:
         if self._ends(step, grown.marks):
             heappush(waiting, (grown.cost, grown.keys, next(self._numbers), None, grown))
         else:
-            self._wait(waiting, grown, 0)
+            self._queue(waiting, grown, 0)
 
-    def _wait(self, waiting: _Waiting, path: _Path, place: int) -> None:
-        """Let a path wait for its step at a place to be looked at."""
+    def _queue(self, waiting: _Waiting, path: _Path, place: int) -> None:
+        """Queue a path for its step at a place."""
         follow = self._follow(path)
         if place < len(follow):
             rest, key, _ = follow[place]
@@ -155,7 +155,7 @@ class Search:
     def _ends(self, step: Step, marks: int) -> bool:
         return step.target in self.goals and marks & self.wanted == self.wanted
 
-    def _look_back(self) -> None:
+    def _bound_costs(self) -> None:
         """Find what the rest of a chain costs at least, by the type and the bits it has, for each number of steps."""
         edges = self._edges()
         subsets = [marks for marks in range(self.wanted + 1) if marks & self.wanted == marks]

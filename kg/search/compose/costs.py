@@ -1,4 +1,4 @@
-"""What a node costs in a chain, and the reasons in words: the fewer points, the better (`ontology/composing.toml`)."""
+"""The cost of a node in a chain, and the reasons in words: the fewer points, the better (`ontology/composing.toml`)."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def knowledge() -> Knowledge:
 
 @lru_cache(maxsize=1 << 12)
 def generic(type_name: str) -> bool:
-    """Tell whether messages of a type say nothing of what they mean, so that they are no link."""
+    """Return whether a type is too generic for its messages to be a link."""
     package = type_name.partition("/")[0]
     types = knowledge().types
     return package in types.generic or not types.generic_words.isdisjoint(words(package))
@@ -128,7 +128,7 @@ def demerits(part: Part) -> tuple[str, ...]:
 
 
 def part_cost(part: Part) -> int:
-    """Return what a node costs wherever it stands."""
+    """Return the cost of a node, independent of its place."""
     costs, known = knowledge().costs, knowledge().words
     named = {*words(part.package), *words(part.name)}
     cost = costs.node + costs.kind.get(part.kind, 0)
@@ -145,7 +145,7 @@ def _rarity(part: Part, costs: Costs) -> int:
 
 
 def link_cost(giver: tuple[Part, Port], taker: tuple[Part, Port]) -> int:
-    """Return what it costs that two nodes were hardly made for each other."""
+    """Return the cost of linking two nodes not made for each other."""
     costs = knowledge().costs
     (one, given), (other, taken) = giver, taker
     cost = 0 if one.repository == other.repository else costs.other_repository

@@ -1,4 +1,4 @@
-"""Where the ends of chosen nodes stand in code, and which parameters these nodes have: one query for all of them."""
+"""Where the ends of chosen nodes are in code, and which parameters these nodes have: one query for all of them."""
 
 from __future__ import annotations
 

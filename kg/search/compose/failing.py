@@ -1,4 +1,4 @@
-"""Why there is no chain: what nobody takes or gives, and how far one gets from either side."""
+"""Why no chain exists: types without subscriber or publisher, and the reach from either side."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The launch file of a chain: what it says of each node, and the language that it is written in."""
+"""The launch file of a chain: its comments on each node, and its language."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ def launch_text(chain: Composed) -> str:
 
 
 def heading(chain: Composed) -> list[str]:
-    """Return what a launch file is, in lines."""
+    """Return the heading of a launch file, in lines."""
     nodes = (f"{place}. {node.part.full_name}, {node.part.repository}" for place, node in enumerate(chain.nodes, 1))
     return [printable(line) for line in (" -> ".join(chain.types), *nodes, "Written by `kg compose`.")]
 
 
 def purpose(chain: Composed, place: int) -> str:
-    """Return what the argument of the first or last topic of a chain is for."""
+    """Return the purpose of the argument for the first or last topic of a chain."""
     link = chain.wiring.links[place]
     return printable(f"{link.type} that the chain {'takes' if place == 0 else 'gives'}")
 
 
 def remarks(chain: Composed, place: int) -> list[str]:
-    """Return what is to be known of a node of a chain, in lines: where its ends stand, and what else it needs."""
+    """Return remarks on a node of a chain, in lines: the places of its ends, and its other needs."""
     node, links = chain.nodes[place], chain.wiring.links
     start, part = node.start, node.part
     found = [

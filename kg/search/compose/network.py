@@ -37,7 +37,7 @@ class Port(msgspec.Struct, array_like=True, frozen=True, gc=False):
 
     @property
     def can_be_wired(self) -> bool:
-        """Whether a launch file can say which topic it is on: by a remapping, or by the parameter that names it."""
+        """Whether a launch file can set its topic: by a remapping, or by the parameter that names it."""
         if self.arguments:
             return False
         if self.name is not None:

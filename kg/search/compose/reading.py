@@ -44,7 +44,7 @@ _FOLDER: Final = "compose"
 
 
 def network(snapshot: Snapshot, cache: Path | None) -> Network:
-    """Return the network of a snapshot: from the folder `cache` where it stands there, else read and kept there."""
+    """Return the network of a snapshot: from the folder `cache` where it is there, else read and kept there."""
     if cache is None:
         return read(snapshot)
     body = kept(cache / _FOLDER, snapshot.identity)
@@ -95,7 +95,7 @@ class _Sources:
 
 
 def _numbered(rows: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
-    """Return for each node the numbers of the graphs in which it stands."""
+    """Return for each node the numbers of the graphs in which it is."""
     pairs = sorted(set(rows))
     numbers = {graph: place for place, graph in enumerate(sorted({graph for _, graph in pairs}))}
     found: defaultdict[str, list[int]] = defaultdict(list)
@@ -131,7 +131,7 @@ def _of(ports: Iterable[tuple[str, Port]], role: str) -> tuple[Port, ...]:
 
 
 def _split(iri: str) -> tuple[str, str, str | None]:
-    """Return the node, the role and the name that stand in the IRI of an end (`kg.graph.iris.fragment`)."""
+    """Return the node, the role and the name that are in the IRI of an end (`kg.graph.iris.fragment`)."""
     whole, _, part = iri.partition("#")
     again = ""
     if not part.startswith(_ROLES):  # one of several nodes of one name has a fragment of its own

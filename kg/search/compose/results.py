@@ -1,4 +1,4 @@
-"""What is answered: chains of nodes with everything that is told of them."""
+"""Results: chains of nodes with all their details."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Node:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What speaks for it and against it, in words."""
+        """Arguments for and against it, in words."""
         return (*((f"{_starting(self.part.started)} it",) if self.part.started else ()), *self.demerits)
 
     @property
@@ -75,7 +75,7 @@ class Composed:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """What is to be said of the chain as a whole, in words."""
+        """Remarks on the chain as a whole, in words."""
         found = [f"{count(len(self.nodes), 'node')} of ROS {self.wiring.ros}"]
         repositories = {node.part.repository for node in self.nodes}
         if len(self.nodes) > 1 and len(repositories) == 1:
@@ -88,7 +88,7 @@ class Composed:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The best chains; `more` tells that there are others, `cut_off` that the search ended before it had seen all."""
+    """The best chains; `more`: others exist, `cut_off`: the search ended before it had seen all."""
 
     chains: tuple[Composed, ...]
     asked: Asked

@@ -77,7 +77,7 @@ def _container(chain: Composed, places: list[int]) -> Iterator[str]:
 
 
 def _settings(chain: Composed, node: Node) -> Iterator[str]:
-    """Yield what nodes and components are told alike."""
+    """Yield the settings common to nodes and components."""
     yield f"    name={node.start.name!r},"
     if node.start.remaps:
         pairs = ", ".join(f"({own!r}, {_topic(link)})" for own, link in node.start.remaps)

@@ -76,7 +76,7 @@ def _cost(port: Port, shared: frozenset[str | None]) -> int:
 
 
 def _together(taken: Port, given: Port) -> bool:
-    """Tell whether a node has both ends at once, under two names."""
+    """Return whether a node has both ends at once, under two names."""
     if taken.topic is not None and taken.topic == given.topic:
         return False
     if taken.name is None and taken.parameter == given.parameter and given.name is None:

@@ -1,7 +1,7 @@
 """Names for what a chain starts and for the topics between: valid, unique, and none by which nodes meet unintended.
 
 A topic keeps the name that the node which publishes it gives it, unless another end of the chain has that name too, but
-for later nodes that subscribe the same type. Then it stands below the name of that node.
+for later nodes that subscribe the same type. Then it is below the name of that node.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class Wiring:
-    """What a launch file says: `links` has one topic more than there are nodes, the first and the last from outside.
+    """Content of a launch file: `links` has one topic more than nodes, the first and the last from outside.
 
     `host` is the name of what loads classes, None where there are none.
     """
@@ -155,7 +155,7 @@ def _moved_by_name(starts: Sequence[Start]) -> set[str]:
 
 
 def _connect(start: Start, port: Port, link: Link) -> None:
-    """Let an end of a node be on a topic."""
+    """Connect an end of a node to a topic."""
     for switch in port.switches:
         start.switches[switch.removeprefix("!")] = not switch.startswith("!")
     if port.name is None:

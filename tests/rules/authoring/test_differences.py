@@ -39,7 +39,7 @@ def test_what_comes_and_what_goes(tmp_path: Path) -> None:
 
 
 def test_nothing_changes_when_the_rules_were_run(tmp_path: Path) -> None:
-    """What the store holds as inferred already, or asserts, is no change."""
+    """Triples already inferred or asserted in the store are not changes."""
     rules = write_rules(tmp_path / "rules", knows=KNOWS)
     found = difference(bench(tmp_path, ":a :met :b ; :knows :b . :c :met :d .", ":c :knows :d ."), files(rules))
     assert not found
@@ -47,7 +47,7 @@ def test_nothing_changes_when_the_rules_were_run(tmp_path: Path) -> None:
 
 
 def test_of_a_chosen_rule_also_what_others_make_of_it(tmp_path: Path) -> None:
-    """What would come without the chosen rule is left out; what others derive from it is not."""
+    """Triples added without the chosen rule are left out; those that others derive from it are included."""
     rules = write_rules(
         tmp_path / "rules", knows=KNOWS, back=BACK, other="CONSTRUCT { ?x a :Met } WHERE { ?x :met ?y }"
     )
@@ -69,7 +69,7 @@ def test_of_a_chosen_rule_only_what_it_may_have_derived_goes(tmp_path: Path) -> 
 
 
 def test_rules_over_a_schema_are_cut_to_that_of_the_store(tmp_path: Path) -> None:
-    """A rule that reads axioms and any property is applied to the axioms there are."""
+    """A rule that reads axioms and any property is applied to the axioms of the store."""
     text = "CONSTRUCT { ?y ?p ?x } WHERE { ?p a <http://www.w3.org/2002/07/owl#SymmetricProperty> . ?x ?p ?y }"
     rules = write_rules(tmp_path / "rules", symmetric=text)
     found = difference(bench(tmp_path, ":met a owl:SymmetricProperty . :a :met :b ; :saw :c ."), files(rules))

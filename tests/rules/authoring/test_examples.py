@@ -66,7 +66,7 @@ def refusal(text: str) -> RuleError:
 
 
 def test_an_example_has_its_blocks() -> None:
-    """Given data is one whatever its blocks; expectations keep their kind; prefixes hold from where they stand."""
+    """Given data is one whatever its blocks; expectations keep their kind; prefixes hold from their line on."""
     one, two = parse_examples(PAGE, "page.md")
     assert (one.title, str(one.place)) == ("One", "page.md:5")
     assert one.given[0] == triple("https://example.org/a", "https://w3id.org/rnkg/ns#publishes", "urn:z:b")
@@ -88,7 +88,7 @@ def test_an_example_has_its_blocks() -> None:
 
 
 def test_blocks_for_readers_are_left_alone() -> None:
-    """A block that is neither Turtle nor text, or that has no word behind its language, is no part of an example."""
+    """A block that is neither Turtle nor text, or that has no word after its language, is not of an example."""
     page = "```turtle\nnot Turtle\n```\n```sparql given\n```\n## A\n```text\nx\n```\n```turtle expect exactly\n```\n"
     assert [one.title for one in parse_examples(page, "page.md")] == ["A"]
 
@@ -134,5 +134,5 @@ def test_a_page_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
     "page", sorted(folder("rules").rglob("*.md")), ids=lambda page: f"{page.parent.name}/{page.stem}"
 )
 def test_our_own_pages_are_examples(page: Path) -> None:
-    """Every page beside a rule has at least one example."""
+    """Every page next to a rule has at least one example."""
     assert read_examples(page)

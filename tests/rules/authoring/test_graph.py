@@ -31,12 +31,12 @@ def graph(folder: Path) -> RuleGraph:
 
 
 def test_the_picture_is_the_one_that_was_looked_at(tmp_path: Path) -> None:
-    """The drawing is compared with the file beside this test, which was judged by eye."""
+    """The drawing is compared with the file next to this test, which was checked by eye."""
     assert graph_picture(graph(tmp_path), "Rules") == GOLDEN.read_text(encoding="utf-8")
 
 
 def test_rules_feed_those_that_read_what_they_derive(tmp_path: Path) -> None:
-    """Between them stand the terms that pass; a rule may feed itself."""
+    """The terms that pass are between them; a rule may feed itself."""
     found = graph(tmp_path)
     assert found.terms == (":knows", "any class")
     assert {node.name for node in found.rules if node.recursive} == {"f/back", "f/sad"}
@@ -45,7 +45,7 @@ def test_rules_feed_those_that_read_what_they_derive(tmp_path: Path) -> None:
 
 
 def test_absence_and_counting_are_told_apart(tmp_path: Path) -> None:
-    """Who asks for the absence of something, or counts it, is marked in each form."""
+    """Rules that test absence, or count, are marked in each form."""
     found = graph(tmp_path)
     told = {one["rule"]: [read["negated"] for read in one["reads"]] for one in graph_objects(found)}
     assert told == {"f/back": [False], "f/count": [True], "f/knows": [], "f/lonely": [True], "f/sad": [False]}
@@ -53,7 +53,7 @@ def test_absence_and_counting_are_told_apart(tmp_path: Path) -> None:
 
 
 def test_rules_over_a_schema_are_those_it_makes_of_them(tmp_path: Path) -> None:
-    """A rule that reads any property stands where the axioms put it, instead of in one cycle with all others."""
+    """A rule that reads any property is placed by the axioms, instead of in one cycle with all others."""
     text = "CONSTRUCT { ?y ?p ?x } WHERE { ?p a <http://www.w3.org/2002/07/owl#SymmetricProperty> . ?x ?p ?y }"
     rules = files(write_rules(tmp_path, knows=RULES["knows"], lonely=RULES["lonely"], both=text))
     with pytest.raises(RuleError, match="KG202"):
@@ -67,7 +67,7 @@ def test_rules_over_a_schema_are_those_it_makes_of_them(tmp_path: Path) -> None:
 
 
 def test_a_manual_tells_the_place_of_a_rule(tmp_path: Path) -> None:
-    """What it reads, what it asks to be absent, what it derives, its neighbours and strata."""
+    """The terms it reads, requires to be absent, and derives; its neighbours and strata."""
     library = Library([write_rules(tmp_path, **RULES)])
     known = manual(library, library.entries["f/lonely"])
     assert (known.reads, known.absent, known.derives) == (("a :Person",), (":knows",), ("a :Lonely",))
@@ -78,7 +78,7 @@ def test_a_manual_tells_the_place_of_a_rule(tmp_path: Path) -> None:
 
 
 def test_a_manual_survives_rules_that_cannot_be_ordered(tmp_path: Path) -> None:
-    """The rule is told; the problem of the others beside it."""
+    """The rule is shown, with the problem of the others."""
     loop = "CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y . FILTER NOT EXISTS { ?x :p ?y } }"
     library = Library([write_rules(tmp_path, loop=loop, knows=RULES["knows"])])
     known = manual(library, library.entries["f/knows"])
@@ -86,7 +86,7 @@ def test_a_manual_survives_rules_that_cannot_be_ordered(tmp_path: Path) -> None:
 
 
 def test_a_rule_is_drawn_with_its_neighbours(tmp_path: Path) -> None:
-    """Those that feed it and those that it feeds are there with what passes between, and no others."""
+    """The drawing has the rules that feed it and those it feeds, with the terms passed, and no others."""
     found = graph(tmp_path).around({"f/lonely"})
     assert [node.name for node in found.rules] == ["f/back", "f/knows", "f/lonely", "f/sad"]
     assert set(found.reads) == {(":knows", "f/lonely"), ("any class", "f/sad")}

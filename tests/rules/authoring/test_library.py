@@ -37,7 +37,7 @@ def names(library: Library, *wanted: str) -> list[str]:
 
 
 def test_a_file_that_does_not_parse_hides_no_other(library: Library) -> None:
-    """Each file is read by itself; the errors are told."""
+    """Each file is read by itself; the errors are reported."""
     files, errors = library.read_all()
     assert [file.name for file in files] == ["f/one", "f/two"]
     assert [error.code for error in errors] == ["KG201"]
@@ -68,7 +68,7 @@ def test_rules_are_meant_by_name_family_file_and_folder(
     ],
 )
 def test_a_name_that_means_no_single_rule_is_refused(library: Library, name: str, message: str, hint: str) -> None:
-    """KG001 with what was probably meant."""
+    """KG001 with suggestions."""
     with pytest.raises(KgError) as caught:
         find_rule(library, name)
     assert (caught.value.code, caught.value.message, caught.value.hint) == ("KG001", message, hint)
@@ -107,7 +107,7 @@ def test_what_was_saved(library: Library, tmp_path: Path) -> None:
 
 
 def test_the_folder_of_ones_own_rules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By default it is rules/ beside kg.toml, or in the working folder; the setting `rules` names others."""
+    """By default it is rules/ next to kg.toml, or in the working folder; the setting `rules` names others."""
     deep = tmp_path / "a" / "b"
     deep.mkdir(parents=True)
     monkeypatch.chdir(deep)
@@ -126,14 +126,14 @@ def test_the_folder_of_ones_own_rules(tmp_path: Path, monkeypatch: pytest.Monkey
 
 
 def test_the_rules_that_are_shipped_are_not_there_twice() -> None:
-    """Who works on them may name their folder."""
+    """Their developers may name their folder."""
     settings = load({"rules": str(resources.folder("rules"))}, environment={})
     assert user_folders(settings) == ()
     assert not Library.of(settings).problems
 
 
 def test_a_family_that_there_is_not_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The message names where the setting stands, and what was probably meant."""
+    """The message names the place of the setting, and suggestions."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(UsageError, match="KG_RULE_FAMILIES names `comunication`") as caught:
         Library.of(load({}, environment={"KG_RULE_FAMILIES": "owl,comunication"}))
@@ -156,7 +156,7 @@ def test_a_plus_adds_a_family_to_those_in_force() -> None:
 
 
 def test_what_is_closed_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A folder or a file of rules that may not be opened is an error, not passed over."""
+    """A folder or a file of rules that cannot be opened is an error, not skipped."""
     (tmp_path / "f").mkdir()
     file = tmp_path / "f" / "one.rq"
     file.write_text("")
@@ -175,7 +175,7 @@ def test_what_is_closed_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_a_family_is_the_first_part_of_a_name(tmp_path: Path) -> None:
-    """Folders may stand in a family; a file in none has no family, and is in force where none is named."""
+    """A family may have folders; a file outside of all has no family, and is in force if none is named."""
     for name in ("top", "f/one", "f/deep/two"):
         path = tmp_path / f"{name}.rq"
         path.parent.mkdir(parents=True, exist_ok=True)

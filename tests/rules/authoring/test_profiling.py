@@ -29,7 +29,7 @@ def test_a_profile_counts_what_each_rule_did(tmp_path: Path) -> None:
 
 
 def test_the_elements_of_a_rule_have_their_rows(tmp_path: Path) -> None:
-    """For a rule that is named each element tells the rows before and after it, and where it stands."""
+    """For a named rule each element reports the rows before and after it, and its place."""
     rules = write_rules(tmp_path / "rules", reaches=REACHES, last=LAST)
     found = profile(bench(tmp_path, DATA), files(rules), ["f/last"])
     last = next(rule for rule in found.rules if rule.name == "f/last")
@@ -44,7 +44,7 @@ def test_the_elements_of_a_rule_have_their_rows(tmp_path: Path) -> None:
 
 
 def test_coverage_names_the_first_element_that_nothing_passes(tmp_path: Path) -> None:
-    """Of a rule that never fires the first element, in the order of the text, and what stands behind it."""
+    """Of a rule that never fires the first element, in the order of the text, and those after it."""
     never = "CONSTRUCT { ?x a :Never } WHERE { ?x :next ?y . ?x :knows ?y . ?y a :First }"
     rules = write_rules(tmp_path / "rules", last=LAST.replace(":reaches", ":next"), never=never)
     found = cover(bench(tmp_path, DATA), files(rules))
@@ -70,7 +70,7 @@ def test_coverage_tells_branches_and_heads_apart(tmp_path: Path) -> None:
 
 
 def test_coverage_of_some_rules_runs_all(tmp_path: Path) -> None:
-    """A rule that is named is judged with what the others infer for it."""
+    """A named rule is judged with the inferences of the others."""
     rules = write_rules(tmp_path / "rules", reaches=REACHES, last=LAST)
     every = files(rules)
     found = cover(bench(tmp_path, DATA), every, [file for file in every if file.name == "f/last"])

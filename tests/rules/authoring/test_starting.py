@@ -54,14 +54,14 @@ def test_a_name_of_another_form_is_refused_with_one_that_would_do(tmp_path: Path
 
 
 def test_a_notation_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    """KG003 names those there are."""
+    """KG003 lists the valid ones."""
     with pytest.raises(UsageError) as caught:
         start("a/b", tmp_path, "datalog")
     assert caught.value.hint == "The notations are rq, ttl, srl."
 
 
 def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
-    """A file that stands in the way is KG003 with its name."""
+    """A file in the way is KG003 with its name."""
     (tmp_path / "rules").write_text("")
     with pytest.raises(UsageError, match="Not a directory") as caught:
         start("a/b", tmp_path / "rules")

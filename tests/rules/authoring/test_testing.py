@@ -33,7 +33,7 @@ def blocks(**texts: str) -> str:
 
 @pytest.mark.parametrize("notation", ["rq", "ttl", "srl"])
 def test_a_new_rule_passes_its_examples(tmp_path: Path, notation: str) -> None:
-    """What `kg rules new` writes runs as it stands, whatever its notation."""
+    """The output of `kg rules new` runs unchanged, in any notation."""
     start("wiring/listens-to", tmp_path, notation)
     library = Library([tmp_path])
     results = list(run_examples(library.in_force, library))
@@ -55,7 +55,7 @@ def test_missing_and_unexpected_triples_are_told(tmp_path: Path) -> None:
 
 
 def test_exactly_means_nothing_else(tmp_path: Path) -> None:
-    """What an exact block does not list is unexpected; an empty one lists nothing."""
+    """Triples missing from an exact block are unexpected; an empty one lists nothing."""
     assert result(tmp_path, blocks(given=":a :met :b .", exactly=":a :knows :b .")).passed
     assert result(tmp_path, blocks(given=":a :met :b , :c .", exactly=":a :knows :b .")).unexpected
     assert result(tmp_path, blocks(given=":a :met :b .", exactly="")).unexpected == ("ex:a ex:knows ex:b",)
@@ -80,7 +80,7 @@ def test_blank_nodes_made_by_a_rule_are_found(tmp_path: Path) -> None:
 
 
 def test_lines_of_proofs(tmp_path: Path) -> None:
-    """Each line under `why` is part of a line of a proof; a failure shows the proof there is."""
+    """Each line under `why` is part of a line of a proof; a failure shows the actual proof."""
     given, expect = ":a :met :b .", ":a :knows :b ."
     assert result(tmp_path, blocks(given=given, expect=expect, why=":a :met :b\nf/knows")).passed
     found = result(tmp_path, blocks(given=given, expect=expect, why="ex:a ex:saw ex:b"))
@@ -102,7 +102,7 @@ def test_only_the_rules_named_run(tmp_path: Path) -> None:
 
 
 def test_a_rule_that_cannot_be_read_fails(tmp_path: Path) -> None:
-    """Its error stands in the result, and in JSON."""
+    """Its error is in the result, and in JSON."""
     found = result(tmp_path, blocks(given=":a :met :b .", exactly=""), "CONSTRUCT { ?x :knows } WHERE { }")
     assert not found.passed
     assert result_object(found)["error"]["code"] == "KG201"
@@ -118,7 +118,7 @@ def test_a_rule_that_would_not_end_is_refused(tmp_path: Path) -> None:
 
 
 def test_rules_without_examples_are_told_apart(tmp_path: Path) -> None:
-    """They are no failure; who runs the examples names them."""
+    """They are not failures; the runner names them."""
     write_rules(tmp_path, knows=KNOWS, other=KNOWS)
     (tmp_path / "f" / "knows.md").write_text("## One\n")
     library = Library([tmp_path])
@@ -130,7 +130,7 @@ def test_rules_without_examples_are_told_apart(tmp_path: Path) -> None:
 
 
 def test_a_rule_that_cannot_be_read_fails_without_examples(tmp_path: Path) -> None:
-    """Nothing is green that does not parse; what has no examples and can be read gives no result."""
+    """A rule that does not parse never passes; a readable one without examples gives no result."""
     write_rules(tmp_path, knows=KNOWS, broken="CONSTRUCT { ?x nobody:knows ?y } WHERE { ?x :met ?y }")
     library = Library([tmp_path])
     (found,) = run_examples(library.in_force, library)

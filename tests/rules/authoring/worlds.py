@@ -37,7 +37,7 @@ def files(folder: Path) -> list[RuleFile]:
 
 
 def bench(folder: Path, data: str, inferred: str = "") -> Workbench:
-    """Return a workbench beside a new store with data, and with what is inferred, as Turtle."""
+    """Return a workbench on a new store with data, and the inferred triples, as Turtle."""
     store = EmbeddedStore.create(folder / "store")
     with store.write("test") as transaction:
         for name, text, graph in (("data", data, None), ("inferred", inferred, NAMES.inferred)):

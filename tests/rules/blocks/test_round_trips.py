@@ -1,4 +1,4 @@
-"""Rules as blocks and as text: what blocks say passes the check, and both forms lead to each other."""
+"""Rules as blocks and as text: texts of blocks pass the check, and both forms convert to each other."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ def _patterns(draw: DrawFn, bound: list[str], depth: int) -> list[Condition]:
             found.append(Only(test=draw(_tests(bound))))
         elif kind == 3:
             made: Any = draw(st.sampled_from([Absent, Present, Perhaps]))
-            # What an optional part binds is not used behind it.
+            # Variables of an optional part are not used after it.
             found.append(made(when=tuple(draw(_inside(list(bound), depth - 1)))))
         elif kind == 4:
             branches = tuple(tuple(draw(_inside(list(bound), depth - 1))) for _ in range(2))
@@ -150,7 +150,7 @@ def _patterns(draw: DrawFn, bound: list[str], depth: int) -> list[Condition]:
 
 @st.composite
 def _inside(draw: DrawFn, bound: list[str], depth: int) -> list[Condition]:
-    """Return conditions that begin with a fact of their own, so that each part is joined to what is around it."""
+    """Return conditions that begin with a fact of their own, which joins each part to its surroundings."""
     stem = f"inner{depth}{draw(st.integers(0, 9))}"
     first = Fact(subject=Thing(name=bound[0]), property=draw(_RELATIONS), object=Thing(name=stem))
     return [first, *(draw(_facts([*bound, stem], f"{stem}x")) for _ in range(draw(st.integers(0, 2))))]
@@ -158,7 +158,7 @@ def _inside(draw: DrawFn, bound: list[str], depth: int) -> list[Condition]:
 
 @st.composite
 def rules(draw: DrawFn) -> Rule:
-    """Return a rule as somebody composes it who joins all that it looks for."""
+    """Return a rule of blocks in which all parts are joined."""
     bound = ["node", "topic"]
     first = Fact(subject=Thing(name="node"), property=draw(_RELATIONS), object=Thing(name="topic"))
     when = [first, *draw(_patterns(bound, 2))]
@@ -187,16 +187,16 @@ def _context() -> Context:
 @settings(max_examples=60)
 @given(rules())
 def test_what_blocks_say_passes_the_check(rule: Rule) -> None:
-    """The text of a rule whose parts are joined has no finding, but that there are no examples beside it."""
+    """The text of a rule whose parts are joined has no finding, except the missing examples."""
     text = write(rule).text
     file = read_text(text, Path("rules/rule.rq"), rule.name)
-    assume(file.rules)  # a filter that never holds leaves none: it is told, as below
+    assume(file.rules)  # a filter that never holds leaves none: it is reported, as below
     found = [one for one in check_file(file, beside(RuleSet((file,)), _context())) if one.code != examples_missing.CODE]
     assert found == [], text
 
 
 def test_a_test_that_never_holds_is_told() -> None:
-    """What is always found was not found in no case: nothing can be inferred, and the check says it of the filter."""
+    """The negation of a part that always matches never holds: the check reports the filter."""
     text = """CONSTRUCT { ?node rnkg:usesHardware hardware:lidar }
     WHERE { ?node rnkg:publishes ?_topic FILTER(!BOUND(?node)) }"""
     file = read_text(text, Path("rules/rule.rq"), "mine/rule")
@@ -207,14 +207,14 @@ def test_a_test_that_never_holds_is_told() -> None:
 
 @given(rules())
 def test_blocks_are_read_from_their_text(rule: Rule) -> None:
-    """What blocks wrote is read as the same blocks, by JSON too."""
+    """The text of blocks is read as the same blocks, by JSON too."""
     assert read(write(rule).text, rule.name) == rule
     assert msgspec.json.decode(msgspec.json.encode(rule), type=Rule) == rule
 
 
 @pytest.mark.parametrize("path", [*SHIPPED, *EXAMPLES], ids=lambda path: path.stem)
 def test_any_rule_can_be_shown(path: Path) -> None:
-    """The blocks of a rule in SPARQL say what its text says: both compile to the same rules."""
+    """The blocks of a rule in SPARQL are equivalent to its text: both compile to the same rules."""
     name, text = f"{path.parent.name}/{path.stem}", path.read_text("utf-8")
     rule = read(text, name)
     written = write(rule).text
@@ -227,7 +227,7 @@ def test_any_rule_can_be_shown(path: Path) -> None:
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_the_examples_have_blocks_throughout(path: Path) -> None:
-    """The rules that people begin from have no part in SPARQL, and are written as they stand."""
+    """The starting rules have no part in SPARQL, and are written unchanged."""
     name = f"{path.parent.name}/{path.stem}"
     rule = read(path.read_text("utf-8"), name)
     assert not any(sign in repr(rule) for sign in ("Other(", "Formula(", "Says("))
@@ -253,7 +253,7 @@ def test_lines_have_the_blocks_that_wrote_them() -> None:
 
 
 def test_what_has_no_block_stays_sparql() -> None:
-    """VALUES, sub-SELECTs and functions without a block are kept as they stand, and variables keep their names."""
+    """VALUES, sub-SELECTs and functions without a block are kept unchanged, and variables keep their names."""
     text = """CONSTRUCT { ?a my:b ?n }
     WHERE { VALUES ?a { <x:a> <x:b> } { SELECT ?a (COUNT(*) AS ?n) WHERE { ?a rnkg:calls ?c } GROUP BY ?a }
       FILTER(?n IN (1, 2)) [] rnkg:calls ?a }"""
@@ -270,7 +270,7 @@ def test_what_has_no_block_stays_sparql() -> None:
 
 
 def test_a_head_without_names_is_refused() -> None:
-    """A rule that makes things without a name cannot be shown, and the error says why."""
+    """A rule that makes things without a name cannot be shown, and the error explains why."""
     with pytest.raises(RuleError, match="without a name"):
         read("CONSTRUCT { ?a rnkg:calls [] } WHERE { ?a a ros:Node }", "mine/rule")
 

@@ -1,4 +1,4 @@
-"""Each check finds what its cases say, at the place they say, and nothing in the cases without an expectation.
+"""Each check finds the expected findings of its cases at their places, and nothing in cases without.
 
 A case is a rule in `cases/CODE/`; a line `# expect: CODE line:column words` at its end says what is found.
 """
@@ -38,7 +38,7 @@ EXPECTATION = re.compile(r"# expect: (\w+) (\d+:\w+) (.*)")
 
 
 def context(path: Path) -> Context:
-    """Return what a case is checked against: a small store, some terms, one other rule and one stored query."""
+    """Return the context of a case: a small store, some terms, one other rule and one stored query."""
     vocabulary = Vocabulary(NamedNode(EX + "inferred"))
     other = read_text(OTHERS, Path("aa/met-both-ways.rq"), "aa/met-both-ways")
     rules = RuleSet((read(path, f"case/{path.stem}"), other))
@@ -67,7 +67,7 @@ def test_every_check_has_cases_for_and_against() -> None:
 
 
 class _Endless:
-    """A store that answers when it is told to."""
+    """A store that answers on command."""
 
     def __init__(self) -> None:
         self.answer = threading.Event()
@@ -101,7 +101,7 @@ def test_bodies_that_are_hard_to_compare() -> None:
 
 
 def test_a_store_that_does_not_answer() -> None:
-    """A rule that takes the store too long is a note; what needs no store is found as ever."""
+    """A rule that takes the store too long is a note; checks without a store still report."""
     store = _Endless()
     path = FOLDER / "KG218" / "nothing.rq"
     given = replace(context(path), store=store, seconds=0.01)

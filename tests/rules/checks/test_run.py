@@ -46,7 +46,7 @@ def test_every_unknown_prefix_is_named(tmp_path: Path) -> None:
 
 
 def test_examples_without_a_rule(tmp_path: Path) -> None:
-    """A page of examples that no rule stands beside is a note; other pages are none of rules."""
+    """A page of examples without a rule next to it is a note; other pages are ignored."""
     examples = "# A\n\n## One\n\n```turtle given\n:a :p :b .\n```\n\n```turtle expect exactly\n```\n"
     for name, text in {"a/lost.md": examples, "a/kept.md": examples, "README.md": "# Rules\n"}.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)

@@ -1,4 +1,4 @@
-"""One application of rules by a store's engine: what parts derive, and what the text that they come from derives."""
+"""One application of rules by a store's engine: the derivations of parts, and those of their original text."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def read(text: str) -> tuple[Rule, ...]:
 
 
 def stated(quads: Iterable[Quad], text: str) -> set[Triple]:
-    """Return what the engine itself gives for a CONSTRUCT query."""
+    """Return the engine's own result of a CONSTRUCT query."""
     return _derived(_store(quads), text)
 
 
 def applied(quads: Iterable[Quad], given: Iterable[Rule]) -> set[Triple]:
-    """Return what rules derive in one application, their auxiliary predicates derived to the end before."""
+    """Return the derivations of rules in one application, their auxiliary predicates derived to the end before."""
     store = _store(quads)
     every = [(_is_auxiliary(rule.head[0]), construct(replace(rule, body=_placed(rule.body)))) for rule in given]
     known: int = -1

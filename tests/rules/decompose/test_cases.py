@@ -21,7 +21,7 @@ pytestmark = pytest.mark.parametrize("case", CASES, ids=lambda case: case.stem)
 
 
 def test_a_rule_becomes_this_form(case: Path) -> None:
-    """The internal form of the rule is the one that is kept beside it."""
+    """The internal form of the rule is the one in the file next to it."""
     text = case.read_text(encoding="utf-8")
     found = rules(parse_rq(text, case.name), f"case/{case.stem}", case.name, text)
     assert to_form(found, {"": "urn:"}) + "\n" == case.with_suffix(".form").read_text(encoding="utf-8")

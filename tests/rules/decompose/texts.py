@@ -1,4 +1,4 @@
-"""Rules in SPARQL and small graphs, made at random: all constructs that decomposition knows, deep in one another."""
+"""Rules in SPARQL and small graphs, made at random: all constructs of decomposition, deeply nested."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def graph(random: Random) -> set[Quad]:
 
 @dataclass(slots=True)
 class Texts:
-    """Writes texts; what nests becomes simpler with each level."""
+    """Writes texts; nested parts become simpler with each level."""
 
     random: Random
 

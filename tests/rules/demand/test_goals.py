@@ -1,4 +1,4 @@
-"""What queries are found to ask of rules: with no more than that in the store they have the same answers."""
+"""The goals of queries: with only these triples in the store they have the same results."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ QUERIES: Final = [
 
 
 def answer(text: str, stated: set[Fact], inferred: set[Fact]) -> Any:
-    """Return what a query answers over stated triples in one graph and inferred ones in another."""
+    """Return the result of a query over stated triples in one graph and inferred ones in another."""
     store = Store()
     store.extend(Quad(*fact, NamedNode("urn:stated")) for fact in stated)  # type: ignore[arg-type]  # subjects are nodes
     store.extend(Quad(*fact, INFERRED) for fact in inferred)  # type: ignore[arg-type]  # the same
@@ -80,7 +80,7 @@ def answer(text: str, stated: set[Fact], inferred: set[Fact]) -> Any:
 
 
 def derived_for(text: str, rules: list[Rule], asserted: set[Fact]) -> set[Fact]:
-    """Return what rules derive for a query from the triples of a store, which is read as far as they need it."""
+    """Return the derivations of rules for a query from the triples of a store, read as far as needed."""
     store = Store()
     store.extend(Quad(*fact, NamedNode("urn:stated")) for fact in asserted)  # type: ignore[arg-type]  # as above
     file = RuleFile("test/rules", Path("rules.srl"), "", Documentation(), tuple(rules))

@@ -1,4 +1,4 @@
-"""What rules rewritten for goals derive, beside the naive evaluation of the rules as they are written."""
+"""Derivations of rules rewritten for goals, compared with the naive evaluation of the original rules."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ def tuples(facts: Facts, dictionary: Dictionary) -> set[Fact]:
 
 
 def inferred(rules: Iterable[Rule], asserted: Iterable[Fact], limits: Limits | None = None) -> set[Fact]:
-    """Return what the engine infers."""
+    """Return the inferences of the engine."""
     dictionary = Dictionary()
     outcome = evaluate(Program(rules), dictionary, columns(asserted, dictionary), limits=limits)
     return tuples(outcome.inferred, dictionary)

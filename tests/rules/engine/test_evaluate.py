@@ -28,7 +28,7 @@ COUNTING = rule("?x :n ?m", "?x :n ?k", Assignment(Variable("m"), expression("?k
 
 
 def test_a_limit_of_triples_ends_what_would_not_end() -> None:
-    """KG205 names the rule and the round; what was asserted is as it was."""
+    """KG205 names the rule and the round; asserted triples are unchanged."""
     dictionary = Dictionary()
     asserted = columns(facts(":a :n 1"), dictionary)
     with pytest.raises(RuleError, match=r"KG205: more than 20 triples are inferred, at rule test/rule, round 2\d;"):
@@ -44,7 +44,7 @@ def test_a_rule_that_derives_too_much_at_once_is_stopped_before_it_is_through() 
 
 
 def test_known_triples_do_not_count_towards_a_limit() -> None:
-    """A rule that derives what is asserted stays within a limit of none."""
+    """A rule that derives asserted triples stays within a limit of none."""
     assert inferred([rule("?x :next ?y", "?x :next ?y")], CHAIN, Limits(max_triples=0)) == set()
 
 
@@ -61,7 +61,7 @@ def test_making_terms_in_recursion_needs_a_limit() -> None:
 
 
 def test_reports_tell_rounds_triples_and_where_a_body_ends() -> None:
-    """A rule reports what it derived first, and the rows after each element of its body."""
+    """A rule reports the triples it derived first, and the rows after each element of its body."""
     dictionary = Dictionary()
     rules = [
         rule("?x :on ?y", "?x :next ?y", name="t/first"),
@@ -100,7 +100,7 @@ def test_what_no_triple_can_be_is_left_out() -> None:
 
 
 def test_auxiliary_triples_are_read_by_name_only() -> None:
-    """A variable predicate does not match what decomposition introduced."""
+    """A variable predicate does not match predicates of decomposition."""
     helper = NamedNode(AUXILIARY + "1")
     first = rule("?x :p ?y", "?x :next ?y")
     hidden = type(first)("t/a", (Atom(Variable("x"), helper, Variable("y")),), first.body, first.place)
@@ -148,7 +148,7 @@ def test_a_cycle_costs_the_shorter_side_of_each_row() -> None:
 
 @given(st.lists(st.integers(0, 99)), st.sets(st.integers(0, 99)))
 def test_what_a_sorted_array_has_is_told_for_few_and_many(values: list[int], ordered: set[int]) -> None:
-    """The table of hashes leaves out only what is not there."""
+    """The table of hashes excludes only missing values."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tables, "_MANY", 0)
         found = tables.among(np.array(values * 5, np.int64), np.array(sorted(ordered), np.int64))
@@ -187,7 +187,7 @@ def test_aggregates_have_the_types_of_sparql(function: str, values: str, expecte
 @pytest.mark.parametrize("atoms_first", [True, False])
 @pytest.mark.parametrize(("least", "expected"), [("", ":a :is 1\n:b :is 2"), (":c :limit 2", ":b :is 2")])
 def test_an_aggregate_without_a_value_agrees_with_any(least: str, expected: str, *, atoms_first: bool) -> None:
-    """MIN of nothing leaves its variable unbound, and an atom beside it binds that; MIN of something restricts it."""
+    """MIN of nothing leaves its variable unbound, and an atom next to it binds that; MIN of something restricts it."""
     column = Column(Variable("y"), "MIN", expression("?l"), distinct=False)
     smallest = Aggregate((), (column,), atoms("?z :limit ?l"))
     atom = "?x :size ?y"

@@ -88,7 +88,7 @@ def test_what_is_decided_without_the_engine_is_what_it_says(text: str) -> None:
     rows = table(dictionary)
     columns = [("x", "x"), ("y", "y")]
     quick = Expressions(dictionary).holds(expression(text), rows, columns, Clock(Limits()))
-    # A conjunction with what is true has no quick way.
+    # A conjunction with a true operand has no shortcut.
     slow = Expressions(dictionary).holds(expression(f"({text}) && true"), rows, columns, Clock(Limits()))
     assert quick.tolist() == slow.tolist()
 

@@ -16,7 +16,7 @@ def keys(pairs: list[tuple[int, int]]) -> np.ndarray[tuple[int], np.dtype[np.int
 
 
 class AgainstASet(RuleBasedStateMachine):
-    """A set of columns, changed and asked in any order, is what a set of pairs is."""
+    """A set of columns, changed and read in any order, equals a set of pairs."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -25,14 +25,14 @@ class AgainstASet(RuleBasedStateMachine):
 
     @rule(pairs=PAIRS)
     def add(self, pairs: list[tuple[int, int]]) -> None:
-        """Adding tells what is new."""
+        """Adding returns the new ones."""
         new = self.facts.add(5, keys(pairs))
         assert new.size == len(set(pairs) - self.pairs)
         self.pairs |= set(pairs)
 
     @rule(pairs=PAIRS)
     def remove(self, pairs: list[tuple[int, int]]) -> None:
-        """Removing tells what was there."""
+        """Removing returns those that were present."""
         gone = self.facts.remove(5, keys(pairs))
         assert gone.size == len(set(pairs) & self.pairs)
         self.pairs -= set(pairs)

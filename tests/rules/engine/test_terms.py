@@ -55,7 +55,7 @@ def test_a_triple_term_has_the_parts_it_was_made_of() -> None:
 
 @given(st.text(st.characters(codec="utf-8"), max_size=5))
 def test_strings_of_any_characters_survive(text: str) -> None:
-    """Control characters, quotes and all of Unicode are spelt so that they are read back."""
+    """Control characters, quotes and all of Unicode are spelt and read back unchanged."""
     dictionary = Dictionary()
     assert dictionary.term(dictionary.intern_term(Literal(text))) == Literal(text)
 
@@ -65,7 +65,7 @@ texts = st.lists(st.binary(max_size=3), unique=True, max_size=40)
 
 @given(texts, texts, st.integers(0, 5))
 def test_kept_terms_are_those_that_were_kept(kept: list[bytes], asked: list[bytes], few: int) -> None:
-    """A dictionary that reads its terms when they are asked for gives the identifiers of one that has them."""
+    """A dictionary that reads its terms on access gives the identifiers of one that has them."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("kg.rules.engine.terms._FEW", few)
         lazy, eager = Dictionary(Kept.of(kept)), Dictionary.of(kept)

@@ -44,7 +44,7 @@ def test_text() -> None:
 
 
 def test_json() -> None:
-    """Each fact stands once; premises are named by their numbers."""
+    """Each fact appears once; premises are named by their numbers."""
     found = proof_object(PROOF, WORLD.view)
     assert json.loads(json.dumps(found)) == found
     facts = found["facts"]
@@ -69,7 +69,7 @@ def test_picture() -> None:
 
 
 def test_why_not_as_text_and_json() -> None:
-    """What is missing is told with the nearest match, in both forms."""
+    """Missing facts are reported with the nearest match, in both forms."""
     answer = why_not(WORLD.view, RULES, fact("c ancestor a"))
     lines = [str(line) for line in why_not_lines(answer, WORLD.view)]
     assert lines[0] == "<Cy> <https://example.org/ancestor> Ann: not derived"

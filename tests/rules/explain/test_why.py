@@ -1,4 +1,4 @@
-"""Why facts hold: proofs are sound, end in what was asserted, and are as short as promised."""
+"""Why facts hold: proofs are sound, end in asserted facts, and are as short as promised."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def leaves(proof: Proof) -> set[Triple]:
 
 
 def check(proof: Proof, above: tuple[Triple, ...] = ()) -> None:
-    """Assert that a proof is one: no fact rests on itself, and what is not derived is asserted."""
+    """Assert that a proof is valid: no fact rests on itself, and facts not derived are asserted."""
     assert proof.fact not in above
     if proof.derivation is None:
         assert proof.graphs
@@ -48,7 +48,7 @@ def check(proof: Proof, above: tuple[Triple, ...] = ()) -> None:
 
 
 def test_an_asserted_fact_is_its_own_proof_with_its_line() -> None:
-    """What was asserted is explained by its graph and the line of code it was read from."""
+    """An asserted fact is explained by its graph and the line of code it was read from."""
     world = World(':n :has :p . :p :path "src/a.cpp" ; :line 128 .', ())
     proof = why(world.view, (), fact("n has p"))
     assert (proof.graphs, str(proof.evidence)) == (("https://example.org/graph/asserted",), "src/a.cpp:128")
@@ -94,7 +94,7 @@ def test_the_shortest_proof() -> None:
 
 
 def test_conditions_are_told() -> None:
-    """Filters, assignments and what must be absent stand in the proof as conditions."""
+    """Filters, assignments and absent facts are conditions in the proof."""
     parts = ("?x parent ?y", where("?x != ?y"), without("?y parent ?z"), bound("s", "STR(?y)"))
     world = World(":a :parent :b .", (rule("x/y", "?x child ?s", *parts),))
     proof = why(world.view, world.rules, world.inferred()[0])
@@ -103,7 +103,7 @@ def test_conditions_are_told() -> None:
 
 
 def test_graphs_that_rules_do_not_read_prove_nothing() -> None:
-    """A fact that stands only in the graph of builds is no premise."""
+    """A fact that is only in the graph of builds is not a premise."""
     world = World(":a :parent :b . :b :parent :c .", (PARENT, LINEAR))
     moved = fact("b parent c")
     world.store.remove(next(iter(world.store.quads_for_pattern(moved.subject, moved.predicate, moved.object))))

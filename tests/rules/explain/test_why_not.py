@@ -14,7 +14,7 @@ DATA = ":camera :publishes :image_raw . :viewer :subscribes :image_rwa, :odom . 
 
 
 def test_the_nearest_match_is_named() -> None:
-    """A topic spelt almost right is what the answer names."""
+    """The answer names a topic with a similar spelling."""
     world = World(DATA, (HEARS,))
     (attempt,) = why_not(world.view, world.rules, fact("viewer hears camera")).attempts
     assert (
@@ -33,7 +33,7 @@ def test_labels_are_what_people_read() -> None:
 
 
 def test_a_filter_tells_its_values() -> None:
-    """A filter that fails is told with what its variables are."""
+    """A failing filter is reported with the values of its variables."""
     world = World(":a :publishes :t ; :subscribes :t .", (HEARS,))
     (attempt,) = why_not(world.view, world.rules, fact("a hears a")).attempts
     assert attempt.text.startswith("FILTER(?a != ?b) is not true where ?a = ")
@@ -47,7 +47,7 @@ def test_what_must_be_absent_is_named() -> None:
 
 
 def test_missing_premises_are_followed() -> None:
-    """A premise that rules could derive is asked about in turn, as deep as allowed."""
+    """A premise that rules could derive is explained in turn, as deep as allowed."""
     rules = (rule("x/a", "?x p ?y", "?x q ?y"), rule("x/b", "?x q ?y", "?x r ?y"))
     world = World(":n :other :m .", rules)
     (attempt,) = why_not(world.view, rules, fact("n p m")).attempts

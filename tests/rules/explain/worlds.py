@@ -119,5 +119,5 @@ class World:
         return View(self, Vocabulary(INFERRED, (BUILDS,), name("path"), name("line"), name("repository")), self.rules)
 
     def inferred(self) -> list[Triple]:
-        """Return what rules derived."""
+        """Return the derived triples."""
         return [quad.triple for quad in self.store.quads_for_pattern(None, None, None, INFERRED)]

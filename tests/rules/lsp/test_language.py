@@ -1,4 +1,4 @@
-"""What editors are told about the text of a rule: terms, variables, words, documentation, places."""
+"""Language features for the text of a rule: terms, variables, words, documentation, places."""
 
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ def make_terms(tmp_path: Path) -> Terms:
 
 
 def texts(text: str, terms: Terms, suffix: str = ".rq") -> list[str]:
-    """Return what may stand at the end of a text."""
+    """Return the completions at the end of a text."""
     return [each.text for each in complete(text, len(text), suffix, terms)]
 
 
 def test_terms_of_a_prefix(terms: Terms) -> None:
-    """Behind a prefix stand the terms of its namespace, with their documentation."""
+    """After a prefix come the terms of its namespace, with their documentation."""
     text = RULE + "PREFIX e: <https://example.org/> e:dr"
     found = complete(text, len(text), ".rq", terms)
     assert [each.text for each in found] == ["e:Robot", "e:drives"]
@@ -62,12 +62,12 @@ def test_terms_of_a_prefix(terms: Terms) -> None:
 
 
 def test_variables_of_the_text(terms: Terms) -> None:
-    """Behind a question mark stand the variables that the text has."""
+    """After a question mark come the variables of the text."""
     assert texts(RULE + "?", terms) == ["?robot", "?wheel"]
 
 
 def test_words_of_the_notation(terms: Terms) -> None:
-    """Elsewhere stand the words of the notation, prefixes and functions."""
+    """Elsewhere come the words of the notation, prefixes and functions."""
     assert "OPTIONAL" in texts("", terms)
     assert "SET" in texts("", terms, ".srl")
     assert {"rnkg:", "REGEX("} <= set(texts("", terms))
@@ -75,7 +75,7 @@ def test_words_of_the_notation(terms: Terms) -> None:
 
 
 def test_hover_over_a_term_and_over_the_header(terms: Terms) -> None:
-    """A term tells what it is and how often it is used; the header shows the documentation."""
+    """A term shows its documentation and how often it is used; the header shows the documentation."""
     assert "1,200 triples" in (hover(RULE, RULE.index(":drives") + 2, PATH, "mine/drives", terms) or "")
     assert "That they move." in (hover(RULE, 3, PATH, "mine/drives", terms) or "")
     assert hover(RULE, RULE.index("?wheel"), PATH, "mine/drives", terms) is None

@@ -50,7 +50,7 @@ class Editor:
         self._send({"method": method, "params": params})
 
     def ask(self, method: str, **params: Any) -> Any:
-        """Send a request and return its result; what the server says meanwhile is kept."""
+        """Send a request and return its result; messages of the server meanwhile are kept."""
         self._number += 1
         self._send({"id": self._number, "method": method, "params": params})
         while (message := self._receive()).get("id") != self._number:
@@ -84,7 +84,7 @@ def running(folder: Path) -> Iterator[Editor]:
 
 
 def test_a_session(tmp_path: Path) -> None:
-    """Opening tells what is wrong; changing it mends that; completion, hover and definition answer; it ends cleanly."""
+    """Opening reports errors; editing fixes them; completion, hover and definition answer; it ends cleanly."""
     pytest.importorskip("pygls", reason="the extra `lsp` is not installed")
     file = tmp_path / "mine" / "busy.rq"
     file.parent.mkdir()

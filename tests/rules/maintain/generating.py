@@ -1,4 +1,4 @@
-"""Rule sets that fire: few nodes and predicates, in layers, so that most changes reach what is inferred.
+"""Rule sets that fire: few nodes and predicates, in layers, so most changes affect inferences.
 
 Layer `n` derives `:dn`. Rules read the layers up to their own, and negate or count the layers below it.
 """
@@ -46,7 +46,7 @@ def layered(draw: st.DrawFn) -> list[Rule]:
 
 
 def classified(least: int, most: int) -> st.SearchStrategy[set[Fact]]:
-    """Give triples that say what class things are of, and how they are linked."""
+    """Give triples with the classes and links of things."""
     classes = st.tuples(st.sampled_from(_NODES), st.just(_IS), st.sampled_from(_CLASSES[:6]))
     links = st.tuples(st.sampled_from(_NODES), st.sampled_from(_ASSERTED), st.sampled_from(_NODES))
     return st.sets(st.one_of(classes, classes, links), min_size=least, max_size=most)
@@ -54,7 +54,7 @@ def classified(least: int, most: int) -> st.SearchStrategy[set[Fact]]:
 
 @st.composite
 def by_class(draw: st.DrawFn) -> list[Rule]:
-    """Draw four to nine rules that tell classes from lower classes, so that a change reaches few of them."""
+    """Draw four to nine rules that derive classes from subclasses: a change reaches few of them."""
     return [_of_class(draw, number, draw(st.integers(3, 8))) for number in range(draw(st.integers(4, 9)))]
 
 

@@ -1,4 +1,4 @@
-"""What a change of what is asserted does to what is inferred."""
+"""Effects of changes of asserted triples on inferred ones."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ COUNT = Column(Variable("n"), "COUNT", None)
 
 
 class Kept:
-    """Rules over triples written as text; each change gives what it adds to and takes from the inferred triples."""
+    """Rules over triples written as text; each change gives the inferred triples added and removed."""
 
     def __init__(self, rules: Sequence[Rule], asserted: str) -> None:
         self.dictionary = Dictionary()
@@ -189,7 +189,7 @@ def test_assignments_variable_predicates_and_asserted_atoms() -> None:
 
 
 def test_blocks_of_sparql_are_run_again() -> None:
-    """When a predicate that a block reads changes, what it derives is compared."""
+    """When a predicate that a block reads changes, its derivations are compared."""
     block = EngineBlock(
         "?x <urn:x:p>+ ?y FILTER NOT EXISTS { ?y <urn:x:p> ?z }",
         (Variable("x"), Variable("y")),
@@ -201,7 +201,7 @@ def test_blocks_of_sparql_are_run_again() -> None:
 
 
 def test_auxiliary_triples_are_maintained_like_others() -> None:
-    """They are part of the state and of the change; who writes to a store leaves them out."""
+    """They are part of the state and of the change; writing to a store leaves them out."""
     helper = f"={AUXILIARY}path"
     rules = [
         rule(f"?x {helper} ?y", "?x :parent ?y", part=1),

@@ -1,4 +1,4 @@
-"""Which rules a change reaches: the others are not asked, and nothing is missed by that."""
+"""Which rules a change reaches: the others are not evaluated, and nothing is missed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def solved(monkeypatch: pytest.MonkeyPatch) -> set[str]:
-    """Give the names of the rules that are asked what they derive."""
+    """Give the names of the evaluated rules."""
     found: set[str] = set()
     solve = MaintainedRule._derived
 
@@ -35,7 +35,7 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> set[str]:
 
 
 def test_a_pattern_is_of_a_predicate_and_an_object_that_rules_name() -> None:
-    """Objects that no rule names are not told apart; variables stand for any."""
+    """Objects that no rule names are not distinguished; variables match any."""
     assert pattern("?p", 3) == ANY
     patterns = Patterns([pattern(7, 3), pattern(7, 4), pattern(8, "?x")])
     facts = Facts()

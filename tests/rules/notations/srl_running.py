@@ -33,7 +33,7 @@ def rules_of(file: RuleFile) -> tuple[Rule, ...]:
 
 
 def infer(rules: Path, data: Iterable[Triple]) -> list[Triple]:
-    """Return what a rule set infers from some triples, without those."""
+    """Return the inferences of a rule set from some triples, without these."""
     facts = [(triple.subject, triple.predicate, triple.object) for triple in data]
     found = inferred(rules_of(read(rules, rules.stem)), facts)
     return [Triple(*fact) for fact in found]  # type: ignore[arg-type]  # what is inferred is triples

@@ -119,7 +119,7 @@ def _evaluation(entry: Entry) -> str | None:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run the suite of a folder, print what fails and the count of each kind; 1 when a test fails."""
+    """Run the suite of a folder, print the failures and the count of each kind; 1 when a test fails."""
     (folder,) = arguments
     passed: Counter[str] = Counter()
     every: Counter[str] = Counter()

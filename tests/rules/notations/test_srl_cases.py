@@ -1,4 +1,4 @@
-"""Cases: a rule set `NAME.srl` on `NAME.ttl` infers `NAME.expected.ttl`, or is refused as `NAME.error` says."""
+"""Cases: a rule set `NAME.srl` on `NAME.ttl` infers `NAME.expected.ttl`, or is refused as in `NAME.error`."""
 
 from __future__ import annotations
 
@@ -39,6 +39,6 @@ def test_a_bad_rule_set_is_refused_at_its_place(rules: Path) -> None:
 
 
 def test_every_case_says_what_it_expects() -> None:
-    """No rule set among the cases stands without an expectation."""
+    """Every rule set among the cases has an expectation."""
     silent = [path for path in EVERY if not path.with_suffix(".error").exists()]
     assert all(path.with_suffix(".expected.ttl").exists() for path in silent)

@@ -103,7 +103,7 @@ def test_compile_prints_a_rule_in_any_notation(folder: Path, notation: str, prin
 
 
 def test_compile_prints_the_internal_form(folder: Path) -> None:
-    """Without a notation it says what the rule reads and writes, and its elements one a line."""
+    """Without a notation it prints the triples that the rule reads and writes, and its elements one a line."""
     result = CliRunner().invoke(app, ["rules", "compile", "mine/ancestor", "--rules", str(folder)])
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.split("\n")
@@ -114,7 +114,7 @@ def test_compile_prints_the_internal_form(folder: Path) -> None:
 
 
 def test_compile_refuses_a_notation_that_is_none(folder: Path) -> None:
-    """KG003 names those there are."""
+    """KG003 lists the valid ones."""
     result = CliRunner().invoke(app, ["rules", "compile", "ancestor", "--to", "n3", "--rules", str(folder)])
     assert result.exit_code == 2
     assert "form, rq, srl, ttl" in result.stderr

@@ -58,7 +58,7 @@ _MARKUP: Final = Markup(Element, _text, kept=1024)
 
 
 def read_document(text: bytes) -> Document[Element]:
-    """Return the `<launch>` element of UTF-8 `text`; what stands before an error in it is kept."""
+    """Return the `<launch>` element of UTF-8 `text`; the part before an error in it is kept."""
     whole = _MARKUP.read(text)
     found = [element for element in whole.root.below() if element.tag == "launch"] if whole.root else []
     if len(found) == 1:

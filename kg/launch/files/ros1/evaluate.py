@@ -39,10 +39,10 @@ def evaluate(
     given: Mapping[str, str],
     environment: Mapping[str, str],
 ) -> LaunchConfiguration:
-    """Return what the launch file starts, with everything that it includes.
+    """Return the configuration of the launch file, with everything that it includes.
 
     `given` are arguments that the caller sets, `environment` the only variables that are taken for known. Never raises
-    for what stands in a file: that is told as problems.
+    for what is in a file: that is told as problems.
     """
     evaluation = _Evaluation(State(files, file, environment), given)
     evaluation.run(file)
@@ -50,7 +50,7 @@ def evaluate(
 
 
 class _Evaluation:
-    """One evaluation of a file and what it includes."""
+    """One evaluation of a file and its includes."""
 
     def __init__(self, state: State, given: Mapping[str, str]) -> None:
         self._state = state
@@ -70,7 +70,7 @@ class _Evaluation:
                 self._state.problem(scope, 1, LaunchProblemKind.UNDECLARED_ARGUMENT, message, name)
 
     def configuration(self, file: FilePath, dialect: LaunchDialect) -> LaunchConfiguration:
-        """Return what was found."""
+        """Return the result."""
         state = self._state
         owner = state.files.reader.workspace.owner(file)
         return LaunchConfiguration(
@@ -90,7 +90,7 @@ class _Evaluation:
         )
 
     def _file(self, scope: Scope, file: FilePath, line: int) -> bool:
-        """Evaluate a file in a scope of its own; tell whether all of it was read."""
+        """Evaluate a file in a scope of its own; return whether all of it was read."""
         data = self._state.open(scope, line, file)
         if data is None:
             return False
@@ -239,7 +239,7 @@ class _Evaluation:
             self._unused(scope, inner, passed)
 
     def _passed(self, scope: Scope, inner: Scope, element: Element) -> dict[str, Given]:
-        """Put into the inner scope what an include passes; return those that it names itself."""
+        """Put the arguments that an include passes into the inner scope; return those that it names itself."""
         state = self._state
         inner.replaces = state.boolean(scope, element, "pass_all_args")
         given: dict[str, Given] = {}
@@ -274,7 +274,7 @@ class _Evaluation:
                 self._state.problem(scope, given.location, LaunchProblemKind.UNDECLARED_ARGUMENT, message, name)
 
     def _stopped(self, scope: Scope, inner: Scope, element: Element, file: FilePath) -> str | None:
-        """Tell why an include is not followed, which is a problem: it would not end, or not soon."""
+        """Return why an include is not followed, which is a problem: it would not end, or not soon."""
         state = self._state
         here = (file, tuple(sorted(inner.arguments.items())))
         if here in self._open:

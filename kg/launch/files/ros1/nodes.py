@@ -45,7 +45,7 @@ class _Command:
 
 
 def read_node(state: State, scope: Scope, element: Element) -> None:
-    """Add the node of a `<node>`, or of a `<test>`, whose node stands under the test's name if it has none."""
+    """Add the node of a `<node>`, or of a `<test>`, whose node is under the test's name if it has none."""
     counts, words = state.condition(scope, element)
     if not counts:
         return
@@ -126,7 +126,7 @@ def read_environment(state: State, scope: Scope, target: Scope, element: Element
 
 
 def _is_valid(name: str, value: str) -> bool:
-    """Tell whether roslaunch takes the value of a setting; an empty limit is none."""
+    """Return whether roslaunch takes the value of a setting; an empty limit is none."""
     if name in _CHOICES:
         return value in _CHOICES[name]
     if name not in _NUMBERS or (not value and name != "respawn_delay"):
@@ -158,7 +158,7 @@ def _name(state: State, scope: Scope, element: Element, *, is_test: bool) -> str
 
 
 def _inside(state: State, scope: Scope, element: Element, what: tuple[str, str | None]) -> Scope:
-    """Read what stands in a node; return the scope with its remappings and environment."""
+    """Read the children of a node; return the scope with its remappings and environment."""
     name, words = what
     inner = scope.child()
     parameters = scope.child(name)
@@ -209,7 +209,7 @@ def _command(state: State, scope: Scope, element: Element) -> _Command:
 def _nodelet(
     package: str | None, executable: str | None, arguments: tuple[str, ...]
 ) -> tuple[StartKind, str | None, str | None]:
-    """Return the kind of what is started, the class of a nodelet and the manager that it is loaded into."""
+    """Return the kind of process, the class of a nodelet and the manager that it is loaded into."""
     words = [word for word in arguments if word != _NO_BOND]
     if (package, executable) != ("nodelet", "nodelet") or not words:
         return StartKind.NODE, None, None

@@ -1,4 +1,4 @@
-"""YAML of `<rosparam>`: one parameter for each leaf, with the line that it stands on.
+"""YAML of `<rosparam>`: one parameter for each leaf, with the line that it is on.
 
 Source: wiki.ros.org/rosparam, "YAML Format" with its `deg(180)` and `rad(2*pi)`. Aliases can mean far more than they
 say; what a document means in all is bounded.
@@ -51,7 +51,7 @@ _ROSLAUNCH: Final = "/roslaunch/"
 
 
 def shown(text: str) -> str:
-    """Return the text as facts have it, with `{}` for what is not known."""
+    """Return the text as facts have it, with `{}` for unknown parts."""
     return text.replace(HOLE, ANONYMOUS)
 
 
@@ -95,7 +95,7 @@ def automatic(text: str) -> bool | int | float | str:
 
 
 def truth(text: str) -> bool:
-    """Return what roslaunch takes a text of an `if` for; ValueError when it takes it for nothing."""
+    """Return the truth value of the text of an `if` in roslaunch; ValueError if it has none."""
     value = _BOOLEANS.get(text.lower().strip())
     if value is None:
         raise ValueError(f"'{text}' is neither true nor false")
@@ -206,7 +206,7 @@ for _unit in ("deg", "rad"):
 
 
 def read_tree(text: str) -> ParameterTree:
-    """Return the parameters of a YAML document; what stands before an error of its meaning is kept."""
+    """Return the parameters of a YAML document; what is before an error of its meaning is kept."""
     if len(text) > MOST_TEXT:
         return ParameterTree(problems=((f"the file is longer than {MOST_TEXT} characters", 1),), too_large=True)
     return _cached(text) if len(text) <= _CACHED else _last(text)

@@ -180,7 +180,7 @@ def _unknown(element: Element, kind: str, reason: str) -> Leaf:
 
 
 def _content(state: State, scope: Scope, element: Element, text: str, *, is_text: bool) -> tuple[str, str | None]:
-    """Return what stands in a file, or why that is not known."""
+    """Return the content of a file, or why it is unknown."""
     file, reason = state.locate(scope, element.line, text)
     if file is None:
         return "", reason
@@ -191,7 +191,7 @@ def _content(state: State, scope: Scope, element: Element, text: str, *, is_text
 
 
 def _words(state: State, scope: Scope, element: Element, command: str) -> Sequence[str]:
-    """Return the words of a command, what only starts its program left out; none of one that is wrong."""
+    """Return the words of a command from its program on; none for a malformed one."""
     try:
         return started(shlex.split(_ROSPACK.sub(rf"{SCHEME}\1", command)))
     except ValueError as error:
@@ -200,7 +200,7 @@ def _words(state: State, scope: Scope, element: Element, command: str) -> Sequen
 
 
 def _printed(state: State, scope: Scope, element: Element, command: str) -> tuple[str, str | None]:
-    """Return what a command prints where that is the content of a file, or why it is not known."""
+    """Return the output of a command that prints a file, or why it is unknown."""
     words = _words(state, scope, element, command)
     if not words:
         return "", "its command is wrong"

@@ -1,4 +1,4 @@
-"""A configuration while it is evaluated: what is in force at a place of a launch file, and what was found so far.
+"""State of an evaluation: the settings in force at a place of a launch file, and the results so far.
 
 Source: roslaunch's loader, whose rules are kept where they surprise: arguments are copied into groups and not back, a
 remapping is replaced by a later one of the same name, and a private parameter of an include is in force behind the
@@ -40,7 +40,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Private:
-    """A parameter for the nodes that follow: its name as written, its leaves, and where it stands."""
+    """A parameter for the nodes that follow: its name as written, its leaves, and where it is."""
 
     name: str
     leaves: tuple[Leaf, ...]
@@ -129,7 +129,7 @@ class Scope:
     def declare(
         self, name: str, value: str | None, default: str | None, *, certain: bool = True
     ) -> tuple[LaunchProblemKind, str] | None:
-        """Declare an argument; return what roslaunch refuses in it."""
+        """Declare an argument; return the error that roslaunch would report."""
         if name in self.declared and name not in self.uncertain and certain and not self.replaces:
             return LaunchProblemKind.MALFORMED, f"the argument '{name}' is declared twice"
         self.declared.add(name)
@@ -152,7 +152,7 @@ _MOST_PROBLEMS: Final = 2000
 
 
 class State:
-    """Collects what a configuration consists of; nothing is collected beyond the limits, and that is a problem."""
+    """Collects the parts of a configuration; exceeding the limits is a problem, and the rest is dropped."""
 
     def __init__(self, files: Files, root: FilePath, environment: Mapping[str, str]) -> None:
         self.files = files
@@ -201,7 +201,7 @@ class State:
         return written if written is None or "$" not in written else self.resolved(scope, element.line, written)
 
     def resolved(self, scope: Scope, line: int, written: str, most: int | None = None) -> str:
-        """Return a text that stands on a line after substitution."""
+        """Return a text that is on a line after substitution."""
 
         def note(kind: LaunchProblemKind, message: str, subject: str | None = None) -> None:
             if kind is LaunchProblemKind.MISSING_ARGUMENT:
@@ -215,7 +215,7 @@ class State:
         return self._substituter.resolve(written, scope, note, most)
 
     def condition(self, scope: Scope, element: Element) -> tuple[bool, str | None]:
-        """Tell whether an element counts, and on what that depends, in the words of the file, when it is not known."""
+        """Return whether an element counts; if that is unknown, also its condition in the words of the file."""
         attributes = element.attributes
         if "if" not in attributes and "unless" not in attributes:
             return True, None
@@ -242,7 +242,7 @@ class State:
         return text.lower() == "true"
 
     def allows(self, scope: Scope, line: int, what: str, amount: int = 1) -> bool:
-        """Count something; tell whether there may be so much of it."""
+        """Count something; return whether that is within the limit."""
         return self._budget.allows(lambda message: self.limit(scope, line, message), what, amount)
 
     def limit(self, scope: Scope, line: int, message: str) -> None:
@@ -280,7 +280,7 @@ class State:
             )
 
     def locate(self, scope: Scope, line: int, text: str) -> tuple[FilePath | None, str | None]:
-        """Return the file that a text names, or None and why there is none, which is a problem."""
+        """Return the file that a text names, or None and the reason, which is a problem."""
         found = self.files.find(text)
         if HOLE in text:
             found = Found(None, reason=f"the file {text} depends on what is not known", subject=text)

@@ -41,11 +41,11 @@ class Note(Protocol):
     """Takes a problem of the text that is being computed."""
 
     def __call__(self, kind: LaunchProblemKind, message: str, subject: str | None = None) -> None:
-        """Record what is wrong, or not known."""
+        """Record an error, or an unknown part."""
 
 
 class Surroundings(Protocol):
-    """What the commands of a text refer to."""
+    """Context of the commands in a text."""
 
     arguments: dict[str, str]
 
@@ -58,7 +58,7 @@ class Surroundings(Protocol):
 
 
 class _SubstitutionError(Exception):
-    """The text is not what roslaunch takes."""
+    """Roslaunch would refuse the text."""
 
 
 class Substituter:
@@ -70,7 +70,7 @@ class Substituter:
         self._packages: dict[str, bool] = {}
 
     def resolve(self, text: str, around: Surroundings, note: Note, most: int = MOST_CHARACTERS) -> str:
-        """Return the text with its commands replaced; what is not known is a `HOLE`, and noted."""
+        """Return the text with its commands replaced; an unknown part is a `HOLE`, and recorded."""
         if "$" not in text:
             return text
         try:
@@ -128,7 +128,7 @@ class _Commands:
         written = f"$({command})"
         if name == "find":
             before, _, after = text.partition(written)
-            return f"{before}{self._found(_only(words, command))}{_path(after)}"
+            return f"{before}{self._find_package(_only(words, command))}{_path(after)}"
         return text.replace(written, self._value(name, words, command))
 
     def _value(self, name: str, words: list[str], command: str) -> str:
@@ -151,7 +151,7 @@ class _Commands:
         return value
 
     def _variable(self, name: str) -> object:
-        """Return what a name of an expression means: an argument, which is missing where Python has no such name."""
+        """Return the value of a name in an expression: an argument, reported missing if Python lacks it too."""
         if name not in self._around.arguments and is_builtin(name):
             return MISSING
         return automatic(self._argument(name))
@@ -160,7 +160,7 @@ class _Commands:
         self._note(LaunchProblemKind.UNRESOLVED, f"$(anon {name}) is a name made up at run time", name)
         return f"{name}_{HOLE}"
 
-    def _found(self, package: str) -> str:
+    def _find_package(self, package: str) -> str:
         return self._owner.find(package, self._note)
 
     def evaluate(self, expression: str) -> str:
@@ -169,7 +169,7 @@ class _Commands:
             raise _SubstitutionError("$(eval ...) may not contain double underscores")
         functions: dict[str, Callable[..., object]] = {
             "arg": lambda name: automatic(self._argument(name)),
-            "find": self._found,
+            "find": self._find_package,
             "env": lambda name: self._owner.environment(name, self._note),
             "optenv": lambda name, default="": self._owner.optional(name, default),
             "anon": self._anonymous,
@@ -193,7 +193,7 @@ def _word(name: str) -> object:
 
 @lru_cache(maxsize=4096)
 def _commands(text: str) -> tuple[str, ...]:
-    """Return what stands in each `$(...)` of a text, in order."""
+    """Return the content of each `$(...)` of a text, in order."""
     found: list[str] = []
     for command, end in _COMMAND.findall(text):
         if not end:
@@ -212,7 +212,7 @@ def _only(words: list[str], command: str) -> str:
 
 
 def _path(after: str) -> str:
-    """Return what follows a folder, with a slash before the path that it begins with."""
+    """Return the rest after a folder, with a slash before the path that it begins with."""
     path, space, rest = after.partition(" ")
     path = path.replace("\\", "/")
     return f"/{path.lstrip('/')}{space}{rest}" if path else after

@@ -1,4 +1,4 @@
-"""The actions of ROS 2 launch as values: what the readers of XML, YAML and Python make, and what is executed.
+"""The actions of ROS 2 launch as values: created by the readers of XML, YAML and Python, then executed.
 
 Source: the packages `launch`, `launch_ros` and `launch_xml` of ROS 2, whose names are kept. A `Text` is a sequence of
 parts that are joined when the action is executed, in the context of that moment, as launch's substitutions are.
@@ -47,7 +47,7 @@ class Substitution:
 
     `kind` is that of the XML form: `var`, `env`, `find-pkg-share`, `find-pkg-prefix`, `find-exec`, `dirname`,
     `filename`, `eval`, `command`, `anon`, `not`, `and`, `or`, `any`, `all`, `equals`, `not-equals`, `if`,
-    `file-content`, `path-join`, `local`, `unknown` (then `reason` tells why). `arguments` are its operands in order; a
+    `file-content`, `path-join`, `local`, `unknown` (`reason` is why). `arguments` are its operands in order; a
     missing default is left out. Two have no form in XML: `replaced-file` gives the name of a copy of a file (operands:
     the file, whether texts are replaced, and old and new texts in turn), `rewritten-file` that of a copy of `file`, a
     `ParameterFile`.
@@ -73,7 +73,7 @@ class Condition:
 
     @property
     def words(self) -> str:
-        """What has to hold, in the words of the file."""
+        """The condition, in the words of the file."""
         text = self.written or "what is known only when it runs"
         return f"not {text}" if self.negated else text
 
@@ -116,8 +116,8 @@ class ParameterFile:
     """A file of parameters; with `substitutions` texts like `$(var x)` in it are substituted.
 
     `rewrites` are nav2's `RewrittenYaml`: pairs of a key and its new value, put wherever the file has a parameter of
-    that name or dotted path, for any node; with `root` all nodes of the file stand below that namespace; `keys` are
-    pairs of a key of the file and what it is called instead, `values` pairs of a value and what stands in its place.
+    that name or dotted path, for any node; with `root` all nodes of the file are below that namespace; `keys` are
+    pairs of a key of the file and what it is called instead, `values` pairs of a value and what is in its place.
     """
 
     path: Text
@@ -140,7 +140,7 @@ ParameterSource: TypeAlias = ParameterValue | ParameterFile
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Action:
-    """What all actions have."""
+    """Fields of all actions."""
 
     location: Location
     condition: Condition | None = None

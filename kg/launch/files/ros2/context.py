@@ -1,4 +1,4 @@
-"""What is known at a moment of the execution of a ROS 2 launch file, and what was found so far.
+"""State of the execution of a ROS 2 launch file, and the results so far.
 
 Source: `launch.LaunchContext`. There the namespace, the global remappings and the global parameters are launch
 configurations of reserved names; here they have fields of their own, and are saved and restored together with them.
@@ -43,7 +43,7 @@ class GlobalFile:
 
 @dataclass(slots=True)
 class Scope:
-    """What a scoped group restores when it ends; a text with `{}` is not wholly known."""
+    """The state that a scoped group restores at its end; a text with `{}` is partly unknown."""
 
     configurations: dict[str, str] = field(default_factory=dict)
     environment: dict[str, str | None] = field(default_factory=dict)
@@ -59,7 +59,7 @@ class Scope:
 
 @dataclass(slots=True)
 class Found:
-    """What the execution of a configuration gives; problems, arguments and files each once, in the order found."""
+    """Results of executing a configuration; problems, arguments and files each once, in the order found."""
 
     nodes: list[StartedNode] = field(default_factory=list)
     includes: list[LaunchInclude] = field(default_factory=list)
@@ -82,7 +82,7 @@ class Found:
 
 
 class Context:
-    """The state of the execution: `scope` is what is set now, `found` what has come of it.
+    """The state of the execution: `scope` has the current settings, `found` the results.
 
     `file` is the launch file that is executed, `chain` the lines of the includes that led to it, outermost first,
     `location` the place of the action that is executed, `conditions` the words of the conditions around it that
@@ -113,7 +113,7 @@ class Context:
         return None if HOLE in performed else performed
 
     def quietly(self, text: Text) -> str:
-        """Return a text performed, without noting problems: for what is shown only."""
+        """Return a text performed, without recording problems: for display only."""
         before = dict(self.found.problems)
         try:
             return self.perform(text)
@@ -136,25 +136,25 @@ class Context:
     def problem(
         self, kind: LaunchProblemKind, message: str, subject: str | None = None, location: Location | None = None
     ) -> None:
-        """Note what is wrong or not known, at the action that is executed unless a `location` is given."""
+        """Record an error or an unknown part, at the action being executed unless a `location` is given."""
         self.found.problems.setdefault(LaunchProblem(kind, message, location or self.location, self.chain, subject))
 
     def limit(self, message: str) -> None:
-        """Note that something is larger than what is read."""
+        """Record that something exceeds a limit."""
         self.problem(LaunchProblemKind.LIMIT, message)
 
     def allows(self, what: str, amount: int = 1) -> bool:
-        """Count something; tell whether there may be so much of it."""
+        """Count something; return whether that is within the limit."""
         return self.found.budget.allows(self.limit, what, amount)
 
     def unresolved(self, message: str, subject: str | None = None) -> str:
-        """Note that something cannot be known, and return what stands for it."""
+        """Record an unknown part, and return its placeholder."""
         self.problem(LaunchProblemKind.UNRESOLVED, message, subject)
         return HOLE
 
     @contextmanager
     def at(self, location: Location) -> Iterator[None]:
-        """Let `location` be the place of what is executed."""
+        """Set `location` as the place of the current action."""
         before, self.location = self.location, location
         try:
             yield
@@ -163,7 +163,7 @@ class Context:
 
     @contextmanager
     def inside(self, file: FilePath) -> Iterator[None]:
-        """Let `file`, which the action executed now includes, be executed; settings that it makes stay."""
+        """Execute `file`, included by the current action, in the body; its settings stay."""
         before = self.file, self.chain, self.stack, self.location
         self.chain, self.file, self.stack = (*self.chain, self.location), file, (*self.stack, file)
         self.location = place(self.files, file, 1)
@@ -201,7 +201,7 @@ def unreadable(context: Context, file: FilePath) -> None:
 
 
 def find(context: Context, text: str) -> FilePath | None:
-    """Return the file that a text names; None, and a problem, where there is none or it cannot be known.
+    """Return the file that a text names; None, and a problem, if it is missing or unknown.
 
     Where a package installs its files in other folders than its source has, the one file of the package counts whose
     path ends as the one that is named.

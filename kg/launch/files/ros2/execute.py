@@ -56,7 +56,7 @@ The trees hold on to that reader, so no other is kept.
 
 
 def dialect_by_ending(file: FilePath) -> LaunchDialect:
-    """Return the language of a file by its ending, as `AnyLaunchDescriptionSource` tells them apart."""
+    """Return the language of a file by its ending, as `AnyLaunchDescriptionSource` distinguishes them."""
     ending = file.path.rpartition(".")[2]
     if ending == "py":
         return LaunchDialect.ROS2_PYTHON
@@ -109,7 +109,7 @@ _DEEPEST_FILE: Final = 100
 
 
 def include(context: Context, action: Include, run: Callable[[Sequence[Action]], None]) -> None:
-    """Execute the file of an include with `run`; note it as an include whether there is such a file or not."""
+    """Execute the file of an include with `run`; record the include whether the file exists or not."""
     if not context.allows("includes"):
         return
     written = HOLE if action.path is None else context.perform(action.path)
@@ -222,7 +222,7 @@ def _execute(context: Context, action: Action, depth: int) -> None:
 
 @contextmanager
 def _unsure(context: Context, condition: str) -> Iterator[None]:
-    """Execute what may not be executed: afterwards only what both ways agree on is known."""
+    """Execute actions under an unknown condition: only settings equal in both cases stay known."""
     before, conditions = context.scope.copy(), context.conditions
     context.conditions = (*conditions, condition)
     try:
@@ -233,7 +233,7 @@ def _unsure(context: Context, condition: str) -> Iterator[None]:
 
 
 def _merged(before: Scope, after: Scope, reason: str) -> Scope:
-    """Return what is known where either may hold; what is set in one only can be read in that one only."""
+    """Return the settings known in either case; those set in one only can be read in that one only."""
     settings = {**before.configurations, **after.configurations}
     for name in before.configurations.keys() & after.configurations.keys():
         if before.configurations[name] != after.configurations[name]:
@@ -345,9 +345,9 @@ _HANDLERS: Final[Mapping[type[Action], Callable[[Context, Any], None]]] = {
 def evaluate(
     files: Files, file: FilePath, dialect: LaunchDialect, given: Mapping[str, str], environment: Mapping[str, str]
 ) -> LaunchConfiguration:
-    """Return the configuration of a launch file with the arguments `given` and what is known of the environment.
+    """Return the configuration of a launch file with the arguments `given` and the known environment.
 
-    Nothing is run. What is wrong or cannot be known is among its problems; no file makes this raise.
+    Nothing is run. Errors and unknown parts are among its problems; no file makes this raise.
     """
     context = Context(files, file, given, environment)
     try:

@@ -56,7 +56,7 @@ class Element:
     children: list[Element] = field(default_factory=list)
 
     def get(self, *names: str) -> str | None:
-        """Return the first attribute of these names that there is; a list as YAML."""
+        """Return the first existing attribute of these names; a list as YAML."""
         for name in names:
             value = self.attributes.get(name)
             if value is not None:
@@ -89,11 +89,11 @@ _MOST_DEPTH: Final = 100
 
 
 def read_xml(files: Files, file: FilePath, text: bytes, problems: list[LaunchProblem]) -> Sequence[Action]:
-    """Return the actions of a file; what is malformed in it is among the `problems`, with its line."""
+    """Return the actions of a file; malformed parts are among the `problems`, with their lines."""
     document = _MARKUP.read(text)
     if document.problem is not None:
         problems.append(_broken(files, file, *document.problem))
-        problems = []  # what is wrong behind that comes of it
+        problems = []  # later errors follow from the first
     return build(document.root, lambda line: place(files, file, line), problems) if document.root else ()
 
 
@@ -101,7 +101,7 @@ _CHILDREN: Final = "children"
 
 
 def read_yaml(files: Files, file: FilePath, text: bytes, problems: list[LaunchProblem]) -> Sequence[Action]:
-    """Return the actions of a file; what is malformed in it is among the `problems`, with its line."""
+    """Return the actions of a file; malformed parts are among the `problems`, with their lines."""
     try:
         root = _Walk().action(compose_yaml(text.decode()), 0)
     except YamlFault as fault:
@@ -257,7 +257,7 @@ class _Builder:
         return kinds.Include(path=self.needed(element, "file"), arguments=arguments, **self.common(element))
 
     def group(self, element: Element) -> Action:
-        """`<group>`: what is below, but `<keep>`."""
+        """`<group>`: its children, except `<keep>`."""
         return kinds.Group(
             actions=self.actions([child for child in element.children if child.tag != "keep"]),
             scoped=self.flag(element, "scoped"),
@@ -274,7 +274,7 @@ class _Builder:
         return tuple((self.needed(keep, "name"), self.needed(keep, "value")) for keep in element.of("keep"))
 
     def timer(self, element: Element) -> Action:
-        """`<timer>`: what happens later happens."""
+        """`<timer>`: its actions are taken as executed."""
         return kinds.Group(actions=self.actions(element.children), scoped=False, **self.common(element))
 
     def parameter(self, element: Element) -> Action:
@@ -289,7 +289,7 @@ class _Builder:
         return kinds.SetParameters(source=file, **self.common(element))
 
     def append_variable(self, element: Element) -> Action:
-        """`<append_env>`: what was there before is unknown unless the file has set it."""
+        """`<append_env>`: the earlier value is unknown unless the file has set it."""
         name, value = self.needed(element, "name"), self.needed(element, "value")
         before = Substitution("env", (name, (ANONYMOUS,)))
         separator = element.get("separator") or ":"
@@ -302,7 +302,7 @@ class _Builder:
         return kinds.Executable(command=self.words(element, element.need("cmd")), **self.common(element))
 
     def malformed(self, error: Malformed) -> None:
-        """Note what is wrong with the file."""
+        """Record the problems of the file."""
         where = self.place(error.line)
         self.problems.append(LaunchProblem(LaunchProblemKind.MALFORMED, error.message, where))
 
@@ -319,19 +319,19 @@ class _Builder:
         return self.text(element, element.need(*names))
 
     def optional(self, element: Element, *names: str) -> Text | None:
-        """Return the parts of an attribute; None where there is none."""
+        """Return the parts of an attribute; None if it is missing."""
         written = element.get(*names)
         return None if written is None else self.text(element, written)
 
     def flag(self, element: Element, name: str) -> bool:
-        """Return a truth value that is so unless the element says otherwise."""
+        """Return a truth value that is true unless the element sets it otherwise."""
         known = truth(element.get(name) or "true")
         if known is None:
             raise Malformed(f"`{name}` has to be true or false", element.line)
         return known
 
     def common(self, element: Element) -> _Common:
-        """Return what all actions have: a place and a condition."""
+        """Return the common fields of actions: a place and a condition."""
         positive, negative = element.get("if"), element.get("unless")
         if positive is not None and negative is not None:
             raise Malformed("`if` and `unless` cannot both be given", element.line)

@@ -45,7 +45,7 @@ class CommandLine:
 
 
 def parse_command_line(words: Sequence[str]) -> CommandLine:
-    """Return what `words` say; rules outside of `--ros-args` count as well, as they did before ROS 2 Eloquent."""
+    """Parse `words`; rules outside of `--ros-args` count as well, as they did before ROS 2 Eloquent."""
     line = CommandLine()
     inside = False
     remaining = iter(words)
@@ -116,7 +116,7 @@ class _Start:
 
 
 def start_node(context: Context, action: NodeAction) -> None:
-    """Start a node as its action says, and load the components of a container into it."""
+    """Start the node of an action, and load the components of a container into it."""
     words = [context.perform(word) for word in action.arguments]
     ros_words = [context.perform(word) for word in action.ros_arguments]
     line = parse_command_line([*words, "--ros-args", *ros_words])
@@ -131,7 +131,7 @@ def start_node(context: Context, action: NodeAction) -> None:
 
 
 def load_components(context: Context, action: LoadComponents) -> None:
-    """Load components into a running container; its name is seen from the root, for launch's own node stands there."""
+    """Load components into a running container; its name is seen from the root, for launch's own node is there."""
     host = context.found.containers.get(id(action.container)) if action.container else None
     if host is None and action.target is not None:
         host = normalise(f"/{context.perform(action.target)}")
@@ -208,7 +208,7 @@ def _load(context: Context, component: NodeAction, host: str | None) -> None:
 
 
 def _record(context: Context, start: _Start) -> str:
-    """Add a node to what was found, and return its absolute name."""
+    """Add a node to the results, and return its absolute name."""
     action, line, name = start.action, start.line, start.name
     within = normalise(f"/{join(context.namespace, start.namespace)}") if start.namespace else context.namespace
     loaded = start.kind is StartKind.COMPONENT

@@ -1,9 +1,9 @@
-"""The parameters that the process of a node is given: from whom, and in which order.
+"""The parameters given to the process of a node: their origin and their order.
 
 Source: `launch_ros.actions.Node` for the order, `rcl_yaml_param_parser` and `rclcpp`'s `resolve_parameter_overrides`
 for what counts: all files and values of a command line are merged by the name of node that they are written for, in
 the order in which those names come first. What is given by value to a node that is known by its full name is written
-for that name, else for all nodes. Which of a file's are for a node is told by the name that it turns out to have; a
+for that name, else for all nodes. The name that a node ends up with decides which of a file's are for it; a
 process may have nodes that launch knows nothing of.
 """
 
@@ -135,7 +135,7 @@ def _joined(names: Sequence[str]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Rewriting:
-    """What is put into a copy of a file: new names of `keys`, new `values`, and a `root` above all nodes.
+    """Changes in a copy of a file: new names of `keys`, new `values`, and a `root` above all nodes.
 
     A value is named by its key alone, or by the whole path to it, which is added where the file does not have it;
     `instead` has what takes the place of a value, whatever its key.
@@ -192,7 +192,7 @@ _Given: TypeAlias = tuple[str, LaunchParameter, LaunchParameter]
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """Whose parameters are asked for: the absolute name, without its last part where the name is not known.
+    """The node whose parameters are wanted: its absolute name, without the last part if the name is unknown.
 
     A node that is loaded into a container is given only what is written for its exact name, or for all.
     """
@@ -222,14 +222,14 @@ def given_parameter(context: Context, parameter: ParameterValue) -> LaunchParame
 
 
 def _forget(context: Context) -> None:
-    """Begin anew to look for a robot description in what is performed."""
+    """Forget the robot descriptions performed so far."""
     context.found.printed = ()
 
 
 def node_parameters(
     context: Context, asked: Asked, sources: Sequence[ParameterSource | LaunchParameter | GlobalFile]
 ) -> tuple[LaunchParameter, ...]:
-    """Return the parameters given to a node in the order in which they are applied, with the keys they stand below."""
+    """Return the parameters given to a node in the order in which they are applied, with the keys they are below."""
     merged: dict[str, dict[str, LaunchParameter]] = {}
     owned: dict[str, bool | None] = {}  # files have many parameters for few nodes
     for key, parameter, below in _written(context, asked, sources):
@@ -247,7 +247,7 @@ def node_parameters(
 
 
 def without_others(nodes: Sequence[StartedNode]) -> tuple[StartedNode, ...]:
-    """Return nodes without the parameters that stand below the name of another of them: that one has them itself."""
+    """Return nodes without the parameters that are below the name of another of them: that one has them itself."""
     names = {f"{node.namespace.rstrip('/')}/{node.name}" for node in nodes if node.name}
     return tuple(
         replace(node, parameters=tuple(given for given in node.parameters if given.node not in names))
@@ -258,7 +258,7 @@ def without_others(nodes: Sequence[StartedNode]) -> tuple[StartedNode, ...]:
 
 
 def _is_own(key: str, asked: Asked) -> bool | None:
-    """Tell whether a key is that of the node alone; None where it may be for the node, or for others of its process."""
+    """Return whether a key is of the node alone; None if it may be for the node, or for others of its process."""
     written = _key(key)
     if written == asked.full:
         return True

@@ -1,7 +1,7 @@
 """Texts with their substitutions performed, as far as that is possible without running anything.
 
 Source: `launch.substitutions` and `launch_ros.substitutions`. What depends on an unknown text is unknown itself and
-makes no problem of its own: the one who made it unknown has said why.
+makes no problem of its own: the unknown text has its problem already.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ _MOST_CHARACTERS: Final = 5_000_000
 
 @dataclass(frozen=True, slots=True)
 class Generated:
-    """What was made of `file`: its text, or the parameters that a file of parameters has then; `recipe` tells how."""
+    """The result of changing `file`: its text, or the parameters of a file of parameters; `recipe` is how."""
 
     file: FilePath
     content: bytes
@@ -120,7 +120,7 @@ def _replaced_in(entry: Entry, replacements: Sequence[tuple[str, str]]) -> Entry
 
 
 def rewritten_file(context: Context, source: ParameterFile) -> str:
-    """Return the name of a file of parameters with what is rewritten in it."""
+    """Return the name of a rewritten file of parameters."""
     path = context.perform(source.path)
     found = read(context, path)
     if found is None:
@@ -142,12 +142,12 @@ def rewritten_file(context: Context, source: ParameterFile) -> str:
 
 
 def _made(context: Context, recipe: tuple[object, ...]) -> str | None:
-    """Return the name of what was made in the same way before."""
+    """Return the name of the file made in the same way before."""
     return next((name for name, other in context.found.generated.items() if other.recipe == recipe), None)
 
 
 def _named(context: Context, path: str, made: Generated) -> str:
-    """Keep what was made, and return its name."""
+    """Store the generated file, and return its name."""
     known = context.found.generated
     if not context.allows("generated files"):
         return HOLE
@@ -163,7 +163,7 @@ _PYTHON: Final = Dialect()
 
 
 def perform(context: Context, text: Text) -> str:
-    """Return a text with its substitutions performed in the context of now; what cannot be known is `{}`."""
+    """Return a text with its substitutions performed in the current context; unknown parts are `{}`."""
     parts = [part if isinstance(part, str) else _perform(context, part) for part in text]
     if sum(map(len, parts)) > _MOST_TEXT:
         context.limit(f"a text grows over {_MOST_TEXT} characters")
@@ -172,7 +172,7 @@ def perform(context: Context, text: Text) -> str:
 
 
 def holds(context: Context, condition: Condition) -> bool | None:
-    """Tell whether a condition is met; None where that cannot be known (`launch.conditions`)."""
+    """Return whether a condition is met; None where that cannot be known (`launch.conditions`)."""
     if condition.value is None:
         return None
     text = perform(context, condition.value).strip().lower()

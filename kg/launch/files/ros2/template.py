@@ -1,6 +1,6 @@
 r"""Texts of launch files with substitutions in them: `$(find-pkg-share p)/x/$(var y)`.
 
-Source: the grammar of `launch.frontend`. Operands stand between spaces, or in quotes of either kind; in quotes a nested
+Source: the grammar of `launch.frontend`. Operands are between spaces, or in quotes of either kind; in quotes a nested
 substitution may stand too, with operands that have no such quote. A backslash makes the character after it plain.
 """
 

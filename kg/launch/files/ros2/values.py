@@ -39,12 +39,12 @@ class Performed:
 
 
 def truth(text: str) -> bool | None:
-    """Return what a text means where a truth value is expected; None where it means none."""
+    """Return the truth value of a text; None if it has none."""
     return _TRUTHS.get(text.strip().lower())
 
 
 def of_text(text: str, wanted: str | None = None) -> tuple[str | None, str | None]:
-    """Return the value and type that a text has as a parameter; None for a text of which nothing is known.
+    """Return the value and type of a text as a parameter; None for an unknown text.
 
     `wanted` is the type asked for; a text stays one where that is `string`, else it is read as YAML.
     """

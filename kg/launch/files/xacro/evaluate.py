@@ -31,7 +31,7 @@ _MOST_ELEMENTS: Final = 100_000
 
 
 def collect(file: FilePath, files: Files, loading: Loading, texts: Texts) -> Table:
-    """Return a scope with every macro and property of a file and what it includes."""
+    """Return a scope with every macro and property of a file and its includes."""
     table = Table(texts.value)
     waiting, seen, count = [file], {file}, 0
     while waiting:
@@ -53,7 +53,7 @@ def collect(file: FilePath, files: Files, loading: Loading, texts: Texts) -> Tab
 
 
 def _define(table: Table, element: Element, file: FilePath) -> str | None:
-    """Keep a macro or property; return what an include names."""
+    """Store a macro or property; return the file of an include."""
     attributes = element.attributes
     if element.command == "macro":
         macro = grab_macro(element, file)
@@ -87,7 +87,7 @@ _COMMANDS: Final = frozenset({"property", "macro", "include", "insert_block", "i
 
 @dataclass(slots=True)
 class Made:
-    """An element of the description that has or is a plugin; `file`, `line` and `steps` tell where it stands.
+    """An element of the description that has or is a plugin; `file`, `line` and `steps` are its place.
 
     `steps` are the places of the includes and calls of macros that led to it.
     """
@@ -116,7 +116,7 @@ class Trouble:
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """What a description comes to: elements with plugins in them, what is wrong, and the files that were read."""
+    """The result of a description: elements with plugins in them, problems, and the files that were read."""
 
     made: tuple[Made, ...] = ()
     troubles: tuple[Trouble, ...] = ()
@@ -154,7 +154,7 @@ def evaluate_description(
 
 
 class _Evaluation:
-    """One evaluation of a description and of what it includes."""
+    """One evaluation of a description and its includes."""
 
     def __init__(
         self, files: Files, file: FilePath, arguments: Mapping[str, str], environment: Mapping[str, str]
@@ -171,7 +171,7 @@ class _Evaluation:
         self._later: Table | None = None
 
     def _early(self) -> Table:
-        """Return what is defined anywhere, collected when it is first asked for."""
+        """Return all definitions, collected on first use."""
         if self._later is None:
             self._later = Table(self._texts.value)
             self._later = collect(self._root, self._files, self._loading, self._texts)
@@ -182,7 +182,7 @@ class _Evaluation:
         self._made = list(self._file(_At(Table(self._texts.value), file), file, 1))
 
     def description(self) -> Description:
-        """Return what was found."""
+        """Return the result."""
         return Description(tuple(self._made), tuple(self._troubles.values()), tuple(self._loading.read))
 
     def trouble(  # noqa: PLR0913, PLR0917 - the fields of a problem
@@ -214,7 +214,7 @@ class _Evaluation:
         self._texts.around.folder = before
 
     def _children(self, at: _At, children: Iterable[Element | str], parent: Made | None) -> Iterator[Made]:
-        """Yield what the elements come to; texts, and commands about the parent, change that."""
+        """Yield the results of the elements; texts, and commands about the parent, change that."""
         for child in children:
             if isinstance(child, str):
                 if parent is not None:
@@ -253,7 +253,7 @@ class _Evaluation:
             yield made
 
     def _call(self, at: _At, element: Element, command: str | None) -> tuple[Macro, Table] | None:
-        """Return the macro that an element calls; without prefix only what can be nothing else."""
+        """Return the macro that an element calls; without prefix only if it can be nothing else."""
         name = element.tag if command is None else command
         if command == "call":
             name = self._texts.text(element.attributes.get("macro", ""), at.table)
@@ -287,7 +287,7 @@ class _Evaluation:
                 yield child
 
     def _holds(self, at: _At, element: Element) -> tuple[bool, str | None]:
-        """Tell whether a condition holds, or may, and then in its words on what that depends."""
+        """Return whether a condition holds, or may; then also its words."""
         written, wanted = element.attributes.get("value", ""), element.command == "if"
         try:
             return truth(self._texts.value(written, at.table)) is wanted, None

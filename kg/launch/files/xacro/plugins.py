@@ -31,7 +31,7 @@ _KNOWN: Final[WeakKeyDictionary[Reader, dict[object, Description]]] = WeakKeyDic
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """What the description in a parameter comes to: its plugins, what is wrong, and the files that were read."""
+    """The result of the description in a parameter: its plugins, problems, and the files that were read."""
 
     plugins: tuple[LaunchPlugin, ...] = ()
     problems: tuple[LaunchProblem, ...] = ()
@@ -87,7 +87,7 @@ class Descriptions:
         )
 
     def _near(self, above: Sequence[Made], plugin: Made) -> Iterator[PluginValue]:
-        """Yield what the sensor around a plugin says: its name, type and topic, and its cameras."""
+        """Yield the fields of the sensor around a plugin: its name, type and topic, and its cameras."""
         sensor = next((one for one in reversed(above) if one.tag == "sensor"), None)
         if sensor is None:
             return
@@ -108,14 +108,14 @@ class Descriptions:
             yield from self._values(child, inner, plugin)
 
     def _value(self, path: str, text: str, made: Made, plugin: Made) -> PluginValue:
-        """Return a value; one that may not be there is not known."""
+        """Return a value; one that may be absent is unknown."""
         sure = len(made.conditions) <= len(plugin.conditions)
         known = shown(text).strip()[:_MOST_VALUE] if sure else ANONYMOUS
         return PluginValue(path, known, self._location(made.file, made.line))
 
 
 def started(words: Sequence[str]) -> Sequence[str]:
-    """Return a command line from its program on, without what only starts that."""
+    """Return a command line from its program on, without launchers before it."""
     first = words[0].rpartition("/")[2] if words else ""
     if first == "rosrun":
         return started(words[2:])

@@ -110,7 +110,7 @@ class Table:
     macros: dict[str, Macro] = field(default_factory=dict)
 
     def __contains__(self, name: str) -> bool:
-        """Tell whether a property of the name is in force."""
+        """Return whether a property of the name is in force."""
         return self._holder(name) is not None
 
     def __getitem__(self, name: str) -> object:
@@ -171,7 +171,7 @@ class Table:
         return table.blocks[name] if table is not None else None
 
     def macro(self, name: str) -> tuple[Macro, Table] | None:
-        """Return a macro with the scope that its own stands in; `name` may have namespaces in front."""
+        """Return a macro with the scope that its own is in; `name` may have namespaces in front."""
         table: Table | None = self
         while table is not None and name not in table.macros:
             table = table.parent
@@ -183,7 +183,7 @@ class Table:
 
 
 def literal(value: object) -> object:
-    """Return what a text stands for: a quoted text, a number or a boolean; any other value is itself."""
+    """Return the value of a text: a quoted text, a number or a boolean; any other value is itself."""
     if not isinstance(value, str) or HOLE in value:
         return value
     if len(value) > 1 and value[0] == value[-1] == "'":
@@ -201,7 +201,7 @@ def literal(value: object) -> object:
 
 
 def truth(value: object) -> bool:
-    """Return what a condition is; `NotKnownError` for an unknown one, `ValueError` where it is neither."""
+    """Return the truth of a condition; `NotKnownError` for an unknown one, `ValueError` if it is neither."""
     if isinstance(value, str):
         if HOLE in value:
             raise NotKnownError
@@ -258,6 +258,6 @@ def _default(name: str, default: tuple[bool, str | None], caller: Table, texts: 
 
 
 def _content(block: Block) -> Block:
-    """Return what stands in the one element of a block."""
+    """Return the content of the one element of a block."""
     inner = (child for element in block.elements if not isinstance(element, str) for child in element.children)
     return Block(tuple(inner), block.scope, block.file)

@@ -43,7 +43,7 @@ class Loading:
         self._files = files
 
     def data(self, file: FilePath) -> bytes | None:
-        """Return the text of a file as UTF-8; None when there is none, or it is too large or binary."""
+        """Return the text of a file as UTF-8; None if it is missing, too large or binary."""
         data = self._files.read(file)
         if data is not None:
             self.read[file] = None
@@ -57,7 +57,7 @@ class Loading:
         return self._files.find(text)
 
     def yaml(self, written: str, folder: str) -> object:
-        """Return a file of YAML as dictionaries; `NotKnownError` where there is none that can be read."""
+        """Return a file of YAML as dictionaries; `NotKnownError` if none can be read."""
         file = self.find(written, folder).file
         data = self.data(file) if file is not None else None
         try:
@@ -76,7 +76,7 @@ _MODULES: Final[Mapping[str, str]] = {"math": "math", "python": "builtins"}
 
 @dataclass(slots=True)
 class Around:
-    """What the commands of a text refer to: the arguments of the description, and the folder of its file."""
+    """Context of the commands in a text: the arguments of the description, and the folder of its file."""
 
     arguments: dict[str, str]
     folder: str
@@ -105,7 +105,7 @@ class Texts:
         }
 
     def value(self, text: str, table: Table) -> object:
-        """Return the value of a text in a scope; what is not known in it is a `HOLE`."""
+        """Return the value of a text in a scope; unknown parts are a `HOLE`."""
         if "$" not in text:
             return text
         parts: list[object] = []

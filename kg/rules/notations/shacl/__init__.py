@@ -2,7 +2,7 @@
 
 The standard is "SHACL Advanced Features" (W3C, 2017). Each rule is written as CONSTRUCT queries (`statements`): the
 targets of its shape bind `?this`, its conditions become filters (`conditions`), its node expressions patterns
-(`expressions`). The rest is what is done to any query.
+(`expressions`). The rest is as for any query.
 """
 
 from __future__ import annotations

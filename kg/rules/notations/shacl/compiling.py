@@ -25,7 +25,7 @@ __all__ = ["rules"]
 def rules(text: str, name: str, path: Path | str) -> tuple[Rule, ...]:
     """Return the rules of a shapes graph in Turtle, their parts numbered from one through the file.
 
-    `name` is that of the rules, `path` what errors name. Raises `RuleError`: KG201 for text that does not parse and
+    `name` is that of the rules, `path` the path in errors. Raises `RuleError`: KG201 for text that does not parse and
     shapes that are ill-formed, KG230 for features that are not supported, with the node and the way out.
     """
     graph = ShapesGraph(text, str(path))

@@ -39,7 +39,7 @@ class Conditions:
     """Turns shapes into filters for one rule."""
 
     def __init__(self, graph: ShapesGraph, functions: Functions, names: Names, binder: str) -> None:
-        """Take what the rule shares."""
+        """Take the state that the rule shares."""
         self._graph = graph
         self._functions = functions
         self._names = names
@@ -74,7 +74,7 @@ class Conditions:
             self._around.pop()
 
     def _values(self, shape: Term, term: str) -> list[Branch]:
-        """Return how the value nodes of a shape are reached; anew at each call, with other variables."""
+        """Return how the value nodes of a shape are reached, with new variables at each call."""
         path = self._graph.one(shape, "path")
         if path is None:
             if self._graph.is_instance(shape, sh("PropertyShape")):

@@ -23,7 +23,7 @@ _FEW: Final = 4
 
 
 def number_of(graph: ShapesGraph, shape: Term, name: str, value: Term) -> int:
-    """Return the number that a constraint states; KG201 when it is none, or stands at a shape without a path."""
+    """Return the number of a constraint; KG201 if it is not a number, or if the shape has no path."""
     if not isinstance(value, Literal) or not value.value.isdecimal():
         raise graph.error(f"sh:{name} of {graph.called(shape)} is {value}", shape, hint="It is a whole number.")
     graph.required(shape, "path")

@@ -1,4 +1,4 @@
-"""The prefixes that a Turtle file declares: what people call its names. SPARQL inside rules has its own."""
+"""The prefixes that a Turtle file declares: the short forms of its names. SPARQL inside rules has its own."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ class Expressions:
     def __init__(
         self, graph: ShapesGraph, functions: Functions, names: Names, conditions: Conditions, binder: str
     ) -> None:
-        """Take what the rule shares."""
+        """Take the state that the rule shares."""
         self._graph = graph
         self._functions = functions
         self._names = names

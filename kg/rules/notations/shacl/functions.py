@@ -58,7 +58,7 @@ class Functions:
         self._known: dict[NamedNode, Function] = {}
 
     def find(self, node: NamedNode, owner: Term) -> Function:
-        """Return a declared function; KG201 when there is none of that name."""
+        """Return a declared function; KG201 for an unknown name."""
         if node not in self._known:
             if not self._graph.is_instance(node, sh("SPARQLFunction")):
                 hint = "Declare it as a sh:SPARQLFunction in this file; functions in JavaScript are not supported."
@@ -162,7 +162,7 @@ class Functions:
         return self.inside(rename(bound, given), function.node, depth + 1)
 
     def cast(self, node: NamedNode) -> bool:
-        """Tell whether a name is one of XSD's, which SPARQL calls to cast."""
+        """Return whether a name is of XSD, and so a cast of SPARQL."""
         return node.value.startswith(XSD)
 
 
@@ -195,7 +195,7 @@ _AGGREGATES: Final = frozenset({"COUNT", "SUM", "MIN", "MAX", "AVG", "SAMPLE", "
 
 
 def _assignments(group: Words, keyword: str) -> list[Words] | None:
-    """Return what stands in brackets behind each keyword; None when the group has anything else."""
+    """Return what is in brackets behind each keyword; None when the group has anything else."""
     found: list[Words] = []
     index = 0
     while index < len(group):

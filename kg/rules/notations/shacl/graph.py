@@ -23,7 +23,7 @@ __all__ = ["ShapesGraph"]
 
 
 class ShapesGraph:
-    """The triples of one file; `path` is what errors name."""
+    """The triples of one file; `path` is the path in errors."""
 
     def __init__(self, text: str, path: str) -> None:
         """Raise `RuleError` KG201 when the text is not Turtle or has a name that SHACL does not know."""
@@ -85,7 +85,7 @@ class ShapesGraph:
         return value
 
     def flag(self, node: Term, name: str) -> bool:
-        """Tell whether a property of SHACL is `true`; KG201 when it is no boolean."""
+        """Return whether a property of SHACL is `true`; KG201 when it is not a boolean."""
         value = self.one(node, name)
         if value is None:
             return False
@@ -94,7 +94,7 @@ class ShapesGraph:
         return value.value in {"true", "1"}
 
     def order(self, node: Term) -> float:
-        """Return `sh:order`, 0 without one; KG201 when it is no number."""
+        """Return `sh:order`, 0 without one; KG201 when it is not a number."""
         value = self.one(node, "order")
         try:
             return float(value.value) if isinstance(value, Literal) else 0.0 if value is None else float(str(value))
@@ -116,11 +116,11 @@ class ShapesGraph:
         return found
 
     def is_list(self, node: Term) -> bool:
-        """Tell whether a node is a list."""
+        """Return whether a node is a list."""
         return node == NIL or bool(self.values(node, REST))
 
     def is_instance(self, node: Term, kind: NamedNode) -> bool:
-        """Tell whether a node is a SHACL instance of a class, by rdf:type and rdfs:subClassOf in this file."""
+        """Return whether a node is a SHACL instance of a class, by rdf:type and rdfs:subClassOf in this file."""
         open_classes = self.values(node, TYPE)
         seen: set[Term] = set()
         while open_classes:
@@ -159,7 +159,7 @@ class ShapesGraph:
     def _of_property(self, node: Term, predicate: NamedNode) -> int | None:
         """Return where a node has a property, when all of its values are names or literals.
 
-        The parser gives such triples in the order of the text, so they are told apart by counting.
+        The parser gives such triples in the order of the text, so counting distinguishes them.
         """
         owners: list[Term] = [triple.subject for triple in self._triples if triple.predicate == predicate]
         offsets = self.places.names.get(predicate.value, [])
@@ -169,7 +169,7 @@ class ShapesGraph:
         return offsets[owners.index(node)]
 
     def string(self, text: Literal, node: Term) -> StringToken | None:
-        """Return the token of a string that is a value of `node`; equal strings are told apart by their order."""
+        """Return the token of a string that is a value of `node`; equal strings are distinguished by their order."""
         tokens = self.places.strings.get(text.value, [])
         owners = [subject for subject, _ in self._by_object.get(text, ())]
         number = owners.index(node) if node in owners and len(owners) == len(tokens) else 0

@@ -54,7 +54,7 @@ def none(pattern: str, cases: Cases) -> Cases:
 
 
 def group(pattern: str, case: list[str]) -> str:
-    """Return what stands between the braces of a group with a pattern and filters."""
+    """Return what is between the braces of a group with a pattern and filters."""
     return " ".join(part for part in (pattern, *case) if part)
 
 

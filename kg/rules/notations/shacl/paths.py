@@ -36,7 +36,7 @@ class Path:
 class Branch:
     """Patterns and the term (a variable with `?`, or a constant) that they give; no pattern for a term known before.
 
-    `matched`: the term is a variable that the triples of this branch bind, so that another may stand in its place.
+    `matched`: the term is a variable that the triples of this branch bind, so that another may be in its place.
     """
 
     pattern: str

@@ -1,4 +1,4 @@
-"""Where things stand in a Turtle file; its parser does not tell, so the text is cut into tokens once more."""
+"""Where things are in a Turtle file; its parser does not report places, so the text is tokenized again."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ _ESCAPE: Final = re.compile(r"\\(?:u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8}|.)", re.DOTAL
 
 @dataclass(frozen=True, slots=True)
 class StringToken:
-    """A string as it stands in the file: where its characters begin, and how they are written."""
+    """A string as it is in the file: where its characters begin, and how they are written."""
 
     start: int
     written: str
 
     def offset(self, index: int) -> int:
-        """Return where in the file the character at `index` of the string's value stands."""
+        """Return the offset in the file of the character at `index` of the string's value."""
         position = passed = 0
         while passed < index and position < len(self.written):
             escape = _ESCAPE.match(self.written, position)
@@ -56,7 +56,7 @@ class Places:
             before = token
 
     def of_name(self, iri: str) -> int | None:
-        """Return where an IRI stands: as a subject where it is one, else where it occurs first."""
+        """Return the offset of an IRI: as a subject if it is one, else its first occurrence."""
         found = self.subjects.get(iri)
         return found if found is not None else next(iter(self.names.get(iri, ())), None)
 

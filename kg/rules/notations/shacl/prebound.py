@@ -1,6 +1,6 @@
 """Pre-binding (SHACL, appendix A): `$this` has its value everywhere in a query, also inside its groups.
 
-The patterns that bind the focus node stand at the beginning of the whole group. SPARQL joins from inside to outside,
+The patterns that bind the focus node are at the beginning of the whole group. SPARQL joins from inside to outside,
 so a group inside it that uses the variable in an expression must bind it too, in a sub-SELECT once for each node,
 since aggregates count solutions.
 """
@@ -38,7 +38,7 @@ class _Groups:
         self._once = plain(f"{{ SELECT DISTINCT ?this WHERE {{ {binder} }} }}")
 
     def inside(self, words: Words) -> Words:
-        """Handle the groups in `words`, which stand between braces."""
+        """Handle the groups in `words`, which are between braces."""
         if words and words[0].text.upper() == "SELECT":
             return self._select(words)
         found: Words = []
@@ -75,7 +75,7 @@ class _Groups:
         return [*head, *words[opening : opening + 1], *start, *self.inside(words[opening + 1 : end]), *words[end:]]
 
     def _check(self, words: Words, index: int) -> None:
-        """Refuse what gives `$this` another value (SHACL, appendix A)."""
+        """Refuse a query that gives `$this` another value (SHACL, appendix A)."""
         word = words[index]
         assigned = word.kind is Kind.VARIABLE and word.text[1:] == _THIS and index > 0
         if assigned and words[index - 1].text.upper() == "AS":
@@ -88,7 +88,7 @@ def _is_select(words: Words) -> bool:
 
 
 def _needs(words: Words) -> bool:
-    """Tell whether a group uses `$this` in an expression of its own: inside brackets, or inside EXISTS."""
+    """Return whether a group uses `$this` in an expression of its own: inside brackets, or inside EXISTS."""
     if _is_select(words):
         return False
     index = depth = 0

@@ -1,7 +1,7 @@
 """SPARQL inside shapes graphs: the strings of sh:construct, sh:select and sh:ask, cut into words.
 
-Each word knows where it stands in the file, names are IRIs in brackets, and comments are gone, so that texts from
-nodes with different prefixes can be put together and an error still points at what was written.
+Each word has its offset in the file, names are IRIs in brackets, and comments are dropped. Texts from nodes with
+different prefixes can then be joined, and an error still points at the original text.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ __all__ = ["Query", "Word", "Words", "closing", "plain", "query_of", "rename", "
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A token of SPARQL; `offset` is its place in the file, `joined` that no blank stands before it."""
+    """A token of SPARQL; `offset` is its place in the file, `joined`: no blank is before it."""
 
     kind: Kind
     text: str
@@ -42,7 +42,7 @@ Words: TypeAlias = list[Word]
 
 @dataclass(frozen=True, slots=True)
 class Query:
-    """A query taken apart: what stands between its first word and its group, the group's inside, and what follows."""
+    """A query taken apart: what is between its first word and its group, the group's inside, and what follows."""
 
     form: str
     head: Words
@@ -107,7 +107,7 @@ def closing(words: Words, start: int) -> int:
 
 
 def top_level(words: Words, sign: str) -> list[Words]:
-    """Split words at a sign that stands in no bracket."""
+    """Split words at a sign that is in no bracket."""
     parts: list[Words] = [[]]
     index = 0
     while index < len(words):

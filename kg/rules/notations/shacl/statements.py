@@ -41,7 +41,7 @@ class Statement:
     order: float
 
     def source(self, offset: int) -> int:
-        """Return the offset in the file of what the character at `offset` comes from."""
+        """Return the offset in the file of the character at `offset`."""
         index = bisect_right(self.anchors, (offset, len(self.text) * 1000)) - 1
         return self.anchors[max(index, 0)][1]
 
@@ -65,7 +65,7 @@ def _order(graph: ShapesGraph, shape: Term, rule: Term) -> float:
 
 
 def _check_orders(graph: ShapesGraph) -> None:
-    """Refuse orders that cannot be told apart in one number."""
+    """Refuse orders that one number cannot distinguish."""
     pairs = {
         (graph.order(shape), graph.order(rule)): rule
         for shape in graph.subjects(sh("rule"))

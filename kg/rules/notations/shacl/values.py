@@ -36,7 +36,7 @@ _DATES: Final = frozenset(f"{XSD}{name}" for name in ("dateTime", "date"))
 
 
 def constant(graph: ShapesGraph, node: Term, shape: Term, name: str) -> str:
-    """Return a term of the shapes graph as SPARQL; KG230 for a blank node, which is no node of the data."""
+    """Return a term of the shapes graph as SPARQL; KG230 for a blank node, which is not a node of the data."""
     if isinstance(node, BlankNode):
         raise graph.unsupported(f"a blank node as the value of sh:{name}", shape, "Give it an IRI or a literal.")
     return str(node)

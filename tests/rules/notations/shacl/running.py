@@ -22,7 +22,7 @@ def triples(text: str) -> list[Triple]:
 
 
 def evaluated(shapes: str, data: list[Triple], *, cut: bool = False) -> list[Triple]:
-    """Return what the rules of a shapes graph infer from data; `cut`: from rules cut to the schema in the data."""
+    """Return the inferences of the rules of a shapes graph from data; `cut`: with rules cut to its schema."""
     facts = [(triple.subject, triple.predicate, triple.object) for triple in data]
     compiled = rules(shapes, "tests/case", "rules.ttl")
     found = inferred(specialise(compiled, data) if cut else compiled, facts, LIMIT)

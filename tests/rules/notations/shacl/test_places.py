@@ -1,4 +1,4 @@
-"""Where rules and their parts stand in the Turtle file that they come from."""
+"""Places of rules and their parts in their Turtle file."""
 
 from __future__ import annotations
 

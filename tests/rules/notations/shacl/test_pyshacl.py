@@ -1,4 +1,4 @@
-"""SHACL rules infer what pySHACL infers, on shapes graphs and data made up by hypothesis.
+"""SHACL rules infer the same as pySHACL, on shapes graphs and data made up by hypothesis.
 
 Where pySHACL differs from the standard, or cannot be compared, the shapes graphs do not go:
 
@@ -26,7 +26,7 @@ pyshacl = pytest.importorskip("pyshacl", reason="pySHACL is a dependency of test
 
 
 def expanded(shapes: str, given_data: str) -> set[str]:
-    """Return the triples of the data with what pySHACL infers."""
+    """Return the triples of the data with the inferences of pySHACL."""
     graphs = [Graph().parse(data=text, format="turtle") for text in (given_data, shapes)]
     found = pyshacl.shacl_rules(graphs[0], shacl_graph=graphs[1], advanced=True, iterate_rules=True)
     lines = (f"{one.n3()} {two.n3()} {three.n3()} .\n" for one, two, three in found.triples((None, None, None)))
@@ -41,7 +41,7 @@ def expanded(shapes: str, given_data: str) -> set[str]:
 )
 @given(shapes_graphs(), data())
 def test_rules_infer_what_pyshacl_infers(shapes: str, given_data: str) -> None:
-    """The data with what is inferred is the same graph."""
+    """The data with the inferences is the same graph."""
     logging.getLogger("pyshacl").setLevel(logging.CRITICAL)
     asserted = triples(given_data)
     assert canonical([*asserted, *evaluated(shapes, asserted)]) == expanded(shapes, given_data)

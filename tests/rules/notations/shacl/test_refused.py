@@ -14,7 +14,7 @@ FILES = sorted((Path(__file__).parent / "refused").glob("*.ttl"))
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_a_shapes_graph_is_refused_with_its_place(file: Path) -> None:
-    """The error has the code, line and column that the file says, its message, and the line itself."""
+    """The error has the code, line and column of the file, its message, and the line itself."""
     text = file.read_text()
     with pytest.raises(RuleError) as raised:
         rules(text, "tests/refused", file.name)

@@ -1,4 +1,4 @@
-"""Actions of launch and launch_ros: what the objects of their classes are read as.
+"""Actions of launch and launch_ros: how objects of their classes are read.
 
 Handlers of events become groups, under a condition if it cannot be known that the event comes. Sources: the packages
 `launch`, `launch_ros` and `controller_manager`.
@@ -153,7 +153,7 @@ _MAX_OPTIONS: Final = 16
 
 
 def _rows(made: Made) -> list[tuple[Condition | None, Made]]:
-    """Return a node for each option of what it is and how it is called, with the condition of the option."""
+    """Return a node for each option of its type and name, with the condition of the option."""
     names = [name for name in _NAMING if isinstance(made.fields.get(name), Either)]
     if not names:
         return [(None, made)]
@@ -261,7 +261,7 @@ def _remaps(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchText,
 
 
 def _components(reading: Reading, made: Made) -> list[NodeAction]:
-    """Return the components of a list, whatever conditions it has; what is not known is said."""
+    """Return the components of a list, whatever conditions it has; unknown parts are reported."""
     value = made.value("composable_node_descriptions")
     return _listed(reading, made, value, None) if value is not None else []
 
@@ -479,7 +479,7 @@ def _handler(what: str, *names: str, certain: bool = False) -> Callable[[Reading
 
 
 def _subject(reading: Reading, value: Value | None) -> str:
-    """Return what an event is about, for the words of the condition."""
+    """Return the subject of an event, for the words of the condition."""
     found = reading.actions(value, reading.location) if isinstance(value, Made) and value.name in ENTITIES else []
     action = found[0] if found else None
     texts: LaunchText = ()

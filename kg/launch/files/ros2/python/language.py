@@ -1,4 +1,4 @@
-"""What names, members, elements and calls mean in launch files, beside what they mean in all Python.
+"""The meaning of names, members, elements and calls in launch files, in addition to that in all Python.
 
 A class or function outside of the build is known by its name (`kg.launch.files.ros2.python.library`), or not run.
 """
@@ -82,7 +82,7 @@ class LaunchModules:
         return made if made is not None and made.error is None else None
 
     def find(self, dotted: str, unit: PythonUnit) -> PythonUnit | None:
-        """Return a module as imported in a file: of the build, or beside the file."""
+        """Return a module as imported in a file: of the build, or next to the file."""
         if dotted.partition(".")[0] in _OUTSIDE or not dotted.strip("."):
             return None
         file = self.files.reader.workspace.module(dotted, near=unit.key)
@@ -164,7 +164,7 @@ class LaunchPython(Python):
         return Text.of(self.reading.files.text(unit.key))
 
     def name(self, expression: form.Name, frame: Frame) -> Value:
-        """Return what a name means that is not a variable."""
+        """Return the meaning of a name that is not a variable."""
         found = super().name(expression, frame)
         if isinstance(found, Unknown) and expression.names[-1] not in BUILTINS:
             return Unknown(f"the name `{expression.names[-1]}` is not bound to anything known")
@@ -246,9 +246,9 @@ class LaunchPython(Python):
         """Return a text with variables of the environment as far as they are known now, else by their defaults."""
         from kg.launch.files.ros2.python.machine import settle  # noqa: PLC0415 - each needs the other
 
-        return settle(value, self._settle)
+        return settle(value, self._perform_variable)
 
-    def _settle(self, part: Substitution) -> str | None:
+    def _perform_variable(self, part: Substitution) -> str | None:
         if part.kind != "env":
             return None
         if self.reading.context is not None:

@@ -1,6 +1,6 @@
 """The functions and classes that launch files use, by name: of launch and ament, of files, YAML and the environment.
 
-What a class of launch is given becomes an object, whose meaning is read when the launch description is complete.
+A call of a class of launch becomes an object, whose meaning is read when the launch description is complete.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ _CLASSES: Final[Names[str, tuple[str, ...]]] = {
 
 
 def call(language: LaunchPython, kind: Kind, given: Arguments) -> Value | None:
-    """Return what a function or class gives that is not in the build; None for others."""
+    """Return the result of a function or class outside of the build; None for others."""
     path, name = ".".join(kind.names), kind.name
     outside = path if kind.names[0] == "builtins" else name
     of_one = _OF_ONE.get(path) or _OF_ONE.get(outside)
@@ -187,7 +187,7 @@ def _variable(language: LaunchPython, fields: Fields, given: Arguments) -> Value
 
 
 def exists(language: LaunchPython, path: Value) -> Value:
-    """Return whether a file exists; what is not in the build may still be there when it runs."""
+    """Return whether a file exists; a file outside of the build may still exist at run time."""
     text = language.settled(path)
     known = text.known if isinstance(text, Text) else None
     if known is not None and language.reading.find(known) is not None:
@@ -226,7 +226,7 @@ def _length(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
 
 
 def _dictionary(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
-    """Return `dict(...)`, whose keys stand where it is called."""
+    """Return `dict(...)`; the place of its keys is the call."""
     made = python.call(language, ("builtins", "dict"), replace(given, values=[_first(fields)] if given.values else []))
     if not isinstance(made, Mapping) or given.call is None or given.frame is None:
         return made or Unknown("it is not a dictionary")
@@ -290,7 +290,7 @@ NAMES: Final = frozenset({*_CLASSES, *(name for name in (*_OF_ONE, *_FUNCTIONS) 
 
 
 def method(language: LaunchPython, of: Made, name: str, given: Arguments) -> Value:
-    """Return what a method of an object of launch gives."""
+    """Return the result of a method of an object of launch."""
     reading, machine = language.reading, language.machine
     if is_substitution(of) and name in ("perform", "evaluate"):
         return reading.perform(of)
@@ -347,7 +347,7 @@ def _evaluated(language: LaunchPython, of: Made) -> Value:
 
 
 def with_holes(text: str, reason: str) -> Text:
-    """Return what the executor gave for a text; its holes are unknown for the reason."""
+    """Return the executor's result for a text; its holes are unknown for the reason."""
     if HOLE not in text:
         return Text.of(text)
     pieces = text.split(HOLE)

@@ -1,4 +1,4 @@
-"""The interpreter for launch files: what it does if a condition is not known, and the bounds of its work.
+"""The interpreter for launch files: unknown conditions, and the bounds of its work.
 
 Both branches run; a value that they make different is an `Either` whose alternatives carry the words of the condition.
 Lists to which only one branch adds keep their items, and what was added is there under the condition.
@@ -137,11 +137,11 @@ class LaunchMachine(Machine):
         return held if isinstance(held, Truth) else Guard((f"{MARK}{words(condition, frame.unit)}",))
 
     def is_decided(self, ends: list[str | None]) -> bool:
-        """Check whether what follows a branch has its conditions: a launch that fails is not a configuration."""
+        """Return whether code after a branch has its conditions: a launch that fails is not a configuration."""
         return any(end not in (None, "raise") for end in ends)
 
     def tried(self, body: Callable[[], _Result]) -> _Result:
-        """Return what a function gives, and take back what it wrote."""
+        """Return the result of a function, and undo its writes."""
         guards, self.guards = self.guards, []
         stack, heights = self.stack, self._heights
         self.stack, self._heights = [], [0]
@@ -163,7 +163,7 @@ class LaunchMachine(Machine):
         return self._joined(values, self.fork(terms))
 
     def merge(self, sides: list[Written], terms: list[tuple[str, ...]]) -> None:
-        """Write what several sides wrote, of which one runs."""
+        """Write the values of several sides, of which one runs."""
         self._journal.merge(sides, self.fork(terms))
 
     def over(self, values: Iterable[Value], apply: Callable[..., Value]) -> Value:
@@ -231,7 +231,7 @@ class LaunchMachine(Machine):
         return "raise" if self.value(statement.value, frame) is EXIT else None
 
     def _block(self, block: form.Block, frame: Frame) -> str | None:
-        """Run statements in a row; what follows one that may have left runs under the opposite of its condition."""
+        """Run statements in a row; those after one that may have left run under the opposite of its condition."""
         return self._following(block.body, frame)
 
     def _following(self, body: tuple[form.Statement, ...], frame: Frame) -> str | None:
@@ -305,7 +305,7 @@ class LaunchMachine(Machine):
         unpack(self, targets, item, frame)
 
     def items(self, value: Value) -> list[tuple[Value, tuple[str, ...]]] | None:
-        """Return the items of what is iterated over, each with its conditions; None if they are not known."""
+        """Return the items of an iterable, each with its conditions; None if they are unknown."""
         if isinstance(value, Either):
             found: list[tuple[Value, tuple[str, ...]]] = []
             for option, way in paths(value):
@@ -358,7 +358,7 @@ class LaunchMachine(Machine):
         return Mapping(tuple(found.values()), is_open)
 
     def placed(self, value: Value, file: FilePath, line: int) -> Value:
-        """Return a value that is not known as one that stands at a line, unless it already does."""
+        """Return a value that is not known as one that is at a line, unless it already does."""
         if not isinstance(value, Unknown) or value == NULL or id(value) in self.places:
             return value
         made = replace(value)
@@ -366,7 +366,7 @@ class LaunchMachine(Machine):
         return made
 
     def place(self, value: Value, file: FilePath, *lines: int) -> None:
-        """Remember where a value stands: its items, if there is a line for each, and then itself."""
+        """Record the place of a value: of its items, if each has a line, and then of itself."""
         self.places[id(value)] = value, file, lines
 
     def flattened(self, value: Value) -> Value:

@@ -82,12 +82,12 @@ class Reading:
         return place(self.files, file, line)
 
     def place_of(self, value: Value) -> Location | None:
-        """Return where a value stands; None if that is not known."""
+        """Return the place of a value; None if it is unknown."""
         found = self.machine.places.get(id(value))
         return self.at(found[1], found[2][-1]) if found is not None and found[2] else None
 
     def places_of(self, value: Value, count: int, rest: Location) -> list[Location]:
-        """Return where the items of a list stand; `rest` for those of which that is not known."""
+        """Return the places of the items of a list; `rest` for those with an unknown place."""
         found = self.machine.places.get(id(value))
         if found is not None and len(found[2]) == count + 1:
             return [self.at(found[1], line) for line in found[2][:-1]]
@@ -120,7 +120,7 @@ class Reading:
         return library.with_holes(found, reason)
 
     def called(self, function: Value, arguments: list[Value], named: dict[str, Value] | None = None) -> Value:
-        """Return what a function gives."""
+        """Return the result of a function."""
         return self.language.calls.value(function, Arguments(arguments, named=named or {}))
 
     # Actions
@@ -148,7 +148,7 @@ class Reading:
         return []
 
     def _conditional(self, item: Value, way: Way, location: Location, depth: int) -> list[Action]:
-        """Return the actions of an alternative; none if what it stands under excludes it."""
+        """Return the actions of an alternative; none if its conditions exclude it."""
         terms = terms_of_way(way)
         if any(negated_term(term) in self._held for term in terms):
             return []
@@ -216,7 +216,7 @@ _ENTRIES: Final = ("generate_launch_description", "generate_test_description")
 
 
 def read_python(files: Files, file: FilePath, text: bytes, problems: list[LaunchProblem]) -> Items[Action]:
-    """Return the actions that a launch file describes; what is wrong or not known is added to `problems`.
+    """Return the actions that a launch file describes; errors and unknown parts are added to `problems`.
 
     Bodies of `OpaqueFunction`s are read when their actions are executed, and may add problems then.
     """
@@ -236,7 +236,7 @@ def read_python(files: Files, file: FilePath, text: bytes, problems: list[Launch
 
 
 def _described(reading: Reading, unit: PythonUnit) -> Value:
-    """Return what the file's function returns."""
+    """Return the result of the file's function."""
     module = reading.language.module(unit)
     function = next((module.fields[name] for name in _ENTRIES if name in module.fields), None)
     if function is None:

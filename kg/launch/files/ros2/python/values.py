@@ -1,4 +1,4 @@
-"""What launch files add to the values of the interpreter: objects of launch, substitutions in texts, and conditions.
+"""Values of launch files, in addition to those of the interpreter: objects, substitutions, and conditions.
 
 An alternative carries the conditions that lead to it: `Fork`s in the ways of `Either`. An `Either` of one alternative
 is there only under its conditions.
@@ -86,7 +86,7 @@ class Later(Hole):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fork:
-    """A choice of which it is not known what is taken: the terms of each side. Outer ones have higher numbers."""
+    """An undecided choice: the terms of each side. Outer ones have higher numbers."""
 
     number: int
     terms: tuple[tuple[str, ...], ...]
@@ -131,7 +131,7 @@ class Made(Object):
         return dict(call.keywords).get(name, call.arguments[index] if index < len(call.arguments) else None)
 
     def place(self, name: str) -> Location:
-        """Return where an argument stands; the call itself if that is not known."""
+        """Return the place of an argument; that of the call if it is unknown."""
         found = self.expression(name)
         return replace(self.location, line=found.line) if isinstance(found, _PLACED) else self.location
 
@@ -236,7 +236,7 @@ def launch_text(value: Value) -> LaunchText:
 
 
 def _common(value: Either) -> LaunchText:
-    """Return what several texts begin and end with, and between that what is not known."""
+    """Return the common prefix and suffix of several texts, with an unknown part between."""
     texts = [item.known or "" for item in value.items if isinstance(item, Text) and item.known is not None]
     if len(texts) < len(value.items) or len(texts) == 1:
         return unknown_text(reason_of(value))
@@ -246,7 +246,7 @@ def _common(value: Either) -> LaunchText:
 
 
 def _shared(texts: list[str]) -> str:
-    """Return what all texts begin with, up to the end of a word."""
+    """Return the common prefix of all texts, up to the end of a word."""
     columns = enumerate(zip(*texts, strict=False))
     end = next((index for index, letters in columns if len(set(letters)) > 1), min(map(len, texts)))
     while end and texts[0][end - 1].isalnum() and any(text[end : end + 1].isalnum() for text in texts):
@@ -286,7 +286,7 @@ def condition_on(made: Made) -> Condition | None:
 
 
 def condition(made: Made) -> Condition:
-    """Return what an object of a condition stands for."""
+    """Return the condition of an object."""
     negated = made.name.startswith(("Unless", "LaunchConfigurationNot"))
     name, *expected = CONDITIONS[made.name]
     held = made.value(name)
@@ -344,7 +344,7 @@ def substituted(made: Made) -> LaunchText:
 
 
 def is_substitution(value: Value) -> bool:
-    """Tell whether a value is an object that is substituted later."""
+    """Return whether a value is an object that is substituted later."""
     return isinstance(value, Made) and (value.name in PLAIN or value.name in SUBSTITUTIONS or value.name in _UNKNOWN)
 
 
