@@ -65,7 +65,7 @@ def _unless_directive(change: Callable[[re.Match[bytes]], bytes]) -> Callable[[r
 def _without_split_blocks(source: bytes) -> bytes:
     """Return a source in which each `#if` that splits a block of code has one side left: the first that is not `#if 0`.
 
-    A side splits a block if it opens other braces than it closes. Of a test with `__has_include`, which the grammar
+    Of a test with `__has_include`, which the grammar
     does not know, all sides are left.
     """
     found = bytearray(source)
@@ -82,7 +82,7 @@ def _without_split_blocks(source: bytes) -> bytes:
 
 def _keep_one_side(source: bytearray, marks: list[re.Match[bytes]]) -> None:
     sides = [(one.end(), other.start()) for one, other in pairwise(marks)]
-    splits = any(source.count(b"{", *side) != source.count(b"}", *side) for side in sides)
+    splits = any(_splits(source, *side) for side in sides)
     if not splits and not any(_HAS_INCLUDE in mark[0] for mark in marks):
         return
     kept = next((place for place, mark in enumerate(marks[:-1]) if not _NEVER.search(mark[0])), None)
@@ -91,6 +91,14 @@ def _keep_one_side(source: bytearray, marks: list[re.Match[bytes]]) -> None:
     for place, (start, end) in enumerate(sides):
         if splits and place != kept:
             _blank(source, start, end)
+
+
+def _splits(source: bytearray, start: int, end: int) -> bool:
+    """Return whether a side opens other braces than it closes, or closes one that it has not opened."""
+    first_open, first_close = source.find(b"{", start, end), source.find(b"}", start, end)
+    if source.count(b"{", start, end) != source.count(b"}", start, end):
+        return True
+    return -1 < first_close < first_open
 
 
 def _blank(source: bytearray, start: int, end: int) -> None:

@@ -19,6 +19,15 @@ void Sender::initialize()
 #endif
     second_ = create_publisher<std_msgs::msg::String>("second", 1);
   }
+  if (!big) {
+    fourth_ = create_publisher<std_msgs::msg::String>("fourth", 1);
+#if LIBRARY_VERSION >= 53
+  } else if (declare_parameter("bigger", false)) {
+    fourth_ = create_publisher<std_msgs::msg::String>("fifth", 1);
+#endif
+  } else {
+    fourth_ = create_publisher<std_msgs::msg::String>("sixth", 1);
+  }
 #ifdef WITH_THIRD
   third_ = create_publisher<std_msgs::msg::String>("third", 1);
 #endif

@@ -16,5 +16,5 @@ private:
   CASE_LOCAL
   void initialize();
 
-  std::shared_ptr<void> first_, second_, third_;
+  std::shared_ptr<void> first_, second_, third_, fourth_;
 };
