@@ -22,6 +22,8 @@ _VISIBILITY: Final = re.compile(rb"\b[A-Z][A-Z0-9_]*_(?:PUBLIC|LOCAL|EXPORT|API|
 _QT: Final = re.compile(
     rb"\bQ_(?:OBJECT|GADGET|SLOTS)\b|\bQ_SIGNALS\s*:|\b(?:public|protected|private)\s+slots(?=\s*:)"
 )
+_CONNECTED: Final = re.compile(rb"\b((?:SIGNAL|SLOT)\(\s*)(\w+\s*\([^()]*\))(?=\s*\))")
+"""The signatures of signals and slots, which are no expressions."""
 _DIRECTIVE: Final = re.compile(
     rb"^[ \t]*#[ \t]*(if|ifdef|ifndef|elif|else|endif)\b(?:[^\n\\]|\\\r?\n|\\.)*", re.MULTILINE
 )
@@ -37,6 +39,8 @@ def prepared(source: bytes) -> bytes:
     source = _VISIBILITY.sub(_unless_directive(_spaces), source)
     if b"Q_" in source or b" slots" in source:
         source = _QT.sub(_unless_directive(_of_qt), source)
+    if b"SIGNAL(" in source or b"SLOT(" in source:
+        source = _CONNECTED.sub(lambda m: m[1] + b"0" + _VISIBLE.sub(b" ", m[2])[1:], source)
     return _without_split_blocks(source) if b"#if" in source or b"# if" in source else source
 
 

@@ -1,0 +1,52 @@
+"""Sources of C++ are prepared for the grammar without moving a byte."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kg.extract.cpp.preparing import prepared
+from kg.extract.cpp.syntax import parse
+
+PIECES = (
+    "#if A", "#ifdef B", "#ifndef C", "#elif D", "#else", "#endif", "#if 0", "#if __has_include(<a.h>)", "{", "}",
+    "} else {", "if (x) {", "Q_OBJECT", "public Q_SLOTS:", "Q_SIGNALS:", "X_PUBLIC void f();", "#define X_PUBLIC y",
+    "class X_API A : B {",
+    "connect(a, SIGNAL(b(int)), c, SLOT(d(\nbool)));", "int a;",
+)  # fmt: skip
+
+
+@given(st.lists(st.sampled_from(PIECES), max_size=12))
+def test_every_byte_stays_at_its_place(pieces: list[str]) -> None:
+    """What is left out becomes spaces: no byte moves, and lines end where they did."""
+    source = "\n".join(pieces).encode()
+    found = prepared(source)
+    assert len(found) == len(source)
+    assert [at for at, one in enumerate(found) if one == ord("\n")] == [
+        at for at, one in enumerate(source) if one == ord("\n")
+    ]
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "void f() {\n#if A\n  if (x) {\n#else\n  if (y) {\n#endif\n  }\n}\n",
+        "void f() {\n  if (x) {\n#if A\n  } else if (y) {\n#endif\n  } else {\n  }\n}\n",
+        "#if __has_include(<a.hpp>)\n#include <a.hpp>\n#else\n#include <a.h>\n#endif\nint a;\n",
+        "class A : B\n{\n  Q_OBJECT\npublic:\n  explicit A(int a);\npublic Q_SLOTS:\n  void b();\nQ_SIGNALS:\n  void c();\n};",
+        "class A\n{\npublic:\n  A_PUBLIC\n  explicit A(int a);\n  A_LOCAL void b();\n};\n",
+        "void f() { connect(a, SIGNAL(b(int)), c, SLOT(d(bool))); }\n",
+    ],
+    ids=["sides of a block", "branches", "has_include", "Qt", "visibility", "signals"],
+)
+def test_what_only_a_preprocessor_understands_is_read(source: str) -> None:
+    """The grammar finds no error in what was prepared, though it finds one in the source."""
+    assert parse(source.encode()).root_node.has_error
+    assert not parse(prepared(source.encode())).root_node.has_error
+
+
+def test_directives_stay() -> None:
+    """A macro that is defined is left as it is."""
+    source = b'#define A_PUBLIC __attribute__((visibility("default")))\n#define A_LOCAL int\n'
+    assert prepared(source) == source
