@@ -34,7 +34,7 @@ def test_every_byte_stays_at_its_place(pieces: list[str]) -> None:
         "void f() {\n#if A\n  if (x) {\n#else\n  if (y) {\n#endif\n  }\n}\n",
         "void f() {\n  if (x) {\n#if A\n  } else if (y) {\n#endif\n  } else {\n  }\n}\n",
         "#if __has_include(<a.hpp>)\n#include <a.hpp>\n#else\n#include <a.h>\n#endif\nint a;\n",
-        "class A : B\n{\n  Q_OBJECT\npublic:\n  explicit A(int a);\npublic Q_SLOTS:\n  void b();\nQ_SIGNALS:\n  void c();\n};",
+        "class A : B\n{\nQ_OBJECT\npublic:\nexplicit A(int a);\npublic Q_SLOTS:\nvoid b();\nQ_SIGNALS:\nvoid c();\n};",
         "class A\n{\npublic:\n  A_PUBLIC\n  explicit A(int a);\n  A_LOCAL void b();\n};\n",
         "void f() { connect(a, SIGNAL(b(int)), c, SLOT(d(bool))); }\n",
     ],
