@@ -39,12 +39,17 @@ _NARROWEST: Final = 24
 def print_tree(lines: Iterable[Line], where: Places, iris: Iris | None = None) -> None:
     """Write the lines of an explanation; `where` knows where the sources stand, and what stands in their lines.
 
-    With `iris`, those of the store, the line of code is below each fact that was read from one.
+    With `iris`, those of the store, each line of code is below the first fact that was read from it.
     """
     links = Links(where)
+    read: set[tuple[str, str, int | None]] = set()
     for line in lines:
         show(*_folded(line, links))
-        if iris is not None and (code := _code(line, where, iris)):
+        place = (line.evidence.repository or "", line.evidence.path, line.evidence.line) if line.evidence else None
+        if iris is None or place is None or place in read:
+            continue
+        read.add(place)
+        if code := _code(line, where, iris):
             show(code)
 
 

@@ -159,7 +159,8 @@ def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, st
     if name.known is None:
         return shown, Resolution.PARTIAL, name.parameter, name.reason or _OF_NODE
     if not shown:
-        return None, Resolution.UNRESOLVED, name.parameter, "the name is empty"
+        empty = f"the parameter {name.parameter} is empty by default" if name.parameter else "the name is empty"
+        return None, Resolution.UNRESOLVED, name.parameter, empty
     return shown, name.resolution, name.parameter, name.reason
 
 
