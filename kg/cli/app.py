@@ -272,7 +272,7 @@ EVALUATIONS: Final = (
         "Commands",
         "study",
         "evaluate_exercises:study",
-        "Evaluate the results of a study with people on the robot page.",
+        "Evaluate the results of a study: time, attempts, blocks and capabilities of each exercise.",
     ),
 )
 ONTOLOGY_COMMANDS: Final = (
