@@ -40,6 +40,8 @@ INSTALLED: Final = "installed"
 
 _MODULE_ROOTS: Final = ("", "src/", "scripts/", "nodes/", "python/", "script/")
 _INCLUDE_ROOTS: Final = ("include/", "src/", "")
+_MESSAGES: Final = ("_msgs", "_srvs", "_interfaces")
+"""How names of packages end that have messages only, whose headers are generated."""
 _STANDARD: Final = frozenset(
     f"{name}.h"
     for name in (
@@ -245,7 +247,7 @@ class Workspace:
         """Return whether a package can see a header of another one.
 
         A name without a folder is seen in a folder for public headers. A package of another source exports what its
-        include roots hold, and what is in folders of its own name: not the libraries that it copied.
+        include roots hold, and what is in folders of its own name: not the copies that it has of ROS and its messages.
         """
         owner = self._home(file)
         if owner is None or owner == home:
@@ -255,9 +257,11 @@ class Workspace:
             return False
         if file.repository == near.repository:
             return True
-        if owner.name in (posixpath.basename(folder), wanted.partition("/")[0]):
+        head = wanted.partition("/")[0]
+        if owner.name in (posixpath.basename(folder), head):
             return True
-        return any(file.path == self._folders[owner].join(root + wanted) for root in _INCLUDE_ROOTS)
+        public = f"/{file.path}".endswith(f"/include/{wanted}") and not (head == "ros" or head.endswith(_MESSAGES))
+        return public or any(file.path == self._folders[owner].join(root + wanted) for root in _INCLUDE_ROOTS)
 
     def _distance(self, file: FilePath, near: FilePath, home: Place | None, tail: str) -> tuple[object, ...]:
         """Order candidates: own package, own source, public headers, short paths, then by name."""

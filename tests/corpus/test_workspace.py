@@ -118,17 +118,24 @@ def test_packages_and_owners(tmp_path: Path) -> None:
     assert workspace.source("local/three") is None
 
 
-@pytest.mark.parametrize("path", ["ros/ros.h", "lib/parser.h", "assert.h"])
+@pytest.mark.parametrize("path", ["ros/ros.h", "sensor_msgs/Imu.h", "assert.h"])
 def test_libraries_that_another_source_copied_are_not_meant(tmp_path: Path, path: str) -> None:
     """A package of another source exports its include roots and folders of its name, not the libraries in it."""
     (tmp_path / "one").mkdir()
     (tmp_path / "two").mkdir()
     one, _ = build(tmp_path / "one", "a/src/n.cpp")
-    two, _ = build(tmp_path / "two", f"b/wrap/include/{path}", "b/lib/include/ros/assert.h", "b/lib/b/base.hpp")
+    two, _ = build(
+        tmp_path / "two",
+        f"b/wrap/include/{path}",
+        "b/lib/include/ros/assert.h",
+        "b/lib/b/base.hpp",
+        "b/part/include/parts/p.hpp",
+    )
     workspace = Workspace((*one.sources, *two.sources))
     near = FilePath("local/one", "a/src/n.cpp")
     assert workspace.include(path, near=near) is None
     assert workspace.include("b/base.hpp", near=near) == ("local/two", "b/lib/b/base.hpp")
+    assert workspace.include("parts/p.hpp", near=near) == ("local/two", "b/part/include/parts/p.hpp")
 
 
 def test_headers_of_the_language_are_not_those_of_other_packages(tmp_path: Path) -> None:

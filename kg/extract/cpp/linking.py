@@ -24,6 +24,8 @@ _Alias: TypeAlias = "tuple[_Scope, Type, _Scope, CppUnit]"
 """Another name of a type: its scope, the type, the template parameters, and the file."""
 _IMPLEMENTATION: Final = re.compile(r"(?:^|[/_-])(?:impl|inl|implementation)[/_.-]|\.(?:tpp|ipp|txx|inl|hxx)$")
 """The paths of files with the bodies of templates."""
+_OF_FRAMEWORKS: Final = frozenset({"ros", "rclcpp", "rclcpp_action", "rclcpp_lifecycle", "nodelet", "tf", "tf2_ros"})
+"""Namespaces whose meaning the descriptions of calls give."""
 _SNAKE: Final = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
 
@@ -194,10 +196,11 @@ class Linker:
     def _without_aliases(self, names: _Scope, unit: Unit, scope: _Scope) -> tuple[_Scope, ...]:
         """Return what the qualifiers of a name can mean without aliases of namespaces, likeliest first.
 
-        An alias names a namespace from its own scope or from the global one.
+        An alias names a namespace from its own scope or from the global one. One that replaces a framework, for builds
+        without it, is not followed.
         """
         for place, name in enumerate(names):
-            for one in self._holding(unit, "namespace", name):
+            for one in self._holding(unit, "namespace", name) if name not in _OF_FRAMEWORKS else ():
                 for at, target in one.namespaces.get(name, ()):
                     rank = _rank(at, names[:place], scope, unit)
                     if rank is not None and (rank >= 1 or not at) and target != (name,):
