@@ -219,7 +219,7 @@ ROBOT_COMMANDS: Final = (
         "Program",
         "convert",
         "robot_programs:convert",
-        "Convert a program to text, JSON, or ROS 1 or ROS 2 code.",
+        "Convert a program to text, JSON, ROS code or a behaviour tree, or a tree to a program.",
     ),
     Later(
         "Try",

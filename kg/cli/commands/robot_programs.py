@@ -162,7 +162,7 @@ def convert(  # noqa: PLR0913 - the options of a command
     rule_families: Families = None,
     store: Store = None,
 ) -> None:
-    """Convert a program to text, JSON, ROS 1 or ROS 2 code, or a behaviour tree; or a behaviour tree to a program.
+    """Convert a program to text, JSON, ROS code or a behaviour tree, or a tree to a program.
 
     The code is what an expert would write for the same task. It needs the robot's topics, services and actions: those
     of --robot or --launch, by default of the configured robot. Behaviour trees are those of BehaviorTree.CPP 4. For
