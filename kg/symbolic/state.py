@@ -142,6 +142,11 @@ class Arguments:
             return self.expressions
         return self.call.arguments if self.call is not None else ()
 
+    @property
+    def line(self) -> int:
+        """The line of the call, 0 if there is none."""
+        return self.call.line if self.call is not None else 0
+
     def placed(self, parameters: tuple[str, ...]) -> Arguments:
         """Return the arguments with those by name at the places of parameters."""
         if not parameters or not self.named:

@@ -133,15 +133,16 @@ class Callbacks:
             return
         bound_values = {index: value for index, value in enumerate(called.given) if value != PLACEHOLDER}
         if isinstance(called.of, Object):
-            overloads = self._language.methods(called.of.kind, called.name)
-            handed = [self._handed(called.of, one) for one, _ in overloads]
-            chosen = next((place for place, handles in enumerate(handed) if handles), 0)
-            for function, bound in overloads[chosen : chosen + 1]:
+            overloads = [
+                (function, bound, self._handed(called.of, function))
+                for function, bound in self._language.methods(called.of.kind, called.name)
+            ]
+            # Of several overloads, a framework calls the one that takes the handles that it passes.
+            for function, bound, handles in sorted(overloads, key=lambda one: not one[2])[:1]:
                 if not always and self._is_idle(function, called.of):
                     continue
                 frame = frame_of(function, bound, called.of)
-                given = handed[chosen] | bound_values
-                machine.invoke(function, frame, self._unknown(function.parameters, frame, given))
+                machine.invoke(function, frame, self._unknown(function.parameters, frame, handles | bound_values))
         else:
             for function in called.functions[:1]:
                 if self._is_idle(function, None):

@@ -179,7 +179,7 @@ class Calls:
             known = library.call(language, names, given)
         if known is not None:
             return known
-        line = given.call.line if given.call is not None else 0
+        line = given.line
         if last in library.TYPES or last in POINTERS:
             return language.construct(Kind(names, given.template), given.values, frame, line)
         kind = self._kinds.kind(form.Type(names, function.template), frame)

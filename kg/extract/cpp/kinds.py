@@ -91,7 +91,7 @@ class Kinds:
                 return bound.kind if isinstance(bound, TypeValue) else bound
             if isinstance(bound, TypeValue):
                 return self._nested(bound.kind, names[1:], arguments, depth)
-        if names[0] == "std" and len(arguments) > 1:
+        if names[0] == "std" and len(names) > 1 and len(arguments) > 1:
             computed = self._computed(names, arguments)
             if computed is not None:
                 return computed

@@ -302,15 +302,14 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
 
 def _made(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | None:
     """Return the object of `make_shared<T>()` or `T::make_shared()`."""
-    line = given.call.line if given.call is not None else 0
     of = given.template[0] if given.template else None
     if isinstance(of, TypeValue):
         values = given.values[1:] if names[-1] == "allocate_shared" else given.values
-        return _on_heap(language.construct(of.kind, values, given.frame, line))
+        return _on_heap(language.construct(of.kind, values, given.frame, given.line))
     if names[-1] == "make_shared" and len(names) > 1 and given.frame is not None:
         outer = language.kind(form.Type(names[:-1]), given.frame)
         if isinstance(outer, Kind):
-            return _on_heap(language.construct(outer, given.values, given.frame, line))
+            return _on_heap(language.construct(outer, given.values, given.frame, given.line))
     return None
 
 
@@ -426,8 +425,7 @@ def _held(language: Cpp, given: Arguments, written: Expression, frame: Frame) ->
     if holder is None or holder.name not in _HOLDERS:
         return None
     inner = next(iter(given.template or holder.arguments), None)
-    line = given.call.line if given.call is not None else 0
-    return language.construct(inner.kind, given.values, frame, line) if isinstance(inner, TypeValue) else None
+    return language.construct(inner.kind, given.values, frame, given.line) if isinstance(inner, TypeValue) else None
 
 
 def _emplaced(language: Cpp, given: Arguments, written: Expression, frame: Frame) -> list[Value]:
@@ -437,8 +435,7 @@ def _emplaced(language: Cpp, given: Arguments, written: Expression, frame: Frame
     if not isinstance(inner, TypeValue) or inner.kind.cls is None:
         return given.values
     keys = given.values[:1] if declared is not None and declared.name in MAPS else []
-    line = given.call.line if given.call is not None else 0
-    return [*keys, language.construct(inner.kind, given.values[len(keys) :], frame, line)]
+    return [*keys, language.construct(inner.kind, given.values[len(keys) :], frame, given.line)]
 
 
 def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
@@ -472,9 +469,10 @@ def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
 
 def _resized(of: Sequence, values: list[Value]) -> Sequence:
     """Return a list with as many elements as `resize` says: those that are new have the value given, if any."""
-    count = int(values[0].value) if values and isinstance(values[0], Number) else None
-    if count is None or not 0 <= count <= _MOST_ITEMS:
+    given = values[0].value if values and isinstance(values[0], Number) else -1
+    if not 0 <= given <= _MOST_ITEMS:
         return replace(of, repeated=True)
+    count = int(given)
     new = values[1] if len(values) > 1 else Unknown("it is given no value in the code that was run")
     return replace(of, items=(*of.items[:count], *(new for _ in range(count - len(of.items)))))
 

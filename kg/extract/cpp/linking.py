@@ -223,10 +223,13 @@ class Linker:
         own = cast("CppUnit", cls.unit)
         defining = dict.fromkeys((own, *self._defining.get(cls.name, ()), *self.project.defining(own.key, cls.name)))
         for other in defining:
-            for function in other.methods.get(cls.name, ()):
-                # Asked in any case, so that the record of look-ups does not depend on what other packages found.
-                if _same(function, inside, other) and self._sees(other, own) and function.owner is None:
-                    function.owner = cls
+            listed = other.methods.get(cls.name, ())
+            fitting = [function for function in listed if _same(function, inside, other)]
+            # Asked in any case, so that the record of look-ups does not depend on what other packages found.
+            if fitting and self._sees(other, own):
+                for function in fitting:
+                    function.owner = function.owner or cls
+            for function in listed:
                 if function.owner is cls:
                     found.setdefault(function.name, []).append(function)
         for function in (one for functions in found.values() for one in functions):

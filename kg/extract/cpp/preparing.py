@@ -69,8 +69,7 @@ def _unless_directive(change: Callable[[re.Match[bytes]], bytes]) -> Callable[[r
 def _without_split_blocks(source: bytes) -> bytes:
     """Return a source in which each `#if` that splits a block of code has one side left: the first that is not `#if 0`.
 
-    Of a test with `__has_include`, which the grammar
-    does not know, all sides are left.
+    All sides of a test with `__has_include` are left; the grammar does not know the test itself.
     """
     found = bytearray(source)
     groups: list[list[re.Match[bytes]]] = []
@@ -99,10 +98,9 @@ def _keep_one_side(source: bytearray, marks: list[re.Match[bytes]]) -> None:
 
 def _splits(source: bytearray, start: int, end: int) -> bool:
     """Return whether a side opens other braces than it closes, or closes one that it has not opened."""
-    first_open, first_close = source.find(b"{", start, end), source.find(b"}", start, end)
     if source.count(b"{", start, end) != source.count(b"}", start, end):
         return True
-    return -1 < first_close < first_open
+    return -1 < source.find(b"}", start, end) < source.find(b"{", start, end)
 
 
 def _blank(source: bytearray, start: int, end: int) -> None:
