@@ -1,7 +1,16 @@
-"""Searches for the selection of a table of projects that comes closest to the one that RNKG describes.
+"""The corpus of RNKG: the selection that comes closest to it, and one build of all its repositories.
 
-    python benchmarks/corpus repos_dataset_all.csv [--output found.json]
+    python benchmarks/corpus select repos_dataset_all.csv [--output found.json]
+    python benchmarks/corpus build LIST --mirrors MIRRORS --into FOLDER [--first N] [--kill-after SECONDS]
 
+`build` checks out each repository of a list (an address a line, as `kg corpus select --output` writes it) from MIRRORS,
+a folder with a git directory for each, and builds them all into one store. Nothing has to be attended to, and the
+command can be killed and given again at any time: checkouts that are complete stay, and the build finds the packages
+that were read before in FOLDER/artifacts. It prints processor time, wall time, the peak of memory of all
+processes together, disk, and what failed. `--first` takes so many repositories, with a store of their own.
+`--kill-after` kills the build and all its processes once, and then builds again.
+
+`select` searches for the selection of a table of projects that comes closest to the one that the paper describes.
 Every subset of the criteria is tried. A project is in the group of the criterion that it violates; those that violate
 none are always taken, those that nobody decided about are a group of their own. Each subset is tried with and without
 a bound on one figure from below, and with and without the paper's maxima as bounds from above.
@@ -21,8 +30,11 @@ from typing import Final
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from corpus.building import HEAD, build, failures, row, subset
+from corpus.checkouts import check_out_all
 from corpus.searching import Found, Search
 
+from kg.corpus.fetching_list import read_wanted
 from kg.corpus.selection_criteria import default_criteria, read_criteria
 from kg.corpus.selection_data import read_dataset
 from kg.corpus.selection_figures import paper_figures
@@ -40,8 +52,32 @@ SHOWN: Final = 8
 
 
 def main() -> None:
-    """Read the command line, search, print, write."""
+    """Run the part that the command line names."""
     options = _options()
+    if options.part == "select":
+        _select(options)
+    else:
+        _build(options)
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parts = parser.add_subparsers(dest="part", required=True)
+    select = parts.add_parser("select")
+    select.add_argument("dataset", type=Path, help="the 598 projects: repos_dataset_all.csv")
+    select.add_argument("--output", type=Path, help="a file for what was found, as JSON")
+    building = parts.add_parser("build")
+    building.add_argument("list", type=Path, help="addresses of repositories, one a line")
+    building.add_argument("--mirrors", type=Path, required=True, help="a folder with a git directory for each")
+    building.add_argument("--into", type=Path, required=True, help="a folder for checkouts, results and stores")
+    building.add_argument("--first", type=int, help="build so many repositories only")
+    building.add_argument("--jobs", type=int, default=2, help="processes that read packages")
+    building.add_argument("--kill-after", type=float, help="kill the build after so many seconds, and build again")
+    return parser.parse_args()
+
+
+def _select(options: argparse.Namespace) -> None:
+    """Search, print, write."""
     criteria = read_criteria(default_criteria())
     search = Search(read_dataset(options.dataset), criteria, paper_figures())
     report: dict[str, list[dict[str, object]]] = {}
@@ -56,11 +92,17 @@ def main() -> None:
         options.output.write_text(json.dumps(report, indent=2) + "\n")
 
 
-def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("dataset", type=Path, help="the 598 projects: repos_dataset_all.csv")
-    parser.add_argument("--output", type=Path, help="a file for what was found, as JSON")
-    return parser.parse_args()
+def _build(options: argparse.Namespace) -> None:
+    """Check out and build; the table is printed, what each build printed is kept next to its store."""
+    lock = subset(check_out_all(read_wanted(options.list), options.mirrors, options.into), options.first)
+    name = f"first-{options.first}" if options.first else "all"
+    store = options.into / f"{name}.store"
+    artifacts = options.into / (f"{name}.artifacts" if options.first else "artifacts")
+    print(HEAD, flush=True)
+    for number, measured in enumerate(build(lock, store, artifacts, options.jobs, options.kill_after)):
+        (options.into / f"{name}.{number}.log").write_text(measured.output + measured.words, encoding="utf-8")
+        print(row(lock, store, artifacts, measured), flush=True)
+    print(dict(failures(lock, measured.words)))
 
 
 def _show(title: str, found: list[Found], tried: int) -> None:
