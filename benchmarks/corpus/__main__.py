@@ -1,14 +1,14 @@
 """The corpus of RNKG: the selection that comes closest to it, and one build of all its repositories.
 
     python benchmarks/corpus select repos_dataset_all.csv [--output found.json]
-    python benchmarks/corpus build LIST --mirrors MIRRORS --into FOLDER [--first N] [--kill-after SECONDS]
+    python benchmarks/corpus build LIST --mirrors MIRRORS --into FOLDER [--first N] [--most-code BYTES]
 
 `build` checks out each repository of a list (an address a line, as `kg corpus select --output` writes it) from MIRRORS,
 a folder with a git directory for each, and builds them all into one store. Nothing has to be attended to, and the
 command can be killed and given again at any time: checkouts that are complete stay, and the build finds the packages
-that were read before in FOLDER/artifacts. It prints processor time, wall time, the peak of memory of all
-processes together, disk, and what failed. `--first` takes so many repositories, with a store of their own.
-`--kill-after` kills the build and all its processes once, and then builds again.
+that were read before in FOLDER. It prints processor time, wall time, the peak of memory of all processes together,
+disk, and what failed. `--first` takes so many repositories, `--most-code` only those that are not larger; each
+choice has a store of its own. `--kill-after` kills the build and all its processes once, and then builds again.
 
 `select` searches for the selection of a table of projects that comes closest to the one that the paper describes.
 Every subset of the criteria is tried. A project is in the group of the criterion that it violates; those that violate
@@ -71,6 +71,7 @@ def _options() -> argparse.Namespace:
     building.add_argument("--mirrors", type=Path, required=True, help="a folder with a git directory for each")
     building.add_argument("--into", type=Path, required=True, help="a folder for checkouts, results and stores")
     building.add_argument("--first", type=int, help="build so many repositories only")
+    building.add_argument("--most-code", type=int, help="leave out repositories with more bytes of C++ and Python")
     building.add_argument("--jobs", type=int, default=2, help="processes that read packages")
     building.add_argument("--kill-after", type=float, help="kill the build after so many seconds, and build again")
     return parser.parse_args()
@@ -94,10 +95,10 @@ def _select(options: argparse.Namespace) -> None:
 
 def _build(options: argparse.Namespace) -> None:
     """Check out and build; the table is printed, what each build printed is kept next to its store."""
-    lock = subset(check_out_all(read_wanted(options.list), options.mirrors, options.into), options.first)
-    name = f"first-{options.first}" if options.first else "all"
-    store = options.into / f"{name}.store"
-    artifacts = options.into / (f"{name}.artifacts" if options.first else "artifacts")
+    name = f"first-{options.first or 'all'}-{options.most_code or 'all'}"
+    whole = check_out_all(read_wanted(options.list), options.mirrors, options.into)
+    lock = subset(whole, options.first, options.most_code, name)
+    store, artifacts = options.into / f"{name}.store", options.into / f"{name}.artifacts"
     print(HEAD, flush=True)
     for number, measured in enumerate(build(lock, store, artifacts, options.jobs, options.kill_after)):
         (options.into / f"{name}.{number}.log").write_text(measured.output + measured.words, encoding="utf-8")

@@ -21,18 +21,27 @@ if TYPE_CHECKING:
 __all__ = ["HEAD", "build", "failures", "row", "subset"]
 
 _CODE: Final = re.compile(r"^\s*\S.*: (KG\d{3}) ", re.MULTILINE)
+_SUFFIXES: Final = {".cpp", ".cc", ".cxx", ".hpp", ".h", ".hh", ".py"}
 HEAD: Final = (
-    "| repositories | sources | processor time | wall time | peak of all processes | store and cache / results |\n"
+    "| repositories | files / code | processor time | wall time | peak of all processes | store and cache / results |\n"
     "|---|---|---|---|---|---|"
 )
 
 
-def subset(lock: Lock, first: int | None) -> Lock:
-    """Return a lock file with the first repositories that are checked out, in the order of their names."""
-    if first is None:
+def subset(lock: Lock, first: int | None, most_code: int | None, name: str) -> Lock:
+    """Return a lock file of the first repositories, in the order of their names, with at most so many bytes of code."""
+    if first is None and most_code is None:
         return lock
-    chosen = [entry for entry in lock.entries if entry.state == FETCHED][:first]
-    return write_lock(lock.path.with_name(f"first-{first}.lock.toml"), chosen)
+    entries = [entry for entry in lock.entries if entry.state == FETCHED]
+    if most_code is not None:
+        entries = [entry for entry in entries if code_bytes(lock.folder(entry)) <= most_code]
+    return write_lock(lock.path.with_name(f"{name}.lock.toml"), entries[:first])
+
+
+def code_bytes(checkout: Path) -> int:
+    """Return the size of all C++ and Python in a checkout."""
+    files = (path for path in checkout.rglob("*") if path.suffix in _SUFFIXES)
+    return sum(path.stat().st_size for path in files if path.is_file() and not path.is_symlink())
 
 
 def build(lock: Lock, store: Path, artifacts: Path, jobs: int, kill_after: float | None) -> Iterator[Measurement]:
@@ -47,9 +56,10 @@ def build(lock: Lock, store: Path, artifacts: Path, jobs: int, kill_after: float
 def row(lock: Lock, store: Path, artifacts: Path, measured: Measurement) -> str:
     """Return the row of a table in Markdown."""
     fetched = [entry for entry in lock.entries if entry.state == FETCHED]
+    code = sum(code_bytes(lock.folder(entry)) for entry in fetched)
     cells = (
         f"{len(fetched)}{' (killed)' if measured.code < 0 else ''}",
-        f"{sum(entry.bytes for entry in fetched) / 1e6:,.0f} MB",
+        f"{sum(entry.bytes for entry in fetched) / 1e6:,.0f} / {code / 1e6:,.0f} MB",
         f"{measured.cpu:,.0f} s",
         f"{measured.seconds:,.0f} s",
         f"{measured.megabytes:,.0f} MB",
