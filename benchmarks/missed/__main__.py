@@ -5,7 +5,7 @@
 
 A checkout is a folder of one source of the build. Lines are found by a regular expression over C++ and Python, without
 `kg`, and count as read if an interface is there or one line away, directly or as the call in between. Tests and
-copies of libraries are left out (`--all` keeps them). A line that no node runs is no error: a class that nothing
+copies of libraries are left out (`--all` keeps them), and so are comments. A line that no node runs is no error: a class that nothing
 creates, a file that no target compiles. So the figure is a lower bound, and the list shows where to read.
 """
 
@@ -28,6 +28,7 @@ CALL: Final = re.compile(
 )
 """Calls of roscpp, rclcpp, rospy, rclpy, actionlib and image_transport that create interfaces."""
 NOT_CALLS: Final = re.compile(r"^\s*(?://|#|\*|/\*|\"\"\")|\b(?:import|class|def|typedef|using)\b")
+BLOCK: Final = re.compile(r"/\*.*?\*/", re.DOTALL)
 OTHERS: Final = re.compile(r"(?:^|/)(?:tests?|3rdparty|third_party|thirdparty|external)(?:/|_)|_tests?\.(?:py|cpp)$")
 SUFFIXES: Final = {".cpp", ".cc", ".cxx", ".hpp", ".h", ".hh", ".py"}
 PLACE: Final = re.compile(r"([\w./+-]+):(\d+)\b")
@@ -76,7 +77,10 @@ def calls(checkout: Path, *, others: bool) -> Iterator[tuple[str, int, str]]:
         path = file.relative_to(checkout).as_posix()
         if file.suffix not in SUFFIXES or not file.is_file() or (OTHERS.search(path) and not others):
             continue
-        for number, line in enumerate(file.read_text("utf-8", "replace").splitlines(), 1):
+        text = file.read_text("utf-8", "replace")
+        if file.suffix != ".py":
+            text = BLOCK.sub(lambda match: "\n" * match[0].count("\n"), text)
+        for number, line in enumerate(text.splitlines(), 1):
             if CALL.search(line) and not NOT_CALLS.search(line):
                 yield path, number, line.strip()
 
