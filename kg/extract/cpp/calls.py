@@ -10,13 +10,16 @@ from kg.extract.cpp.callbacks import closure_frame
 from kg.extract.cpp.kinds import frame_of, inside, this_of
 from kg.symbolic import form
 from kg.symbolic.kinds import POINTERS, pointee
+from kg.symbolic.operators import NULL
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
     Bound,
     Closure,
     Either,
     Kind,
+    Number,
     Object,
+    Truth,
     TypeValue,
     Unknown,
     Value,
@@ -108,7 +111,7 @@ class Calls:
                 return static
         if isinstance(called, Object):
             return self.method(called, "operator()", given)
-        self._language.escape(given.values)
+        self._leave(given, "an unknown function")
         return Unknown("it is not known what is called")
 
     # Calls by a name
@@ -189,11 +192,23 @@ class Calls:
             or (not given.values and (kind.names != names or names[-2:-1] == ("msg",)))
         ):
             return language.construct(kind, given.values, frame, line)
-        language.escape(given.values)
+        self._leave(given, last)
         for prototype in self._linker.find_prototypes(names, frame.unit, frame.scope)[:1]:
             if prototype.returns is not None:
                 return labelled(language.unknown(prototype.returns, frame_of(prototype), last), last, given.values)
         return outside(last, given.values)
+
+    def _leave(self, given: Arguments, function: str) -> None:
+        """Pass arguments to code that is not run: it can call functions, and write numbers and pointers by address.
+
+        Texts keep the value that they have, as the default of an option usually is what counts.
+        """
+        self._language.escape(given.values)
+        if given.frame is None:
+            return
+        for written, value in zip(given.written, given.values, strict=False):
+            if isinstance(written, form.Unary) and written.sign == "&" and _is_plain(value):
+                self._language.machine.put(written, outside(function, []), given.frame)
 
     # Methods
 
@@ -206,7 +221,7 @@ class Calls:
             known = library.method(self._language, of, name, given, written)
         if known is not None:
             return known
-        self._language.escape(given.values)
+        self._leave(given, name)
         return outside(name, given.values, of.reason if isinstance(of, Unknown) else None)
 
     def _node_of(self, given: Arguments) -> Object | None:
@@ -232,13 +247,13 @@ class Calls:
         if fitting and node:  # what it creates on a node that was passed in belongs to the caller
             return self._on(of, fitting, given)
         if fitting:
-            language.escape(given.values)
+            self._leave(given, name)
             chosen, bound = self.overload(fitting, given.values)
             return labelled(language.unknown(chosen.returns, frame_of(chosen, bound), name), name, given.values)
         for cls, bound in self._kinds.chain(of.kind)[0]:
             declared = cls.declared.get(name)
             if declared:
-                language.escape(given.values)
+                self._leave(given, name)
                 return labelled(language.unknown(declared[0].returns, inside(cls, bound), name), name, given.values)
         return None
 
@@ -287,6 +302,10 @@ class Calls:
     def _framework_function(self, names: tuple[str, ...], given: Arguments) -> Value | None:
         framework = self._language.machine.framework
         return framework.call_function(names, given)
+
+
+def _is_plain(value: Value) -> bool:
+    return isinstance(value, Truth | Number) or value == NULL
 
 
 def fits(function: Function, count: int) -> bool:

@@ -144,3 +144,13 @@ int main(int argc, char** argv) {
 }
 """
     assert names_of(source) == {"topic"}
+
+
+@pytest.mark.parametrize("start", ["0", "nullptr", "NULL"])
+def test_what_code_outside_the_sources_writes_by_address_is_unknown(start: str) -> None:
+    """A check of the result does not end the function that creates the interface."""
+    body = f"""addrinfo* info = {start};
+  if (getaddrinfo("host", "port", 0, &info) != 0 || !info) {{ throw std::runtime_error("no host"); }}
+  ros::NodeHandle nh;
+  auto out = nh.advertise<std_msgs::String>("status", 1);"""
+    assert names_of(f"int main(int argc, char** argv) {{ {body} }}") == {"status"}
