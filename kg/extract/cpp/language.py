@@ -163,8 +163,16 @@ class Cpp:
         if found is not None:
             return self._global(found, names[-1])
         if self.declarations(outer, names[-1]):
-            return Bound(names[-1], outer, template=template)
+            return Bound(names[-1], self._instance(outer, frame), template=template)
         return None
+
+    def _instance(self, kind: Kind, frame: Frame) -> Kind:
+        """Return a class with the template arguments that it has in the running object, if it is a class of that."""
+        this = this_of(frame)
+        if kind.arguments or not isinstance(this, Object):
+            return kind
+        bound = next((bound for cls, bound in self.chain(this.kind)[0] if cls is kind.cls), None)
+        return Kind(kind.names, tuple(bound.values()), kind.cls) if bound else kind
 
     def _declared(self, field: Field, value: Expression, frame: Frame) -> Value:
         """Return the value of a static member that its declaration initialises."""

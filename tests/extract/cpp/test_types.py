@@ -139,3 +139,24 @@ int main(int argc, char** argv) {
 """
     (found,) = interfaces_of(source)
     assert (found.name, found.type) == ("image", "sensor_msgs/Image")
+
+
+def test_a_callback_of_a_class_template_has_the_types_of_the_object() -> None:
+    """`&T<S>::serve` is the method of the object whose code runs, where `S` is known."""
+    source = """#include <ros/ros.h>
+template <typename S> struct Server {
+  explicit Server(ros::NodeHandle& nh) {
+    service = nh.advertiseService("bound", &Server<S>::serve, this);
+    input = nh.subscribe("in", 1, &Server<S>::read, this);
+  }
+  bool serve(typename S::Request& request, typename S::Response& response) { return true; }
+  void read(const typename S::ConstPtr& message) {}
+  ros::ServiceServer service;
+  ros::Subscriber input;
+};
+int main(int argc, char** argv) { ros::NodeHandle nh; Server<std_srvs::SetBool> server(nh); }
+"""
+    assert {item.name: item.type for item in interfaces_of(source)} == {
+        "bound": "std_srvs/SetBool",
+        "in": "std_srvs/SetBool",
+    }
