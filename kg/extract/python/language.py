@@ -176,7 +176,7 @@ class Python:
         if starred is not None:
             return starred
         if name in GENERATED:
-            return TypeValue(Kind((unit.path.rpartition("/")[0].rpartition("/")[2], name)))
+            return TypeValue(Kind((unit.name, name)))
         below = self.modules.find(f".{name}", unit) if unit.is_package else None
         return self.module(below, lazy=True) if below is not None else None
 

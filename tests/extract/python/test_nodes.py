@@ -104,3 +104,11 @@ def test_the_navigator_of_nav2_is_a_node(tmp_path: Path, code: str) -> None:
     assert ("publishes", "initialpose", "geometry_msgs/PoseWithCovarianceStamped") in named
     assert found.node.node_name == "pilot"
     assert found.node.ros == 2
+
+
+def test_a_script_with_the_name_of_a_package_has_its_messages(tmp_path: Path) -> None:
+    """`import work.srv` means the package, although the script nodes/work.py is found first."""
+    text = "import work.srv\nrospy.init_node('a')\nrospy.ServiceProxy('start', work.srv.Start)\n"
+    files = {"nodes/work.py": "import rospy\n", "nodes/a.py": HEAD + text}
+    found = {item.type for node in nodes_of(tmp_path, files) for item in node.node.interfaces}
+    assert found == {"work/Start"}
