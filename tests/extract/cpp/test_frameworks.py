@@ -256,3 +256,18 @@ public:
 """
     found = nodes_of({"classes.cpp": classes, "CMakeLists.txt": "project(demo)\nadd_library(demo classes.cpp)\n"})
     assert [one.name for one in found] == ["Whole"]
+
+
+def test_a_plugin_of_rqt_has_the_handles_of_a_nodelet() -> None:
+    """rqt calls `initPlugin`, and gives the plugin the methods of its base class."""
+    plugin = """class Plot : public rqt_gui_cpp::Plugin {
+  void initPlugin(qt_gui_cpp::PluginContext& context) override {
+    input_ = getPrivateNodeHandle().subscribe("data", 1, &Plot::read, this);
+  }
+  void read(const std_msgs::Float64ConstPtr& message) {}
+  ros::Subscriber input_;
+};
+PLUGINLIB_EXPORT_CLASS(Plot, rqt_gui_cpp::Plugin)
+"""
+    (node,) = nodes_of({"plot.cpp": plugin})
+    assert [(one.name, one.type) for one in node.interfaces if not one.implicit] == [("~/data", "std_msgs/Float64")]
