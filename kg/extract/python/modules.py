@@ -168,11 +168,11 @@ class Modules:
         if not name[:1].isalpha():
             return None
         generated = [module for module in dict.fromkeys(modules) if module.rpartition(".")[2] in GENERATED]
-        if not name[0].isupper():
-            return (*modules[0].split("."), name) if len(modules) == 1 and not generated else None
         for module in generated:
             if self._defines(module, name):
                 return (*module.split("."), name)
+        if not name[0].isupper():
+            return (*modules[0].split("."), name) if len(modules) == 1 and not generated else None
         for module in generated if len(generated) > 1 else ():
             if name in _standard_types().get(module.partition(".")[0], ()):
                 return (*module.split("."), name)

@@ -112,3 +112,13 @@ def test_a_script_with_the_name_of_a_package_has_its_messages(tmp_path: Path) ->
     files = {"nodes/work.py": "import rospy\n", "nodes/a.py": HEAD + text}
     found = {item.type for node in nodes_of(tmp_path, files) for item in node.node.interfaces}
     assert found == {"work/Start"}
+
+
+def test_a_service_in_lower_case_is_among_all_names_of_a_module(tmp_path: Path) -> None:
+    """`from demo.srv import *` gives each service that the package defines, whatever its case."""
+    files = {
+        "srv/classify.srv": "---\n",
+        "scripts/a.py": f"{HEAD}from demo.srv import *\nrospy.init_node('a')\nrospy.Service('s', classify, print)\n",
+    }
+    [node] = nodes_of(tmp_path, files)
+    assert [item.type for item in node.node.interfaces] == ["demo/classify"]
