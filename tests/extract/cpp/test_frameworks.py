@@ -259,7 +259,7 @@ public:
 
 
 def test_a_plugin_of_rqt_has_the_handles_of_a_nodelet() -> None:
-    """rqt calls `initPlugin`, and gives the plugin the methods of its base class."""
+    """The framework calls `initPlugin`, and the plugin has the methods of its base class."""
     plugin = """class Plot : public rqt_gui_cpp::Plugin {
   void initPlugin(qt_gui_cpp::PluginContext& context) override {
     input_ = getPrivateNodeHandle().subscribe("data", 1, &Plot::read, this);
