@@ -254,13 +254,18 @@ def _declare(function: Function, cls: Class) -> None:
             return
 
 
-def _same(function: Function, inside: _Scope, unit: Unit) -> bool:
+def _same(function: Function, inside: _Scope, unit: CppUnit) -> bool:
     """Return whether a function outside of a class is a method of the class with these scopes."""
-    if function.scope == inside:
-        return True
-    if len(function.scope) <= len(inside) and inside[-len(function.scope) :] == function.scope:
-        return True
-    return any((*used, *function.scope) == inside for used in unit.uses)
+    first, *rest = function.scope
+    return (
+        _ends(inside, function.scope)
+        or any((*used, *function.scope) == inside for used in unit.uses)
+        or any(_ends(inside, (*target, *rest)) for _, target in unit.namespaces.get(first, ()))
+    )
+
+
+def _ends(scope: _Scope, part: _Scope) -> bool:
+    return scope[-len(part) :] == part
 
 
 def _rank(at: _Scope, wanted: _Scope, scope: _Scope, unit: Unit) -> float | None:

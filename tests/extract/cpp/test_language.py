@@ -108,3 +108,20 @@ struct Chain {
 int main() { Chain chain; }
 """
     assert names_of(source) == {"in", "~/out"}
+
+
+def test_a_method_is_defined_through_another_name_of_its_namespace() -> None:
+    """`namespace rc = robot::control;` is followed where a method is defined outside of its class."""
+    source = """#include <ros/ros.h>
+namespace robot { namespace control {
+struct Drive {
+  Drive();
+  ros::NodeHandle nh_;
+  ros::Publisher out_;
+};
+} }
+namespace rc = robot::control;
+rc::Drive::Drive() { out_ = nh_.advertise<std_msgs::String>("state", 1); }
+int main(int argc, char** argv) { rc::Drive drive; }
+"""
+    assert names_of(source) == {"state"}
