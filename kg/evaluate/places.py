@@ -44,7 +44,7 @@ class Places:
             if kind in kinds:
                 self._lines[kinds[kind], elsewhere.get(part, repository), path].add(int(line))
         for kind, chain in rows(self._snapshot, _CALLS % graph):
-            for call in chain_of(chain)[-1:]:
+            for call in chain_of(chain)[-1:] if kind in kinds else ():
                 self._lines[kinds[kind], call.repository or repository, call.path].add(call.line)
         for path, value in rows(self._snapshot, _FILES % graph):
             self._digests[repository, path] = value

@@ -10,17 +10,22 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pyoxigraph import NamedNode
 
 from kg.evaluate.call_sites import Site, sites, statement_end, without_words
 from kg.evaluate.code_check import check_code, holds
-from kg.evaluate.facts import Fact
+from kg.evaluate.facts import STATED, Fact
+from kg.evaluate.places import Places
 from kg.evaluate.source_lines import SourceLines
 from kg.evaluate.strata import weighed
 from kg.evaluate.tables import Share
+from kg.graph.iris import Iris
+from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
     from evaluate.conftest import Field
 
+NS = "https://w3id.org/rnkg/ns#"
 CASES = Path(__file__).parent / "cases"
 FACT = Fact("publishes", "r", "p", "n", "~/ns/scan", None, None, "r", "a.cpp", 2)
 
@@ -139,3 +144,22 @@ def test_groups_are_weighed_by_their_size() -> None:
     assert found.interval == pytest.approx((0.95, 0.95))
     assert weighed([(90, 0, 0), (10, 10, 5)]) is None
     assert weighed([]) is None
+
+
+def test_what_is_no_end_has_no_place(tmp_path: Path) -> None:
+    """A slot for plugins that a helper reads is neither end nor parameter; the publisher beside it has its call."""
+    graph = NamedNode(Iris("https://w3id.org/rnkg/").source_graph("r"))
+    a = "<http://www.w3.org/1999/02/22-rdf-syntax-ns#type>"
+    triples = f"""<urn:r> {a} <{NS}Repository> .
+<urn:r> <{NS}name> "r" .
+<urn:slot> {a} <{NS}PluginSlot> .
+<urn:slot> <{NS}via> "a.cpp:3" .
+<urn:end> {a} {STATED["publishes"]} .
+<urn:end> <{NS}via> "b.cpp:4" .
+"""
+    store = EmbeddedStore.create(tmp_path / ".kg")
+    with store.write("test") as transaction:
+        transaction.load(graph, [triples.encode()])
+    with store.read() as snapshot:
+        places = Places(snapshot)
+    assert places.has("publishes", ("r", "b.cpp"), 4, 4)
