@@ -341,6 +341,13 @@ class Framework:
                 return self._run(described, Invocation(node, placed, of.kind))
         return None
 
+    def describes(self, names: tuple[str, ...]) -> bool:
+        """Check whether a full name is that of a class or function that is described."""
+        if self.descriptions.class_named(names) is not None:
+            return True
+        calls = self.descriptions.calls.get(names[-1], ())
+        return any(one.scopes and one.scopes != ("*",) and _in_scope(one.scopes, names[:-1], ()) for one in calls)
+
     def call_function(self, names: tuple[str, ...], given: Arguments) -> Value | None:
         """Apply the effects of a function of a framework; None if it is not described."""
         uses = given.frame.unit.uses if given.frame is not None else ()

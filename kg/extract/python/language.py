@@ -182,7 +182,11 @@ class Python:
 
     def _starred(self, name: str, variables: Names[str, object]) -> Value | None:
         modules = self._stars.get(id(variables))
-        names = self.modules.starred(name, modules) if modules and name not in BUILTINS else None
+        if not modules or name in BUILTINS:
+            return None
+        candidates = ((*module.split("."), name) for module in modules if not GENERATED & set(module.split(".")))
+        described = next((one for one in candidates if self.machine.framework.describes(one)), None)
+        names = described or self.modules.starred(name, modules)
         return self._constant(TypeValue(Kind(names))) if names is not None else None
 
     # Names

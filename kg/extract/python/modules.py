@@ -163,7 +163,7 @@ class Modules:
     def starred(self, name: str, modules: list[str]) -> tuple[str, ...] | None:
         """Return the full name of what `from module import *` of one of the modules outside of the build gives.
 
-        Message types are looked up among the definitions of the build; else the name must be that of one module alone.
+        Message types are looked up among the definitions of the build; else the name must be that of one package alone.
         """
         if not name[:1].isalpha():
             return None
@@ -176,8 +176,10 @@ class Modules:
         for module in generated if len(generated) > 1 else ():
             if name in _standard_types().get(module.partition(".")[0], ()):
                 return (*module.split("."), name)
-        others = [module for module in generated if self._may_define(module, alone=len(generated) == 1)]
-        return (*others[0].split("."), name) if len(others) == 1 else None
+        alone = len({module.partition(".")[0] for module in generated}) == 1
+        others = [module for module in generated if self._may_define(module, alone=alone)]
+        packages = {module.partition(".")[0] for module in others}
+        return (*others[0].split("."), name) if len(packages) == 1 else None
 
     def _defines(self, module: str, name: str) -> bool:
         """Check whether a package of the build defines an interface; an action's messages are among the messages."""

@@ -122,3 +122,18 @@ def test_a_service_in_lower_case_is_among_all_names_of_a_module(tmp_path: Path) 
     }
     [node] = nodes_of(tmp_path, files)
     assert [item.type for item in node.node.interfaces] == ["demo/classify"]
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("from rospy import *\nfrom std_msgs.msg import *\ninit_node('a')\nPublisher('p', String)", "std_msgs/String"),
+        ("from actionlib import *\nfrom w.msg import *\nSimpleActionClient('p', GoAction)", "w/Go"),
+        ("from w.msg import *\nfrom w.srv import *\nrospy.ServiceProxy('p', Stop)", "w/Stop"),
+    ],
+)
+def test_all_names_of_several_modules_are_told_apart(tmp_path: Path, text: str, found: str) -> None:
+    """Described names are those of the framework; a type is that of the only package that could define it."""
+    start = "" if "init_node" in text else "rospy.init_node('a')\n"
+    [node] = nodes_of(tmp_path, {"scripts/a.py": f"import rospy\n{start}{text}\n"})
+    assert [(item.name, item.type) for item in node.node.interfaces] == [("p", found)]
