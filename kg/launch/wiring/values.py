@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, Final
 
 import yaml
@@ -132,7 +133,7 @@ class Settings:
             index = int(argument[1])
             return self.words[index - 1] if 0 < index <= len(self.words) else None
         spellings = option[1].split("|") if option is not None else ()
-        for word, following in zip(self.words, [*self.words[1:], None], strict=True):
+        for word, following in zip_longest(self.words, self.words[1:]):
             spelling, given, value = word.partition("=")
             if spelling in spellings:
                 return value if given else following
