@@ -5,8 +5,9 @@
 
 A checkout is a folder of one source of the build. Lines are found by a regular expression over C++ and Python, without
 `kg`, and count as read if an interface is there or one line away, directly or as the call in between. Tests and
-copies of libraries are left out (`--all` keeps them), and so are comments. A line that no node runs is no error: a class that nothing
-creates, a file that no target compiles. So the figure is a lower bound, and the list shows where to read.
+copies of libraries are left out (`--all` keeps them), and so are comments. A line that no node runs is no error: a
+class that nothing creates, a file that no target compiles. So the figure is a lower bound, and the list shows where to
+read.
 """
 
 from __future__ import annotations
