@@ -293,10 +293,8 @@ class Statements:
     def _preprocessed(self, node: Node) -> list[Statement]:
         condition = node.child_by_field_name("condition")
         otherwise = node.child_by_field_name("alternative")
-        inside: list[Statement] = []
-        if condition is None or syntax.text(condition).strip() != "0":
-            skipped = {one.id for one in (condition, otherwise) if one is not None}
-            inside = self._statements(child for child in node.named_children if child.id not in skipped)
+        skipped = {one.id for one in (condition, otherwise) if one is not None}
+        inside = self._statements(child for child in node.named_children if child.id not in skipped)
         if otherwise is not None:
             inside += self.statement(otherwise)
         return inside
