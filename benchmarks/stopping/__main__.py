@@ -42,7 +42,7 @@ PROGRAM: Final = "repeat 9 times\n  move at a velocity  forward: 0.5 m/s for 10 
 DDS: Final = 2
 MASTER_STOPPED: Final = "master stopped"
 SPEED: Final = re.compile(r"(?:speed )?(-?[\d.]+)")
-START: Final = 40.0
+START: Final = 120.0
 """Seconds until a robot that is driven moves."""
 
 
