@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.extract.cpp import library
@@ -155,16 +156,20 @@ class Cpp:
         outer = self.kinds.kind(form.Type(names[:-1]), frame)
         if not isinstance(outer, Kind) or outer.cls is None:
             return None
-        for cls, bound in self.chain(outer)[0]:
-            declared = cls.fields.get(names[-1])
+        cls = outer.cls
+        methods = self.declarations(outer, names[-1])
+        if cls.template and not any(function.template for function, _ in methods):
+            here = frame.scope[-1:] == (cls.name,)
+            own = self.kinds.template(tuple(form.Type((one,)) for one in cls.template), frame) if here else ()
+            outer, template = replace(outer, arguments=template or own), ()  # `A<T>::member`, `A::member` in `A<T>`
+        for owner, bound in self.chain(outer)[0]:
+            declared = owner.fields.get(names[-1])
             if declared is not None and declared.value is not None:
-                return library.as_constant(self._declared(declared, declared.value, inside(cls, bound)))
-        found = self.linker.find_variable(names[-2:], outer.cls.unit, outer.cls.scope)
+                return library.as_constant(self._declared(declared, declared.value, inside(owner, bound)))
+        found = self.linker.find_variable(names[-2:], cls.unit, cls.scope)
         if found is not None:
             return self._global(found, names[-1])
-        if self.declarations(outer, names[-1]):
-            return Bound(names[-1], outer, template=template)
-        return None
+        return Bound(names[-1], outer, template=template) if methods else None
 
     def _declared(self, field: Field, value: Expression, frame: Frame) -> Value:
         """Return the value of a static member that its declaration initialises."""
