@@ -116,7 +116,7 @@ class Cpp:
                 return held
         functions = self.linker.find_functions(names, frame.unit, frame.scope)
         if functions:
-            return Bound(last, None, tuple(functions))
+            return Bound(last, None, tuple(functions), template=self.kinds.template(expression.template, frame))
         known = self.machine.framework.constant(names)
         if known is not None:
             return known

@@ -51,7 +51,7 @@ _STRUCTURED: Final = "structured_binding_declarator"
 _ELEMENT: Final = Type(("auto",), reference=True)
 """The type of a name that means an element: an iterator the one that it is at, or a name of a structured binding."""
 _BODIES: Final = frozenset({"compound_statement", "translation_unit", "declaration_list"})
-_BEGINNINGS: Final = frozenset({"begin", "cbegin", "rbegin", "crbegin"})
+_BEGINNINGS: Final = frozenset({"begin", "cbegin", "rbegin", "crbegin", "lower_bound"})
 
 
 class Statements:
