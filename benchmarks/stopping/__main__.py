@@ -12,6 +12,7 @@ import argparse
 import json
 import os
 import queue
+import re
 import signal
 import subprocess
 import sys
@@ -38,32 +39,36 @@ TOKEN: Final = "token-of-a-benchmark"  # noqa: S105 - it guards nothing
 DO: Final = ("do", "drivingAtVelocity", "forward=0.5", "--for", "600")
 RUN: Final = ("run", "endless.kgp")
 PROGRAM: Final = "repeat 9 times\n  move at a velocity  forward: 0.5 m/s for 10 min\nend\n"
-START: Final = 40.0
+DDS: Final = 2
+MASTER_STOPPED: Final = "master stopped"
+SPEED: Final = re.compile(r"(?:speed )?(-?[\d.]+)")
+START: Final = 120.0
 """Seconds until a robot that is driven moves."""
 
 
 class Robot:
     """A robot in a process of its own, and the velocities that it gets as they come."""
 
-    def __init__(self, process: subprocess.Popen[str]) -> None:
-        self.address = _line(process)
-        self._lines: queue.Queue[tuple[float, str]] = queue.Queue()
+    def __init__(self, process: subprocess.Popen[str], address: str = "") -> None:
+        self.address = address or _line(process)
+        self._speeds: queue.Queue[tuple[float, float]] = queue.Queue()
         self._stdout = process.stdout or ()
         threading.Thread(target=self._read, daemon=True).start()
 
     def _read(self) -> None:
         for line in self._stdout:
-            self._lines.put((time.monotonic(), line.strip()))
+            if (found := SPEED.fullmatch(line.strip())) is not None:
+                self._speeds.put((time.monotonic(), float(found[1])))
 
-    def until(self, wanted: str, seconds: float) -> float | None:
-        """Return when a line came, None when it did not within so many seconds."""
+    def until(self, speed: float, seconds: float) -> float | None:
+        """Return when a speed in m/s came, None when it did not within so many seconds."""
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             try:
-                at, line = self._lines.get(timeout=left)
+                at, got = self._speeds.get(timeout=left)
             except queue.Empty:
                 return None
-            if line == wanted:
+            if got == speed:
                 return at
         return None
 
@@ -74,30 +79,31 @@ def _line(process: subprocess.Popen[str]) -> str:
 
 
 @contextmanager
-def robot(ros: int) -> Iterator[tuple[Robot, subprocess.Popen[str] | None]]:
-    """Run a robot; over ROS 1 with a master in a process of its own, which is given too."""
+def robot(ros: int) -> Iterator[Robot]:
+    """Run a robot that is a node of `kg`."""
     with ExitStack() as stack:
-        master = None
-        if ros == 1:
-            master = stack.enter_context(_process(["-c", MASTER]))
-            address = _line(master)
-        else:
+        address = []
+        if ros == DDS:
             from robot.dds.domain import domain  # noqa: PLC0415 - needs an extra
 
-            address = f"dds://{stack.enter_context(domain())}?settle=1"
-        made = stack.enter_context(_process([str(drivable.__file__), address]))
-        yield Robot(made), master
+            address = [f"dds://{stack.enter_context(domain())}?settle=1"]
+        yield Robot(stack.enter_context(_process([str(drivable.__file__), *address])))
 
 
-MASTER: Final = """
-import asyncio, sys
-from kg.robot.ros1 import Master
-async def main():
-    async with Master() as master:
-        print(master.address, flush=True)
-        await asyncio.to_thread(sys.stdin.read)
-asyncio.run(main())
-"""
+@contextmanager
+def robot_beside_master() -> Iterator[tuple[Robot, Callable[[], object]]]:
+    """Run a robot of rospy, and give what ends its master.
+
+    A node of `kg` ends its subscriptions when it loses the master, and may lose it before the controller does. A node
+    of rospy keeps its connections.
+    """
+    from robot.driving.test_debian import ROVER  # noqa: PLC0415 - needs packages of Debian
+    from robot.ros1.debian import rosmaster, rospy  # noqa: PLC0415 - as above
+
+    with ExitStack() as master:
+        port = master.enter_context(rosmaster())
+        with rospy(port, ROVER) as process:
+            yield Robot(process, f"ros1://127.0.0.1:{port}"), master.close
 
 
 @contextmanager
@@ -148,22 +154,26 @@ EVENTS: Final[dict[str, Callable[[subprocess.Popen[str]], None]]] = {
 
 def _of_command(command: tuple[str, ...], event: str, seconds: float, ros: int) -> float | None:
     """Return the seconds from an event of a command to zero."""
-    with tempfile.TemporaryDirectory() as folder, robot(ros) as (found, master):
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        if event == MASTER_STOPPED:
+            found, end_master = stack.enter_context(robot_beside_master())
+        else:
+            found = stack.enter_context(robot(ros))
         (Path(folder) / "endless.kgp").write_text(PROGRAM, "utf-8")
         arguments = ["-m", "kg", "robot", *command, "--robot", found.address]
-        with _process(arguments, folder) as process:
-            moving(found)
-            begun = time.monotonic()
-            if event == "master stopped" and master is not None:
-                master.kill()
-            else:
-                EVENTS[event](process)
-            return since(found, begun, seconds)
+        process = stack.enter_context(_process(arguments, folder))
+        moving(found)
+        begun = time.monotonic()
+        if event == MASTER_STOPPED:
+            end_master()
+        else:
+            EVENTS[event](process)
+        return since(found, begun, seconds)
 
 
 def _of_page(event: str, seconds: float, ros: int) -> float | None:
     """Return the seconds from an event of a page that drives by hand to zero."""
-    with ExitStack() as stack, tempfile.TemporaryDirectory() as folder, robot(ros) as (found, _):
+    with ExitStack() as stack, tempfile.TemporaryDirectory() as folder, robot(ros) as found:
         port = stack.enter_context(own_port())
         arguments = ["-m", "kg", "serve", "--robot", found.address, "--port", str(port)]
         with _process(arguments, folder, KG_TOKEN=TOKEN) as server, _client(port) as client:
@@ -211,13 +221,13 @@ def _client(port: int) -> Iterator[httpx.Client]:
 def moving(found: Robot) -> None:
     """Wait until the robot has moved for a moment; TimeoutError when it does not."""
     for _ in range(5):
-        if found.until("speed 0.5", START) is None:
+        if found.until(0.5, START) is None:
             raise TimeoutError("the robot does not move")
 
 
 def since(found: Robot, begun: float, seconds: float) -> float | None:
     """Return the seconds from `begun` to zero."""
-    at = found.until("speed 0", seconds)
+    at = found.until(0, seconds)
     return None if at is None else at - begun
 
 
@@ -228,7 +238,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=8.0)
     given = parser.parse_args()
     print("| event | driven by | ROS 1 | DDS |\n|---|---|---|---|")
-    commands = [(event, command) for event in (*EVENTS, "master stopped") for command in (DO, RUN)]
+    commands = [(event, command) for event in (*EVENTS, MASTER_STOPPED) for command in (DO, RUN)]
     pages = ("page closed", "page silent", "STOP pressed", "server killed (SIGKILL)")
     cases: list[tuple[str, str, Callable[[int], float | None]]] = [
         (event, f"`kg robot {command[0]}`", partial(_of_command, command, event, given.seconds))
@@ -238,7 +248,7 @@ def main() -> None:
     for event, name, measure in cases:
         cells = []
         for ros in (1, 2):
-            if (event, ros) == ("master stopped", 2):
+            if (event, ros) == (MASTER_STOPPED, DDS):
                 cells.append("no master")
                 continue
             times = [measure(ros) for _ in range(given.repeats)]

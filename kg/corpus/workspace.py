@@ -294,10 +294,13 @@ class Workspace:
         return None
 
     def _module_anywhere(self, parts: str, near: FilePath, home: Place | None) -> FilePath | None:
-        """Return a module whose folder is a possible root of imports, that is, no Python package itself."""
+        """Return a module whose folder is a possible root of imports, that is, no Python package itself.
+
+        The name of a ROS package means its Python package, with its messages, and not a program of the same name.
+        """
         fits = []
         for file in self._python[parts.rpartition("/")[2]]:
-            if not file.path.endswith(".py"):
+            if not file.path.endswith(".py") or (parts in self._packages and not file.path.endswith("/__init__.py")):
                 continue
             stem = _module_stem(file.path)
             root = stem[: -len(parts)].rstrip("/")

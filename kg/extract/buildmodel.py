@@ -100,3 +100,5 @@ class BuildModel:
     """Pairs of target name and YAML file of `generate_parameter_library`."""
     reconfigure_files: tuple[str, ...] = ()
     """The `.cfg` files of dynamic_reconfigure."""
+    ros: int = 2
+    """The version of ROS that the package is read for."""

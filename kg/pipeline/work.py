@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
@@ -117,7 +118,10 @@ def read_package(
         from kg.launch.files import reading  # noqa: PLC0415 - a quarter of all modules, and few packages need it
 
         nothing: tuple[LaunchConfiguration, ...] = ()
-        launches = guard(reader, reading.read_launches, nothing, reader, package, facts.package.ros)
+        known = facts.package
+        launches = guard(
+            reader, partial(reading.read_launches, for_both=known.for_both), nothing, reader, package, known.ros
+        )
         facts = replace(facts, launches=launches, problems=reader.sorted_problems(), inputs=reader.inputs)
     return replace(facts, snippets=read_snippets(reader, facts))
 

@@ -188,7 +188,7 @@ KINDS: Final[Mapping[str, str]] = {
 RESULTS: Final[Mapping[str, str]] = {
     **dict.fromkeys(("parameter", "is set", "path", "namespace", "own namespace", "own prefix"), ""),
     **dict.fromkeys(("node name", "host", "self"), ""),
-    **dict.fromkeys(("is declared", "argument", "private", "resolved", "sub node", "camera info"), INDEX),
+    **dict.fromkeys(("is declared", "automatic", "argument", "private", "resolved", "sub node", "camera info"), INDEX),
     **dict.fromkeys(("format", "package"), INDEX),
     "handle": "NAMESPACE",
     "duration": SECONDS,

@@ -54,6 +54,7 @@ if TYPE_CHECKING:
 __all__ = ["Declared", "Framework"]
 
 _NODES: Final = ("node", "handle")
+_AUTOMATIC: Final = "automatically_declare_parameters_from_overrides"
 _UNKNOWN_NODE: Final = Unknown("it has no node")
 
 
@@ -248,7 +249,7 @@ class Framework:
         if described.is_a == "handle":
             made.native["namespace"] = handle_namespace(arguments)
         elif described.is_a == "node":
-            self._construct_node(made, described, arguments)
+            self._construct_node(made, described, given)
         elif described.is_a == "carrier":
             made.native["node"] = arguments[0] if arguments else _UNKNOWN_NODE
         elif described.is_a == "qos":
@@ -281,9 +282,13 @@ class Framework:
             owner = next((one for one in nodes if self.is_node(one)), None)
         self.marks.append((key, owner, tuple(self.machine.stack), detail))
 
-    def _construct_node(self, made: Object, described: ClassDescription, arguments: list[Value]) -> None:
-        given = Invocation(None, Arguments(arguments)).argument(described.namespace)
-        made.native["namespace"] = given if isinstance(given, Text) else EMPTY
+    def _construct_node(self, made: Object, described: ClassDescription, given: Arguments) -> None:
+        arguments = given.values
+        namespace = Invocation(None, Arguments(arguments)).argument(described.namespace)
+        made.native["namespace"] = namespace if isinstance(namespace, Text) else EMPTY
+        options = (one.native.get("automatic") for one in arguments if isinstance(one, Object))
+        automatic = next((one for one in (given.named.get(_AUTOMATIC), *options) if one is not None), Truth(False))
+        made.native["automatic"] = automatic
         if described.node_name is not None and len(arguments) > described.node_name:
             made.native["name"] = arguments[described.node_name]
         if made in self.nodes:

@@ -98,7 +98,7 @@ def _from(language: Language, source: str, call: Invocation, effect: Effect) -> 
     if argument is None:
         return None
     if what == "callback":
-        found = _callback_type(language, argument, 2 if effect.role is Role.SERVICES and effect.ros == 1 else 1)
+        found = _callback_type(language, argument, 2 if effect.role is Role.SERVICES else 1)
         return found if found is not None else _first_parameter(language, call, int(index))
     if what == "text":
         return _of_names(argument.known.split("/")) if isinstance(argument, Text) and argument.known else None
@@ -122,10 +122,10 @@ def _first_parameter(language: Language, call: Invocation, index: int) -> str | 
     return type_name(language.message(first.kind, call.arguments.frame)) if isinstance(first, TypeValue) else None
 
 
-def _callback_type(language: Language, callback: Value, least: int) -> str | None:
-    """Return the type of the first parameter of a callback; of overloads, of one with `least` parameters."""
+def _callback_type(language: Language, callback: Value, usual: int) -> str | None:
+    """Return the type of the first parameter of a callback; of overloads, of that with about `usual` parameters."""
     for one in alternatives(callback):
-        function, bound, skip = _callee(language, one, least)
+        function, bound, skip = _callee(language, one, usual)
         parameters = function.parameters[skip:] if function is not None else ()
         if function is None or not parameters or parameters[0].type is None:
             continue
@@ -136,7 +136,7 @@ def _callback_type(language: Language, callback: Value, least: int) -> str | Non
     return None
 
 
-def _callee(language: Language, callback: Value, least: int) -> tuple[Function | None, dict[str, Value], int]:
+def _callee(language: Language, callback: Value, usual: int) -> tuple[Function | None, dict[str, Value], int]:
     """Return the function that a callback runs, its template arguments, and the number of bound parameters."""
     if isinstance(callback, Closure):
         return callback.function, {}, len(callback.bound)
@@ -152,6 +152,5 @@ def _callee(language: Language, callback: Value, least: int) -> tuple[Function |
         listed = [(function, {}) for function in callback.functions]
     if not listed:
         return None, {}, 0
-    fitting = (pair for pair in listed if len(pair[0].parameters) - callback.skip >= least)
-    function, bound = next(fitting, listed[0])
+    function, bound = min(listed, key=lambda pair: abs(len(pair[0].parameters) - callback.skip - usual))
     return function, {**bound, **dict(zip(function.template, callback.template, strict=False))}, callback.skip

@@ -68,8 +68,11 @@ def result(framework: Framework, returns: str | None, call: Invocation, paramete
 
 def _of_argument(framework: Framework, what: str, argument: Value, node: Value | None) -> Value:
     if what == "is declared":
-        known = argument.known if isinstance(argument, Text) else None
-        return Truth(framework.parameters.declares(node, known)) if known is not None else _DEPENDS
+        return _is_declared(framework, argument, node)
+    if what == "automatic":
+        if isinstance(node, Object):
+            node.native["automatic"] = argument
+        return node if node is not None else Unknown("it is not known")
     if what == "package":
         return concatenate(Text.of("package://"), argument)
     if what == "resolved":
@@ -81,3 +84,14 @@ def _of_argument(framework: Framework, what: str, argument: Value, node: Value |
         native = {"namespace": below(namespace_of(node), argument)}
         return Object(Kind(("rclcpp", "Node")), native=native if node is None else {**native, "of": node})
     return camera_info(argument) if what == "camera info" else argument
+
+
+def _is_declared(framework: Framework, name: Value, node: Value | None) -> Value:
+    """Return whether a parameter is declared; those of launch files can be, without code, if the node says so."""
+    known = name.known if isinstance(name, Text) else None
+    if known is None:
+        return _DEPENDS
+    if framework.parameters.declares(node, known):
+        return Truth(True)
+    automatic = node.native.get("automatic") if isinstance(node, Object) else None
+    return Truth(False) if automatic in (None, Truth(False)) else _DEPENDS

@@ -317,7 +317,7 @@ def options(values: Iterable[Value], choice: object) -> Value:
         else:
             return first
     solid = [value for value in values if type(value) is not Unknown or value.parameter is not None]
-    if len(solid) == 1 and type(solid[0]) is not Truth and type(solid[0]) is not Either:
+    if len(solid) == 1 and type(solid[0]) not in _DECISIVE:
         return solid[0]  # as `_any_of`, which leaves out what is not known
     found: list[tuple[Value, Way]] = []
     for index, value in enumerate(values):
@@ -405,7 +405,8 @@ def join(*values: Value) -> Value:
     """Return a value that is any of some values.
 
     A parameter without default that falls back to another value has that value as its default. Unknown values leave
-    the others, but a truth value that can also be unknown is unknown, since both sides of a branch on it can run.
+    the others, but a truth value or number that can also be unknown is unknown, since both sides of a branch on it can
+    run.
     """
     if len(values) == 1:
         return values[0]
@@ -427,18 +428,38 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
         pairs, found = [], known
     if LENGTH in found:
         return LENGTH
-    if {type(item) for item in found} == {Truth, Unknown}:
+    if {type(item) for item in found} in ({Truth, Unknown}, {Number, Unknown}):
         return next(item for item in found if isinstance(item, Unknown))
     if len(found) > 1 and any(not isinstance(item, Unknown) for item in found):
         found = [item for item in found if not isinstance(item, Unknown) or item.parameter is not None] or found
     if len(found) > MOST_ALTERNATIVES:
-        return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
+        return _union(found) or Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
     if len(found) == 1:
         return found[0]
     kept = [pair for pair in pairs if pair[0] in found]
     if len(kept) > MOST_ALTERNATIVES or not any(way for _, way in kept):
         return Either(tuple(found))
     return Either(tuple(item for item, _ in kept), tuple(way for _, way in kept))
+
+
+_DECISIVE: Final = frozenset({Truth, Number, Either})
+"""Values that are not taken alone where they may also be unknown: conditions depend on them, or they are several."""
+
+
+def _union(found: list[Value]) -> Value | None:
+    """Return a container with the elements of all of some containers; None if they are not all lists, or all maps."""
+    lists = [one for one in found if isinstance(one, Sequence) and one.parameter is None]
+    maps = [one for one in found if isinstance(one, Mapping) and one.parameter is None]
+    if len(lists) == len(found):
+        items = _unique(item for one in lists for item in one.items)
+        return Sequence(tuple(items), any(one.open for one in lists), repeated=True)
+    if len(maps) < len(found):
+        return None
+    pairs: list[tuple[Value, Value]] = []
+    for pair in (pair for one in maps for pair in one.items):
+        if pair not in pairs:
+            pairs.append(pair)
+    return Mapping(tuple(pairs), any(one.open for one in maps), default=maps[0].default)
 
 
 def _with_defaults(found: list[Value]) -> list[Value]:

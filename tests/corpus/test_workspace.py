@@ -90,6 +90,13 @@ def test_module_of_another_package(tmp_path: Path) -> None:
     assert workspace.module("tools", near=near) is None
 
 
+def test_programs_are_not_the_package_of_their_name(tmp_path: Path) -> None:
+    """A program that is called like its ROS package is not what other packages import by that name."""
+    workspace, name = build(tmp_path, "a/src/n.py", "queue/nodes/queue.py", "tools/src/helper.py")
+    assert workspace.module("queue", near=FilePath(name, "a/src/n.py")) is None
+    assert workspace.module("helper", near=FilePath(name, "a/src/n.py")) == (name, "tools/src/helper.py")
+
+
 def test_definitions(tmp_path: Path) -> None:
     """Interface definitions are found by package, name and kind."""
     workspace, name = build(tmp_path, "a/msg/Scan.msg", "a/srv/Scan.srv")

@@ -11,6 +11,7 @@ from kg.symbolic.values import (
     PLACEHOLDER,
     Bound,
     Closure,
+    Either,
     Enumerator,
     Mapping,
     Number,
@@ -25,7 +26,7 @@ from kg.symbolic.values import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Function, Parameter
@@ -60,6 +61,34 @@ def _parts(of: Object) -> list[Object]:
         held = (value for value in one.fields.values() if isinstance(value, Object) and value.kind.cls is not None)
         found += [value for value in dict.fromkeys(held) if value not in found][: _MOST_PARTS - len(found)]
     return found
+
+
+def _held(of: Object) -> list[tuple[str, Closure | Bound]]:
+    """Return the functions that an object and what it holds have, each with the name of the field."""
+    found: list[tuple[str, Closure | Bound]] = []
+    seen = {id(of)}
+    pending = [of]
+    while pending and len(seen) < _MOST_PARTS:
+        for name, field in pending.pop().fields.items():
+            for value in _elements(field):
+                if isinstance(value, Closure | Bound):
+                    found.append((name, value))
+                elif isinstance(value, Object) and value.kind.cls is not None and id(value) not in seen:
+                    seen.add(id(value))
+                    pending.append(value)
+    return found
+
+
+def _elements(held: object) -> Iterator[object]:
+    """Yield a value and, of a container, the values in it."""
+    if isinstance(held, Sequence | Either):
+        for item in held.items:
+            yield from _elements(item)
+    elif isinstance(held, Mapping):
+        for _, item in held.items:
+            yield from _elements(item)
+    else:
+        yield held
 
 
 class Callbacks:
@@ -112,7 +141,7 @@ class Callbacks:
     def _is_idle(self, function: Function, this: Value | None) -> bool:
         """Check whether a callback reaches no effect. It is not run then, and what it changes becomes unknown."""
         reach = self._language.linker.project.reach
-        if reach.reaches(function):
+        if reach.reaches(function) or (isinstance(this, Object) and self._runs_held(function, this)):
             return False
         changed = reach.changes(function)
         for of in _parts(this) if isinstance(this, Object) and changed else ():
@@ -120,6 +149,19 @@ class Callbacks:
                 if _decides(of.fields[name]):
                     self._language.machine.write(of.fields, name, Unknown("a callback changes it"))
         return True
+
+    def _runs_held(self, function: Function, this: Object) -> bool:
+        """Check whether a callback can call a function that its object holds, and that reaches an effect."""
+        reach = self._language.linker.project.reach
+        held = {name for name, one in _held(this) if any(map(reach.reaches, self._functions(one)))}
+        return not held.isdisjoint(reach.uses([function])) if held else False
+
+    def _functions(self, called: Closure | Bound) -> Iterable[Function]:
+        if isinstance(called, Closure):
+            return (called.function,)
+        if isinstance(called.of, Object):
+            return [function for function, _ in self._language.methods(called.of.kind, called.name)]
+        return called.functions
 
     def _run(self, called: Closure | Bound, *, always: bool) -> None:
         """Call a function with arguments of its own types that come from outside."""
@@ -141,13 +183,14 @@ class Callbacks:
             for function, bound, handles in sorted(overloads, key=lambda one: not one[2])[:1]:
                 if not always and self._is_idle(function, called.of):
                     continue
-                frame = frame_of(function, bound, called.of)
+                types = {**bound, **dict(zip(function.template, called.template, strict=False))}
+                frame = frame_of(function, types, called.of)
                 machine.invoke(function, frame, self._unknown(function.parameters, frame, handles | bound_values))
         else:
             for function in called.functions[:1]:
                 if self._is_idle(function, None):
                     continue
-                frame = frame_of(function)
+                frame = frame_of(function, dict(zip(function.template, called.template, strict=False)))
                 machine.invoke(function, frame, self._unknown(function.parameters, frame, bound_values))
 
     def _handed(self, of: Object, function: Function) -> dict[int, Value]:

@@ -9,7 +9,7 @@ from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
 from kg.extract.cpp.kinds import frame_of, inside, this_of
 from kg.symbolic import form
-from kg.symbolic.kinds import POINTERS, pointee
+from kg.symbolic.kinds import POINTERS, is_pointer, pointee
 from kg.symbolic.operators import NULL
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
@@ -61,7 +61,7 @@ class Calls:
             of = self._inherited_handle(machine.value(function.of, frame), function, frame)
             values = machine.arguments(expression.arguments, frame)
             given = Arguments(values, self._kinds.template(function.template, frame), expression, frame)
-            if type(of) is not Either:
+            if type(of) is not Either or library.changes(of, function.name):
                 return self.method(of, function.name, given, function.of)
             return join(*(self.method(one, function.name, given, function.of) for one in alternatives(of)))
         if isinstance(function, form.Type):
@@ -102,6 +102,7 @@ class Calls:
         if isinstance(called, Bound):
             if called.given:
                 given = Arguments(called.filled(given.values), frame=given.frame)
+            given = replace(given, template=given.template or called.template)
             if isinstance(called.of, Object):
                 return self.method(called.of, called.name, given)
             if called.functions:
@@ -188,6 +189,7 @@ class Calls:
         kind = self._kinds.kind(form.Type(names, function.template), frame)
         if isinstance(kind, Kind) and (
             kind.cls is not None
+            or is_pointer(kind)
             or language.machine.framework.constructs(kind)
             or (not given.values and (kind.names != names or names[-2:-1] == ("msg",)))
         ):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.extract.cpp import library
@@ -115,7 +116,7 @@ class Cpp:
                 return held
         functions = self.linker.find_functions(names, frame.unit, frame.scope)
         if functions:
-            return Bound(last, None, tuple(functions))
+            return Bound(last, None, tuple(functions), template=self.kinds.template(expression.template, frame))
         known = self.machine.framework.constant(names)
         if known is not None:
             return known
@@ -155,16 +156,20 @@ class Cpp:
         outer = self.kinds.kind(form.Type(names[:-1]), frame)
         if not isinstance(outer, Kind) or outer.cls is None:
             return None
-        for cls, bound in self.chain(outer)[0]:
-            declared = cls.fields.get(names[-1])
+        cls = outer.cls
+        methods = self.declarations(outer, names[-1])
+        if cls.template and not any(function.template for function, _ in methods):
+            # `A<T>::member`, or `A::member` in a method of `A<T>`.
+            outer = replace(outer, arguments=template) if template else self._instance(outer, frame)
+            template = ()
+        for owner, bound in self.chain(outer)[0]:
+            declared = owner.fields.get(names[-1])
             if declared is not None and declared.value is not None:
-                return library.as_constant(self._declared(declared, declared.value, inside(cls, bound)))
-        found = self.linker.find_variable(names[-2:], outer.cls.unit, outer.cls.scope)
+                return library.as_constant(self._declared(declared, declared.value, inside(owner, bound)))
+        found = self.linker.find_variable(names[-2:], cls.unit, cls.scope)
         if found is not None:
             return self._global(found, names[-1])
-        if self.declarations(outer, names[-1]):
-            return Bound(names[-1], self._instance(outer, frame), template=template)
-        return None
+        return Bound(names[-1], outer, template=template) if methods else None
 
     def _instance(self, kind: Kind, frame: Frame) -> Kind:
         """Return a class with the template arguments that it has in the running object, if it is a class of that."""

@@ -101,6 +101,7 @@ _ADDERS: Final = frozenset(
         "try_emplace", "emplace_front",
     }
 )  # fmt: skip
+_CHANGERS: Final = _ADDERS | {"append", "operator+=", "assign", "clear", "erase", "pop_back", "replace", "resize"}
 _HOLDERS: Final = frozenset({"optional", "variant", "any"})
 """Templates whose objects hold one object, which `emplace` constructs."""
 _ENDS: Final = {"front": 0, "back": -1, "top": -1}
@@ -438,8 +439,16 @@ def _emplaced(language: Cpp, given: Arguments, written: Expression, frame: Frame
     return [*keys, language.construct(inner.kind, given.values[len(keys) :], frame, given.line)]
 
 
+def changes(of: Either, name: str) -> bool:
+    """Return whether a method changes a container or a text, whichever of some it is."""
+    return name in _CHANGERS and all(isinstance(one, Sequence | Mapping | Text) for one in of.items)
+
+
 def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
     """Return a container or a text after a method changed it; None for other methods."""
+    if isinstance(of, Either):
+        changed = [_changed(one, name, values) for one in of.items]
+        return join(*(one for one in changed if one is not None)) if None not in changed else None
     if name in _ADDERS:
         return _added(of, name, values)
     if name in ("append", "operator+=") and isinstance(of, Text):

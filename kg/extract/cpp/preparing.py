@@ -9,6 +9,8 @@ import re
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.cpp.conditions import holds
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -27,13 +29,16 @@ _CONNECTED: Final = re.compile(rb"\b((?:SIGNAL|SLOT)\(\s*)(\w+\s*\([^()]*\))(?=\
 _DIRECTIVE: Final = re.compile(
     rb"^[ \t]*#[ \t]*(if|ifdef|ifndef|elif|else|endif)\b(?:[^\n\\]|\\\r?\n|\\.)*", re.MULTILINE
 )
-_NEVER: Final = re.compile(rb"#[ \t]*(?:el)?if[ \t]+(?:0|false)\s*(?:/[/*].*)?$")
+_DEFINED: Final = re.compile(rb"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
 _HAS_INCLUDE: Final = b"__has_include"
 _VISIBLE: Final = re.compile(rb"[^\r\n]")
 
 
-def prepared(source: bytes) -> bytes:
-    """Return a source of the same length without macros that hide declarations, and without split blocks."""
+def prepared(source: bytes, ros: int) -> bytes:
+    """Return a source of the same length as a package of ROS 1 or 2 compiles it.
+
+    It lacks macros that hide declarations, code for the other ROS, and the sides of `#if` that split a block.
+    """
     if any(one.search(source) for one in _EXPORTED):
         source = _CLASS_HEAD.sub(lambda m: m[1] + m[2] + b" " * len(m[3]) + m[4], source)
     source = _VISIBILITY.sub(_unless_directive(_spaces), source)
@@ -41,7 +46,7 @@ def prepared(source: bytes) -> bytes:
         source = _QT.sub(_unless_directive(_of_qt), source)
     if b"SIGNAL(" in source or b"SLOT(" in source:
         source = _CONNECTED.sub(lambda m: m[1] + b"0" + _VISIBLE.sub(b" ", m[2])[1:], source)
-    return _without_split_blocks(source) if b"#if" in source or b"# if" in source else source
+    return _without_branches(source, ros) if b"#if" in source or b"# if" in source else source
 
 
 def _spaces(match: re.Match[bytes]) -> bytes:
@@ -66,12 +71,14 @@ def _unless_directive(change: Callable[[re.Match[bytes]], bytes]) -> Callable[[r
     return changed
 
 
-def _without_split_blocks(source: bytes) -> bytes:
-    """Return a source in which each `#if` that splits a block of code has one side left: the first that is not `#if 0`.
+def _without_branches(source: bytes, ros: int) -> bytes:
+    """Return a source without the sides of `#if` that are for the other ROS, or that split a block of code.
 
-    All sides of a test with `__has_include` are left; the grammar does not know the test itself.
+    Of the sides that split a block the first is left that may be compiled. All sides of a test with `__has_include` are
+    left; the grammar does not know the test itself.
     """
     found = bytearray(source)
+    defined = frozenset(_DEFINED.findall(source))
     groups: list[list[re.Match[bytes]]] = []
     for directive in _DIRECTIVE.finditer(source):
         if directive[1].startswith(b"if"):
@@ -79,20 +86,28 @@ def _without_split_blocks(source: bytes) -> bytes:
         elif groups:
             groups[-1].append(directive)
             if directive[1] == b"endif":
-                _keep_one_side(found, groups.pop())
+                group = groups.pop()
+                _keep_sides(found, group, [holds(one[0], ros, defined) for one in group[:-1]])
     return bytes(found)
 
 
-def _keep_one_side(source: bytearray, marks: list[re.Match[bytes]]) -> None:
+def _keep_sides(source: bytearray, marks: list[re.Match[bytes]], known: list[bool | None]) -> None:
+    """Blank the sides of an `#if` that are not compiled, and its directives if the grammar cannot read them.
+
+    `known` has for each side whether its condition holds, None if that is unknown.
+    """
     sides = [(one.end(), other.start()) for one, other in pairwise(marks)]
+    first = known.index(True) if True in known else len(known)
+    live = [place for place, one in enumerate(known[: first + 1]) if one is not False]
     splits = any(_splits(source, *side) for side in sides)
-    if not splits and not any(_HAS_INCLUDE in mark[0] for mark in marks):
+    if splits:
+        live = live[:1]
+    elif live == list(range(len(sides))) and not any(_HAS_INCLUDE in mark[0] for mark in marks):
         return
-    kept = next((place for place, mark in enumerate(marks[:-1]) if not _NEVER.search(mark[0])), None)
     for mark in marks:
         _blank(source, mark.start(), mark.end())
     for place, (start, end) in enumerate(sides):
-        if splits and place != kept:
+        if place not in live:
             _blank(source, start, end)
 
 

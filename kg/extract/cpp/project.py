@@ -72,10 +72,10 @@ class _Cache:
         self._held: OrderedDict[FilePath, tuple[bytes, CppUnit]] = OrderedDict()
         self._bytes = 0
 
-    def get(self, file: FilePath, content: bytes) -> CppUnit | None:
-        """Return the unit of a file with these contents."""
+    def get(self, file: FilePath, content: bytes, ros: int) -> CppUnit | None:
+        """Return the unit of a file with these contents, as a package of ROS 1 or 2 compiles it."""
         known = self._held.get(file)
-        if known is None or known[0] != content:
+        if known is None or known[0] != content or known[1].ros != ros:
             return None
         self._held.move_to_end(file)
         return known[1]
@@ -111,6 +111,7 @@ class Project:
         self._mentioned: dict[str, bool] = {}
         self.package = package
         self.repository = reader.repository
+        self._ros = build.ros
         self._place = Place(reader.repository, package.path, package.name)
         self._units: dict[FilePath, CppUnit | None] = {}
         self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
@@ -149,10 +150,10 @@ class Project:
 
     def _parse(self, file: FilePath, data: bytes) -> CppUnit:
         own = self.is_own(file)  # always looked up: the record must not depend on the cache
-        known = _cache.get(file, data)
+        known = _cache.get(file, data, self._ros)
         if known is not None:
             return known
-        made = CppUnit(file, data)
+        made = CppUnit(file, data, self._ros)
         if not own or not _is_source(file.path):
             _cache.keep(data, made)
         return made

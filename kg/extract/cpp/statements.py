@@ -47,10 +47,11 @@ _SHELLS: Final = frozenset(
     {"translation_unit", "expression_statement", "parenthesized_expression", "comma_expression", "ERROR"}
 )
 _IDENTIFIERS: Final = Query(syntax.LANGUAGE, "(identifier) @name")
+_STRUCTURED: Final = "structured_binding_declarator"
 _ELEMENT: Final = Type(("auto",), reference=True)
-"""The type of an iterator, which means the element that it is at."""
+"""The type of a name that means an element: an iterator the one that it is at, or a name of a structured binding."""
 _BODIES: Final = frozenset({"compound_statement", "translation_unit", "declaration_list"})
-_BEGINNINGS: Final = frozenset({"begin", "cbegin", "rbegin", "crbegin"})
+_BEGINNINGS: Final = frozenset({"begin", "cbegin", "rbegin", "crbegin", "lower_bound"})
 
 
 class Statements:
@@ -105,17 +106,8 @@ class Statements:
         if target is None:
             return []
         written = declarator.child_by_field_name("value") if initialised else None
-        if target.type == "structured_binding_declarator" or (
-            target.type == "reference_declarator"
-            and any(c.type == "structured_binding_declarator" for c in target.named_children)
-        ):
-            held = self._expressions.expression(written) if written is not None else None
-            return [
-                Declare(
-                    line, name, None, Index(line, held, Literal(line, float(i), str(i))) if held is not None else None
-                )
-                for i, name in enumerate(_names(target))
-            ]
+        if _STRUCTURED in (target.type, *(child.type for child in target.named_children)):
+            return self._structured(target, written, line)
         kind = self._expressions.declared(node, target)
         if written is not None and written.type == "pointer_expression" and syntax.text(written).startswith("&"):
             kind = replace(kind, pointer=True)  # `auto p = &object`
@@ -124,6 +116,19 @@ class Statements:
         name = syntax.declared_name(target)
         value = self._begin(written, target, kind, line_of(declarator)) if written is not None else None
         return [Declare(line, syntax.text(name), kind, value, static)] if name is not None else []
+
+    def _structured(self, target: Node, written: Node | None, line: int) -> list[Declare]:
+        """Return the object without a name that `auto [a, b] = value` declares, and the names of its elements."""
+        kind = Type(("auto",), reference=target.type == "reference_declarator")
+        whole = syntax.text(target)
+        held = self._begin(written, target, kind, line) if written is not None else None
+        return [
+            Declare(line, whole, kind, held),
+            *(
+                Declare(line, name, _ELEMENT, Index(line, Name(line, (whole,)), Literal(line, float(i), str(i))))
+                for i, name in enumerate(_names(target))
+            ),
+        ]
 
     def _begin(self, written: Node, target: Node, kind: Type, line: int) -> Expression:
         """Return the first value of a variable: `= value`, `(value)` or `{value}`."""
@@ -293,10 +298,8 @@ class Statements:
     def _preprocessed(self, node: Node) -> list[Statement]:
         condition = node.child_by_field_name("condition")
         otherwise = node.child_by_field_name("alternative")
-        inside: list[Statement] = []
-        if condition is None or syntax.text(condition).strip() != "0":
-            skipped = {one.id for one in (condition, otherwise) if one is not None}
-            inside = self._statements(child for child in node.named_children if child.id not in skipped)
+        skipped = {one.id for one in (condition, otherwise) if one is not None}
+        inside = self._statements(child for child in node.named_children if child.id not in skipped)
         if otherwise is not None:
             inside += self.statement(otherwise)
         return inside

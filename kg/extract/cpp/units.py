@@ -177,9 +177,10 @@ class CppClass(Class):
 class CppUnit(Unit):
     """The declarations of one file, by name."""
 
-    def __init__(self, key: FilePath, source: bytes) -> None:
+    def __init__(self, key: FilePath, source: bytes, ros: int) -> None:
         self.key = key
-        self.source = prepared(source)
+        self.ros = ros
+        self.source = prepared(source, ros)
         self.classes: dict[str, list[Class]] = defaultdict(list)
         self.functions: dict[str, list[Function]] = defaultdict(list)
         """Functions with bodies at namespace scope, also methods, by their last name."""
@@ -287,8 +288,7 @@ class CppUnit(Unit):
             listed = node.child_by_field_name("parameters")
             self._macro(node, tuple(syntax.text(c) for c in listed.named_children) if listed is not None else ())
         elif kind in _CONTAINERS:
-            if kind != "preproc_if" or _condition(node) != "0":
-                self._read(node, scope)
+            self._read(node, scope)
         elif kind == "expression_statement":
             for child in node.named_children:
                 if child.type == "call_expression":
@@ -535,11 +535,6 @@ class CppUnit(Unit):
 def _is_statements(text: str) -> bool:
     stripped = text.strip()
     return ";" in stripped or stripped.startswith(("do ", "do{", "{", "if ", "if(", "static ", "return "))
-
-
-def _condition(node: Node) -> str:
-    found = node.child_by_field_name("condition")
-    return syntax.text(found).strip() if found is not None else ""
 
 
 def _template_names(node: Node) -> tuple[str, ...]:

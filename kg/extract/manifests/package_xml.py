@@ -106,7 +106,8 @@ def read_package_xml(reader: Reader, folder: PackageFolder) -> Manifest:
     if folder.manifest.endswith("manifest.xml"):
         return _rosbuild(root, folder, path)
     needed, exported = list(_dependencies(root)), list(_exports(root))
-    ros = _ros_version(needed, exported) or _by_build_files(reader, folder)
+    versions = _ros_versions(needed, exported)
+    ros = max(versions) if versions else _by_build_files(reader, folder)
     dependencies, exports = tuple(_under(ros, needed)), tuple(_under(ros, exported))
     package = Package(
         name=folder.name,
@@ -122,6 +123,7 @@ def read_package_xml(reader: Reader, folder: PackageFolder) -> Manifest:
         urls=tuple((str(e.get("type", "website")), text) for e in _all(root, "url") if (text := _flat(e))),
         dependencies=dependencies,
         deprecated=next((text or "yes" for tag, _, text, _ in exports if tag == "deprecated"), None),
+        for_both=len(versions) > 1,
     )
     return Manifest(package, exports)
 
@@ -192,15 +194,20 @@ def _build_type(dependencies: tuple[Dependency, ...], exports: tuple[Export, ...
     return "ament_cmake" if any(tool.startswith("ament_cmake") for tool in tools) else "cmake"
 
 
-def _ros_version(needed: list[tuple[str | None, Dependency]], exported: list[tuple[str | None, Export]]) -> int | None:
-    """Return 2 or 1 by build tool and client libraries; for both it is 2; None if neither shows it."""
+def _ros_versions(
+    needed: list[tuple[str | None, Dependency]], exported: list[tuple[str | None, Export]]
+) -> frozenset[int]:
+    """Return the versions of ROS that build tools show, or else client libraries; none if neither shows one."""
     for marks in (_TOOLS, _CLIENTS):
-        for ros in (2, 1):
+        found = set()
+        for ros in (1, 2):
             names = {dependency.name for dependency in _under(ros, needed)}
             types = {text for tag, _, text, _ in _under(ros, exported) if tag == "build_type"}
             if not (names | types).isdisjoint(marks[ros]):
-                return ros
-    return None
+                found.add(ros)
+        if found:
+            return frozenset(found)
+    return frozenset()
 
 
 def _by_build_files(reader: Reader, folder: PackageFolder) -> int:

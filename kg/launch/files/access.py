@@ -8,6 +8,7 @@ configuration without end.
 from __future__ import annotations
 
 import posixpath
+import re
 from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
@@ -27,6 +28,9 @@ SCHEME: Final = "package://"
 """What the folder of a package begins with in texts; it stands for what `$(find NAME)` gives when it runs."""
 
 _LOOSE: Final = "source://"
+_TEMPLATES: Final = (".in", ".em", ".xacro")
+"""What the names of files end in from which CMake, EmPy or xacro makes files when a package is built."""
+_SUBMODULE: Final = re.compile(rb"^\s*path\s*=\s*(\S+)", re.MULTILINE)
 _MOST_NAME: Final = 200
 """Characters of the name of a file or folder, which file systems bound to 255 bytes."""
 
@@ -102,12 +106,39 @@ class Files:
         if file is not None and self.exists(file):
             return Found(file)
         if file is not None:
-            return Found(None, LaunchProblemKind.MISSING_FILE, f"file not found: {text}", text)
+            return self.absent(file, text)
         package = text.removeprefix(SCHEME).partition("/")[0]
         if text.startswith(SCHEME) and self.share(package) is None:
             reason = f"the package '{package}' is neither in the build nor installed"
             return Found(None, LaunchProblemKind.UNKNOWN_PACKAGE, reason, package)
         return Found(None, reason=f"the file {text} is outside the build", subject=text)
+
+    def absent(self, file: FilePath, text: str) -> Found:
+        """Return why a file is absent: a build makes it, the robot does, it is in a submodule, or it is missing."""
+        unresolved = LaunchProblemKind.UNRESOLVED
+        for template in (f"{file.path}{ending}" for ending in _TEMPLATES):
+            if self.exists(FilePath(file.repository, template)):
+                return Found(None, unresolved, f"{text} is made from {template} when the package is built", text)
+        modules = self.read(FilePath(file.repository, ".gitmodules")) or b""
+        for folder in _SUBMODULE.findall(modules):
+            if file.path.startswith(f"{folder.decode()}/"):
+                return Found(None, unresolved, f"{text} is in the submodule {folder.decode()}, which is empty", text)
+        if self._is_ignored(file):
+            return Found(None, unresolved, f"{text} is not in the source: git ignores it", text)
+        return Found(None, LaunchProblemKind.MISSING_FILE, f"file not found: {text}", text)
+
+    def _is_ignored(self, file: FilePath) -> bool:
+        """Return whether the nearest `.gitignore` with a pattern for a file leaves it out."""
+        from pathspec import GitIgnoreSpec  # noqa: PLC0415 - few launch files name absent files
+
+        parts = file.path.split("/")
+        for depth in range(len(parts) - 1, -1, -1):
+            folder, inner = "/".join(parts[:depth]), "/".join(parts[depth:])
+            text = self.read(FilePath(file.repository, posixpath.join(folder, ".gitignore")))
+            found = GitIgnoreSpec.from_lines(text.decode().splitlines()).check_file(inner) if text else None
+            if found is not None and found.include is not None:
+                return found.include
+        return False
 
     def exists(self, file: FilePath) -> bool:
         """Return whether a file can be read."""

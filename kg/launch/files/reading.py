@@ -35,20 +35,30 @@ _OF_ROS2: Final = re.compile(
 """What only launch files of one version have."""
 
 
-def read_launches(reader: Reader, package: PackageFolder, ros: int) -> tuple[LaunchConfiguration, ...]:
+def read_launches(
+    reader: Reader, package: PackageFolder, ros: int, *, for_both: bool = False
+) -> tuple[LaunchConfiguration, ...]:
     """Return each launch file of `package`, evaluated with its default arguments; `ros` is the package's version.
 
-    Templates are left out. Malformed files of the package are also problems KG415 of the `reader`.
+    Templates are left out. Malformed files of the package are also problems KG415 of the `reader`. In a package
+    `for_both` versions of ROS, files of ROS 1 are not mistakes.
     """
     launches = (entry.path for entry in package.files if entry.kind is FileKind.LAUNCH)
     paths = sorted(path for path in launches if not _TEMPLATES & set(path.split("/")))
     found = [one for path in paths if (one := read_configuration(reader, path, ros)) is not None]
+    if for_both:
+        found = [replace(one, problems=tuple(map(_undecided, one.problems))) for one in found]
     own = {entry.path for entry in package.files}
     for problem in (problem for one in found for problem in one.problems):
         where = problem.location
         if problem.kind is LaunchProblemKind.MALFORMED and where.repository is None and where.path in own:
             reader.problem("KG415", problem.message, where.path, where.line or None)
     return tuple(found)
+
+
+def _undecided(problem: LaunchProblem) -> LaunchProblem:
+    other = problem.kind is LaunchProblemKind.OTHER_VERSION
+    return replace(problem, kind=LaunchProblemKind.UNRESOLVED) if other else problem
 
 
 def read_configuration(

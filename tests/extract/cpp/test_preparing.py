@@ -21,7 +21,7 @@ PIECES = (
 def test_every_byte_stays_at_its_place(pieces: list[str]) -> None:
     """What is left out becomes spaces: no byte moves, and lines end where they did."""
     source = "\n".join(pieces).encode()
-    found = prepared(source)
+    found = prepared(source, 2)
     assert len(found) == len(source)
     assert [at for at, one in enumerate(found) if one == ord("\n")] == [
         at for at, one in enumerate(source) if one == ord("\n")
@@ -43,10 +43,10 @@ def test_every_byte_stays_at_its_place(pieces: list[str]) -> None:
 def test_what_only_a_preprocessor_understands_is_read(source: str) -> None:
     """The grammar finds no error in what was prepared, though it finds one in the source."""
     assert parse(source.encode()).root_node.has_error
-    assert not parse(prepared(source.encode())).root_node.has_error
+    assert not parse(prepared(source.encode(), 2)).root_node.has_error
 
 
 def test_directives_stay() -> None:
     """A macro that is defined is left as it is."""
     source = b'#define A_PUBLIC __attribute__((visibility("default")))\n#define A_LOCAL int\n'
-    assert prepared(source) == source
+    assert prepared(source, 2) == source

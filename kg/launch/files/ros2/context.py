@@ -215,7 +215,8 @@ def find(context: Context, text: str) -> FilePath | None:
         return None
     found = file if context.files.exists(file) else _installed_elsewhere(context.files, text)
     if found is None:
-        context.problem(LaunchProblemKind.MISSING_FILE, f"file not found: `{text}`", text)
+        absent = context.files.absent(file, text)
+        context.problem(absent.kind, absent.reason or "", text)
     return found
 
 

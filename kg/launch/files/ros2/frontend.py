@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final, TypedDict
 
 import yaml
@@ -202,6 +203,8 @@ _IGNORED: Final = {"log", "log_info", "shutdown", "set_ros_log_dir", "reset_env"
 """Actions that start nothing and set nothing that a node could see."""
 
 _ROOT: Final = "launch"
+_ALIKE: Final = 0.75
+"""Between 0 and 1: how alike an unknown action and the one that is meant are at least."""
 
 
 def build(root: Element, place: Callable[[int], Location], problems: list[LaunchProblem]) -> Sequence[Action]:
@@ -229,7 +232,7 @@ class _Builder:
             return
         reader = _READERS.get(element.tag)
         if reader is None:
-            self.malformed(Malformed(f"unknown action `{element.tag}`", element.line))
+            self._unknown(element)
             return
         try:
             yield reader(self, element)
@@ -300,6 +303,16 @@ class _Builder:
     def executable(self, element: Element) -> Action:
         """`<executable>`."""
         return kinds.Executable(command=self.words(element, element.need("cmd")), **self.common(element))
+
+    def _unknown(self, element: Element) -> None:
+        """Note an action that is not of launch or launch_ros: a misspelt one, or one that an extension exposes."""
+        meant = get_close_matches(element.tag, (*_READERS, *_IGNORED), n=1, cutoff=_ALIKE)
+        if meant:
+            self.malformed(Malformed(f"unknown action `{element.tag}`; did you mean `{meant[0]}`?", element.line))
+            return
+        words = f"`{element.tag}` is not an action of launch or launch_ros; what an extension starts by it is unknown"
+        where = self.place(element.line)
+        self.problems.append(LaunchProblem(LaunchProblemKind.UNRESOLVED, words, where, subject=element.tag))
 
     def malformed(self, error: Malformed) -> None:
         """Record the problems of the file."""

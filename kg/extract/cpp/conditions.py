@@ -1,0 +1,131 @@
+"""Conditions of the preprocessor, as far as the version of ROS decides them.
+
+Packages for both versions of ROS name it in macros that no standard fixes: `ROS_VERSION`, `__ROS_VERSION` or
+`ROS_AVAILABLE` with a number, `ROS1`, `USE_ROS2` or `BUILDING_ROS1` defined or not.
+"""
+
+from __future__ import annotations
+
+import operator
+import re
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["holds"]
+
+_VERSION: Final = re.compile(rb"(?:\w*_)?ROS_?(?:VERSION|AVAILABLE|EDITION|VERSION_MAJOR)_*", re.IGNORECASE)
+_FLAG: Final = re.compile(
+    rb"(?:\w*_)?ROS_?([12])(?:_(?:AVAILABLE|BUILD|BUILDING|ENABLED|FOUND|SUPPORT|VERSION))?_*", re.IGNORECASE
+)
+_DIRECTIVE: Final = re.compile(rb"\s*#\s*(\w+)(.*)", re.DOTALL)
+_LEFT_OUT: Final = re.compile(rb"//.*|/\*.*?\*/|\\\r?\n", re.DOTALL)
+_TOKEN: Final = re.compile(rb"\w+|&&|\|\||[=!<>]=|[()!<>]|\S")
+_COMPARISONS: Final[dict[bytes, Callable[[int, int], bool]]] = {
+    b"==": operator.eq,
+    b"!=": operator.ne,
+    b"<": operator.lt,
+    b"<=": operator.le,
+    b">": operator.gt,
+    b">=": operator.ge,
+}
+
+
+def holds(directive: bytes, ros: int, defined: frozenset[bytes]) -> bool | None:
+    """Return whether the side after a directive is compiled in a package of ROS 1 or 2, if no side before it is.
+
+    Args:
+        directive: the line of `#if`, `#ifdef`, `#ifndef`, `#elif` or `#else`.
+        ros: the version of ROS.
+        defined: the macros that the file itself defines, guards of headers among them; nothing is known of them.
+
+    Returns:
+        None if something else than the version of ROS decides it.
+    """
+    found = _DIRECTIVE.match(directive)
+    if found is None:
+        return None
+    kind, condition = found[1], _LEFT_OUT.sub(b" ", found[2])
+    if kind == b"else":
+        return True
+    reading = _Reading(_TOKEN.findall(condition), ros, defined)
+    if kind in (b"ifdef", b"ifndef"):
+        known = reading.is_defined(condition.strip())
+        return known if kind == b"ifdef" or known is None else not known
+    return reading.whole()
+
+
+class _Reading:
+    """A condition that is read from left to right, in logic with an unknown truth (Kleene)."""
+
+    def __init__(self, tokens: list[bytes], ros: int, defined: frozenset[bytes]) -> None:
+        self._tokens = tokens
+        self._ros = ros
+        self._defined = defined
+        self._at = 0
+
+    def whole(self) -> bool | None:
+        """Return the truth of the condition; None if a part of it is unknown that decides, or cannot be read."""
+        known = self._either()
+        return known if self._at == len(self._tokens) else None
+
+    def is_defined(self, name: bytes) -> bool | None:
+        """Return whether a macro is defined."""
+        if name in self._defined:
+            return None
+        if flag := _FLAG.fullmatch(name):
+            return int(flag[1]) == self._ros
+        return True if _VERSION.fullmatch(name) else None
+
+    def _next(self) -> bytes:
+        return self._tokens[self._at] if self._at < len(self._tokens) else b""
+
+    def _take(self) -> bytes:
+        token = self._next()
+        self._at += 1
+        return token
+
+    def _either(self) -> bool | None:
+        found = [self._both()]
+        while self._next() == b"||":
+            self._take()
+            found.append(self._both())
+        return True if True in found else None if None in found else False
+
+    def _both(self) -> bool | None:
+        found = [self._one()]
+        while self._next() == b"&&":
+            self._take()
+            found.append(self._one())
+        return False if False in found else None if None in found else True
+
+    def _one(self) -> bool | None:
+        token = self._take()
+        if token == b"!":
+            known = self._one()
+            return None if known is None else not known
+        if token == b"(":
+            known = self._either()
+            return known if self._take() == b")" else None
+        if token == b"defined":
+            bracket = self._next() == b"(" and self._take()
+            known = self.is_defined(self._take())
+            return known if not bracket or self._take() == b")" else None
+        value = self._value(token)
+        if self._next() not in _COMPARISONS:
+            return None if value is None else value != 0
+        compared, other = _COMPARISONS[self._take()], self._value(self._take())
+        return None if value is None or other is None else compared(value, other)
+
+    def _value(self, token: bytes) -> int | None:
+        """Return the number that a word of a condition stands for."""
+        if token.isdigit():
+            return int(token)
+        if token in (b"true", b"false"):
+            return int(token == b"true")
+        if token in self._defined:
+            return None
+        if flag := _FLAG.fullmatch(token):
+            return int(int(flag[1]) == self._ros)
+        return self._ros if _VERSION.fullmatch(token) else None

@@ -1,0 +1,92 @@
+"""What the preprocessor compiles in packages of ROS 1 and ROS 2."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kg.extract.cpp.conditions import holds
+
+NONE: frozenset[bytes] = frozenset()
+ATOMS = {
+    "ROS_VERSION == 2": (False, True),
+    "defined(USE_ROS1)": (True, False),
+    "EXTRA": (None, None),
+    "0": (False,) * 2,
+}
+
+
+@pytest.mark.parametrize(
+    ("directive", "in_ros1", "in_ros2"),
+    [
+        ("#if ROS_AVAILABLE == 1", True, False),
+        ("#  elif ROS_AVAILABLE == 2 // with rclcpp", False, True),
+        ("#if defined __ROS_VERSION && __ROS_VERSION > 1", False, True),
+        ("#ifdef BUILDING_ROS1", True, False),
+        ("#ifndef BUILDING_ROS1", False, True),
+        ("#if !(defined(USE_ROS2))", True, False),
+        ("#if WITH_EXTRAS && ROS_VERSION == 1", None, False),
+        ("#if WITH_EXTRAS || ROS_VERSION == 1", True, None),
+        ("#if ROS_VERSION == 1 || \\\n  ROS_VERSION == 2", True, True),
+        ("#if 0 /* never */", False, False),
+        ("#else", True, True),
+        ("#ifdef WITH_EXTRAS", None, None),
+        ("#if ROS_VERSION_MINIMUM(1, 14, 0)", None, None),
+        ("#if ROS_VERSION >= ROS_VERSION_COMBINED(1, 14, 0)", None, None),
+        ("#ifndef NODE_FOR_ROS2_H", None, None),
+    ],
+)
+def test_conditions_about_the_version_are_decided(
+    directive: str, *, in_ros1: bool | None, in_ros2: bool | None
+) -> None:
+    """A condition holds, does not, or depends on something else."""
+    assert holds(directive.encode(), 1, NONE) is in_ros1
+    assert holds(directive.encode(), 2, NONE) is in_ros2
+
+
+def test_what_the_file_defines_is_left_alone() -> None:
+    """A guard of a header looks like a flag for a version, and is defined in the file."""
+    assert holds(b"#ifndef FILTER_ROS2", 2, frozenset({b"FILTER_ROS2"})) is None
+
+
+def _truth(condition: object, ros: int) -> bool | None:
+    if isinstance(condition, str):
+        return ATOMS[condition][ros - 1]
+    assert isinstance(condition, tuple)
+    kind, *parts = condition
+    known = [_truth(part, ros) for part in parts]
+    if kind == "!":
+        return None if known[0] is None else not known[0]
+    decisive = kind == "||"
+    return decisive if decisive in known else None if None in known else not decisive
+
+
+def _written(condition: object) -> str:
+    if isinstance(condition, str):
+        return condition
+    assert isinstance(condition, tuple)
+    kind, *parts = condition
+    texts = [f"({_written(part)})" for part in parts]
+    return f"!{texts[0]}" if kind == "!" else f" {kind} ".join(texts)
+
+
+CONDITIONS = st.recursive(
+    st.sampled_from(sorted(ATOMS)),
+    lambda inner: st.one_of(
+        st.tuples(st.just("!"), inner), st.tuples(st.sampled_from(["&&", "||"]), inner, inner, inner)
+    ),
+    max_leaves=8,
+)
+
+
+@given(CONDITIONS, st.sampled_from([1, 2]))
+def test_logic_is_that_of_kleene(condition: object, ros: int) -> None:
+    """Conditions in brackets are as true as their parts make them."""
+    assert holds(f"#if {_written(condition)}".encode(), ros, NONE) is _truth(condition, ros)
+
+
+@given(st.binary(max_size=40))
+def test_no_condition_raises_an_error(text: bytes) -> None:
+    """Whatever follows `#if` is true, false or unknown."""
+    assert holds(b"#if " + text, 1, NONE) in {True, False, None}
