@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["NodeParameter", "find", "parsed", "read", "write"]
 
 _LIST: Final = "rcl_interfaces/ListParameters"
+_LISTING: Final = "/list_parameters"
 _PATIENCE: Final = 5.0
 """Seconds that a node may take to answer."""
 _UNSET: Final = "not set"
@@ -200,7 +201,8 @@ async def _read_nodes(connection: Connection, node: str | None) -> tuple[list[No
     if connection.ros == 1:
         raise RobotError("KG852", f"{connection.address} is a bridge, over which kg reads no parameters of ROS 1")
     graph = of_robot(await connection.graph())
-    nodes = {end.node for end in graph.ends if end.role is Role.SERVICES and end.type == _LIST}
+    services = {end.name for end in graph.ends if end.role is Role.SERVICES and end.type == _LIST}
+    nodes = {name.removesuffix(_LISTING) for name in services if name.endswith(_LISTING)}  # a bridge may tell no nodes
     if node is not None:
         called = f"/{node.strip('/')}"
         if called not in nodes:

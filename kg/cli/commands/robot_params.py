@@ -31,11 +31,12 @@ def params(  # noqa: PLR0913 - the options of a command
 
     With NODE, shows those of one node; with NAME, one of them; with VALUE, sets it. The value must have the type and be
     within the limits that the node describes, and the node can refuse it. A parameter can change how a robot moves:
-    nothing stops a robot when it is set. Write negative values after `--`. For example:
+    nothing stops a robot when it is set. Write a negative value last, after `--`. For example:
 
         kg robot params
         kg robot params /amcl max_beams
         kg robot params /controller_server FollowPath.max_vel_x 0.3
+        kg robot params /controller_server FollowPath.min_vel_x -- -0.1
         kg robot params /move_base base_local_planner dwa_local_planner/DWAPlannerROS --dry-run
     """
     from kg.cli.parameters import set_parameter, show_parameters  # noqa: PLC0415 - start-up time

@@ -58,7 +58,6 @@ class Ros2Connection:
         self._suiting = spawn(self._suit(), "following what publishers offer")
         self._ticking: asyncio.Task[None] | None = None
         self._states = States(self, watch.changed)
-        watch.amend = self._states.of
 
     @classmethod
     async def open(cls, wire: Middleware, address: Address, name: str) -> Self:
@@ -100,13 +99,21 @@ class Ros2Connection:
     async def graph(self) -> ComputationGraph:
         """Return the computation graph without our own node, when it was watched long enough to be complete."""
         self._present("KG802")
+        self._follow_states()
         await self.watch.settled()
         await self._states.told()
         return self.watch.now()
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
         """Yield the graph as it is, complete or not, and again each time that it has changed."""
+        self._follow_states()
         return self.watch.changes()
+
+    def _follow_states(self) -> None:
+        """Follow the states of managed nodes from when somebody looks at the graph: a watchdog does not."""
+        if self.watch.amend != self._states.of:
+            self.watch.amend = self._states.of
+            self.watch.changed()
 
     def ends(self, role: Role, name: str) -> list[LiveEnd]:
         """Return the ends of others of that role and name that are known now."""
