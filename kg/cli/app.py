@@ -194,6 +194,8 @@ ROBOT_COMMANDS: Final = (
         "robot_topics:topics",
         "List a robot's topics with types, publishers and subscribers.",
     ),
+    Later("Look", "nodes", "robot_topics:nodes", "List a robot's nodes with the states of managed ones."),
+    Later("Look", "params", "robot_params:params", "Show the parameters of running nodes, or set one."),
     Later(
         "Look",
         "watch",

@@ -1,8 +1,9 @@
-"""What `kg robot topics` and `kg robot record` do, and how they show it."""
+"""What `kg robot nodes`, `kg robot topics` and `kg robot record` do, and how they show it."""
 
 from __future__ import annotations
 
 import asyncio
+from collections import Counter
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,6 +18,7 @@ from kg.render.text import count
 from kg.robot.bag.recording import Recorder
 from kg.robot.clock import within
 from kg.robot.live import address_of, connected, inhabited, look
+from kg.robot.live.systems import is_implicit
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,8 +27,24 @@ if TYPE_CHECKING:
     from kg.robot.connection import ComputationGraph
     from kg.settings import Settings
 
-__all__ = ["list_topics", "record_topics"]
+__all__ = ["list_nodes", "list_topics", "record_topics"]
 
+_NODES: Final = (
+    Column("node", "name"),
+    Column("state"),
+    Column("publishes", "number"),
+    Column("subscribes", "number"),
+    Column("services", "number"),
+    Column("actions", "number"),
+    Column("where", "dim", spare=2),
+    Column("problem", spare=1),
+)
+_COUNTED: Final = {
+    "publishes": Role.PUBLISHES,
+    "subscribes": Role.SUBSCRIBES,
+    "services": Role.SERVICES,
+    "actions": Role.ACTION_SERVERS,
+}
 _TOPICS: Final = (
     Column("topic", "name"),
     Column("type"),
@@ -41,6 +59,27 @@ _RECORDED: Final = (
     Column("messages", "number"),
     Column("dropped", "number", spare=1),
 )
+
+
+def list_nodes(settings: Settings, *, json: bool) -> None:
+    """Write the nodes of a robot with their states and how many topics, services and actions they have of their own."""
+    graph = asyncio.run(look(address_of(settings)))
+    tell_problems(graph)
+    ends = {
+        (end.node, end.role, end.name) for end in graph.ends if not is_implicit(end.role, end.name, end.node, graph.ros)
+    }
+    counts = Counter((node, role) for node, role, _ in ends)
+    found = [
+        {
+            "name": node.name,
+            "state": node.state,
+            **{title: counts[node.name, role] for title, role in _COUNTED.items()},
+            "address": node.address,
+            "problem": node.problem,
+        }
+        for node in graph.nodes
+    ]
+    listing(_NODES, (tuple(one.values()) for one in found), objects=found if json else None)
 
 
 def list_topics(settings: Settings, *, json: bool) -> None:

@@ -29,6 +29,7 @@ _COLUMNS: Final = (
     Column("parameters", spare=1),
     Column("through", "dim", spare=4),
 )
+_UNAVAILABLE: Final = Column("unavailable")
 _SHOWN: Final = 2
 """So many ways of one capability are named in a table on a terminal."""
 _SIGN: Final = {"came": "+", "went": "-"}
@@ -46,7 +47,12 @@ def show_capabilities(found: Capabilities, *, every: bool, json: bool, none: str
     `none` is what is said where there are none.
     """
     chosen = [one for one in found.capabilities if every or one.ways]
-    listing(_COLUMNS, map(_row, chosen), objects=map(capability_object, found.capabilities) if json else None)
+    columns: tuple[Column, ...] = _COLUMNS
+    rows = [_row(one) for one in chosen]
+    if any(one.unavailable for one in chosen):
+        columns = (*columns, _UNAVAILABLE)
+        rows = [(*row, one.unavailable or "") for row, one in zip(rows, chosen, strict=True)]
+    listing(columns, rows, objects=map(capability_object, found.capabilities) if json else None)
     if json:
         return
     hidden = len(found.capabilities) - len(chosen)
@@ -123,6 +129,7 @@ def _say(event: Event) -> None:
     words = {
         "watching": f"watching {event.detail} as robot/{event.name}; Ctrl-C ends",
         "back": f"{event.name} is back",
+        "state": f"{event.name} is {event.detail}",
         "lost": f"{event.name} is lost: {event.detail}; waiting for it",
         "busy": f"{event.detail}; waiting for it",
         "problem": f"{event.name}: {event.detail}",

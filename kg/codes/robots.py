@@ -65,6 +65,19 @@ CODES: Final = {
         "No node of the system or package has a capability of this name.",
         "List all of them, including general ones, with `kg robot capabilities --all`.",
     ),
+    "KG819": CodeEntry(
+        "node not active",
+        "The robot has the capability, but the nodes that provide it are managed (ROS 2 life cycle) and in another "
+        "state than `active`. They do no work in that state.",
+        "Activate the node that the message names: `ros2 lifecycle set NODE activate`, or start its lifecycle manager. "
+        "`kg robot nodes` shows the states.",
+    ),
+    "KG843": CodeEntry(
+        "parameter not set",
+        "The node has no parameter of this name, it is read-only, the value has another type or is outside the limits "
+        "that the node describes, or the node refused the value.",
+        "Give a value as the message describes. `kg robot params NODE NAME` shows type, limits and meaning.",
+    ),
     "KG845": CodeEntry(
         "server without a robot",
         "This server was started without the address of a robot.",

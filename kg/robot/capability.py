@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Final, Literal
 
 import msgspec
 
-__all__ = ["Capabilities", "Capability", "Parameter", "Way"]
+from kg.facts import Role
+
+__all__ = ["Capabilities", "Capability", "Parameter", "Way", "role_of"]
+
+_SERVED_BY: Final = {"service": Role.SERVICES, "action": Role.ACTION_SERVERS}
 
 
 class Parameter(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -51,7 +55,8 @@ class Capability(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     `name` is the local name of the IRI (`drivingAtVelocity`): what programs and commands call it by. `kinds` are the
     labels of its classes from the most general (Sensing, Movement, RobotKnowledge) to its own. A capability without
     ways is a general one that others imply. `moves` is the part of the robot that is moved for as long as it is done:
-    of what moves the same part one is done at a time.
+    of what moves the same part one is done at a time. `unavailable` says why it cannot be read or done now, although
+    the robot has it: all its nodes are inactive (`kg.robot.lifecycle`).
     """
 
     iri: str
@@ -65,6 +70,7 @@ class Capability(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     ways: tuple[Way, ...] = ()
     implied_by: tuple[str, ...] = ()
     moves: str | None = None
+    unavailable: str | None = None
 
 
 class Capabilities(msgspec.Struct, frozen=True, kw_only=True):
@@ -72,3 +78,8 @@ class Capabilities(msgspec.Struct, frozen=True, kw_only=True):
 
     of: str
     capabilities: tuple[Capability, ...] = ()
+
+
+def role_of(way: Way, *, reads: bool) -> Role:
+    """Return the role of the nodes that a way leads to."""
+    return _SERVED_BY.get(way.kind, Role.PUBLISHES if reads else Role.SUBSCRIBES)

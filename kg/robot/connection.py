@@ -45,11 +45,15 @@ FAILURES: Final = (ArithmeticError, AttributeError, LookupError, OSError, Runtim
 
 @dataclass(frozen=True, slots=True, order=True)
 class LiveNode:
-    """A node that runs; `problem` says in words why less is known of it than of others, as for one that is dead."""
+    """A node that runs; `problem` says in words why less is known of it than of others, as for one that is dead.
+
+    `state` is that of a managed node of ROS 2 (`kg.robot.lifecycle`); None for others, or while it is not known.
+    """
 
     name: str
     address: str | None = None
     problem: str | None = None
+    state: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +113,9 @@ class Received:
 class Subscription(Protocol):
     """Messages of a topic as they come, oldest first; when too many wait, the oldest are dropped and counted."""
 
-    dropped: int
+    @property
+    def dropped(self) -> int:
+        """How many messages were dropped."""
 
     def __aiter__(self) -> AsyncIterator[Received]:
         """Return the messages; the iteration ends when the subscription is closed or the connection is lost."""

@@ -43,6 +43,7 @@ __all__ = [
     "partly_known",
     "rows",
     "set_names",
+    "totals",
 ]
 
 _FOLDER: Final = "answers"
@@ -109,19 +110,31 @@ def rows(snapshot: EmbeddedSnapshot, name: str, make: Callable[[], list[dict[str
     return _answer(snapshot, name, list[dict[str, Any]], make)
 
 
+def totals(snapshot: EmbeddedSnapshot, make: Callable[[], dict[str, int]] | None = None) -> dict[str, int]:
+    """Return how long lists over the whole store are; without `make` nothing where that is not kept."""
+    return (
+        _answer(snapshot, "totals", dict[str, int], make) if make else _kept(snapshot, "totals", dict[str, int]) or {}
+    )
+
+
 def _answer(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer], make: Callable[[], _Answer]) -> _Answer:
     """Return a kept answer of a type, or compute it and keep it; where nothing can be written it is computed."""
+    found = _kept(snapshot, name, kind)
+    if found is None:
+        found = make()
+        version = _version()
+        if version is not None and snapshot.layout is not None:
+            with suppress(OSError):
+                keep(snapshot.layout.cache / _FOLDER / name, snapshot.identity, version, [msgspec.json.encode(found)])
+    return found
+
+
+def _kept(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer]) -> _Answer | None:
     version = _version()
     if version is None or snapshot.layout is None:
-        return make()
-    folder = snapshot.layout.cache / _FOLDER / name
-    body = kept(folder, snapshot.identity, version)
-    if body is not None:
-        return msgspec.json.decode(body, type=kind)
-    found = make()
-    with suppress(OSError):
-        keep(folder, snapshot.identity, version, [msgspec.json.encode(found)])
-    return found
+        return None
+    body = kept(snapshot.layout.cache / _FOLDER / name, snapshot.identity, version)
+    return None if body is None else msgspec.json.decode(body, type=kind)
 
 
 @cache

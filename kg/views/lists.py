@@ -14,7 +14,7 @@ from kg.errors import UsageError
 from kg.facts import Location
 from kg.settings import table
 from kg.similar import did_you_mean
-from kg.views import list_rows
+from kg.views import answers, list_rows
 from kg.views.arguments import whole as number
 from kg.views.evidence import places
 from kg.views.remembered import once
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     Row = dict[str, Any]
     Rows = Sequence[Row]
 
-__all__ = ["LISTS", "List", "listing"]
+__all__ = ["LISTS", "List", "listing", "totals"]
 
 _VALUES: Final = 200
 """At most so many values of a facet are offered, those of most rows."""
@@ -92,6 +92,20 @@ LISTS: Final[Mapping[str, List]] = {
     ),
 }
 """Name to list."""
+
+
+def totals(snapshot: EmbeddedSnapshot, settings: Settings, *, wait: bool = True) -> dict[str, int]:
+    """Return how many rows lists have that do not depend on kg.toml, and `message types` the list of types.
+
+    It makes all lists; without `wait` nothing is returned where they have not been made before.
+    """
+
+    def make() -> dict[str, int]:
+        rows = {of: _rows(snapshot, of, settings.base, "") for of in LISTS if of != "findings"}
+        messages = sum(row["kind"] == "message" for row in rows["types"])
+        return {**{of: len(each) for of, each in rows.items()}, "message types": messages}
+
+    return answers.totals(snapshot, make if wait else None)
 
 
 def listing(  # noqa: PLR0913 - what a list can be asked

@@ -9,6 +9,7 @@ from kg.graph.source_states import sources
 from kg.query.core import run
 from kg.query.result import Solutions
 from kg.query.stored import find
+from kg.views.lists import totals
 from kg.views.remembered import once
 from kg.views.stored import query_object
 from kg.views.systems import known_names
@@ -31,6 +32,8 @@ QUESTIONS: Final = {
     "explore/unconnected": "Which topics have one end only?",
 }
 """Stored queries that people who work with ROS ask first, and how they would say them."""
+_SOON: Final = 5_000
+"""The lists of a store with so many interfaces are made while somebody waits; those of a larger one beforehand."""
 _WHOLE: Final = {"explore/unconnected"}
 """Questions about the whole store, though the query takes a parameter."""
 _BUSIEST: Final = """SELECT ?node { ?node a rnkg:NodeType ; ros:hasComponent ?end }
@@ -56,15 +59,16 @@ def overview(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
 
     `snapshot` is the identity of the snapshot. `sources` has for each source `name`, `remote`, `branch`, `commit`,
     `dirty`, `read` (ISO 8601), `version` (of `kg`), and the counts `packages`, `nodes`, `interfaces`, `unresolved`,
-    `files`, `problems`. `counts` maps kinds of things to how many there are, `systems` is how many launch
-    configurations. `unresolved` and `interfaces` are sums over the sources. `questions` are objects of `stored` without
-    their text, with `question` (as people say it), and in `parameters` an `example` that this store has.
+    `files`, `problems`. `counts` maps lists (see `kg.views.lists.totals`) to how many rows they have; it is empty while
+    those of a large store have not been made. `systems` is how many launch configurations. `unresolved` and
+    `interfaces` are sums over the sources. `questions` are objects of `stored` without their text, with `question` (as
+    people say it), and in `parameters` an `example` that this store has.
     """
     states = sources(snapshot)
     return {
         "snapshot": snapshot.identity,
         "sources": [_source(one) for one in states],
-        "counts": _counts(snapshot),
+        "counts": totals(snapshot, settings, wait=sum(one.counts.interfaces for one in states) <= _SOON),
         "systems": len(known_names(snapshot)),
         "interfaces": sum(one.counts.interfaces for one in states),
         "unresolved": sum(one.counts.unresolved for one in states),
@@ -89,13 +93,6 @@ def _source(state: SourceState) -> dict[str, Any]:
         "files": counts.files,
         "problems": counts.problems,
     }
-
-
-@once
-def _counts(snapshot: EmbeddedSnapshot) -> dict[str, int]:
-    result = run(snapshot, find("completeness/entities-by-kind").text)
-    rows = result.rows if isinstance(result, Solutions) else ()
-    return {getattr(kind, "value", ""): int(getattr(number, "value", 0)) for kind, number in rows}
 
 
 def _questions(snapshot: EmbeddedSnapshot, settings: Settings) -> list[dict[str, Any]]:

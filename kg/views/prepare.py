@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kg.views.complete import kept_of
 from kg.views.find import search_over
-from kg.views.lists import LISTS, listing
+from kg.views.lists import totals
 
 if TYPE_CHECKING:
     from kg.settings import Settings
@@ -25,6 +25,5 @@ def prepare(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, int]:
     """
     search = search_over(snapshot, settings)
     kept_of(snapshot, settings).statistics(fresh=True)
-    for name in LISTS.keys() - {"findings"}:  # which depend on kg.toml, and are not kept
-        listing(snapshot, settings, of=name, limit="1")
+    totals(snapshot, settings)
     return {"nodes": search.index.size}

@@ -44,7 +44,7 @@ def test_json_has_every_capability_with_its_ways(rover: Program) -> None:
     assert found["sensingPose"]["ways"][0]["fields"]["x"] == "pose.pose.position.x"
     assert set(found["sensingPose"]) == {
         "iri", "name", "label", "comment", "alternatives", "kinds", "modality", "parameters", "ways",
-        "implied_by", "moves",
+        "implied_by", "moves", "unavailable",
     }  # fmt: skip
 
 

@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING
 from kg.query.core import run
 from kg.query.result import Solutions
 from kg.query.stored import find
+from kg.views.lists import LISTS, listing
 from kg.views.overview import QUESTIONS, overview
 
 if TYPE_CHECKING:
+    import pytest
+
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
@@ -24,10 +27,29 @@ def test_sources_have_their_state(snapshot: EmbeddedSnapshot, settings: Settings
 
 
 def test_counts_and_snapshot(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """What there is is counted by kind, launch configurations too."""
+    """What there is is counted as the lists have it, and the sources and launch configurations are as many."""
     found = overview(snapshot, settings)
     assert found["snapshot"] == snapshot.identity
-    assert (found["counts"]["node"], found["counts"]["package"], found["systems"]) == (11, 5, 4)
+    assert (found["counts"]["nodes"], found["counts"]["packages"], found["systems"]) == (11, 5, 4)
+    lists = {of: listing(snapshot, settings, of=of)["all"] for of in LISTS if of != "findings"}
+    messages = listing(snapshot, settings, of="types", kind="message")["total"]
+    assert found["counts"] == {**lists, "message types": messages}
+    (source,) = found["sources"]
+    assert (source["nodes"], source["packages"], found["systems"]) == (
+        lists["nodes"], lists["packages"], lists["systems"],
+    )  # fmt: skip
+
+
+def test_a_large_store_is_not_counted_while_somebody_waits(
+    snapshot: EmbeddedSnapshot, settings: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Counts of a large store are those that were made before; without them there are none."""
+    monkeypatch.setattr("kg.views.overview._SOON", 0)
+    kept: dict[str, int] = {}
+    monkeypatch.setattr("kg.views.answers._kept", lambda *_: kept)
+    assert overview(snapshot, settings)["counts"] == {}
+    kept["nodes"] = 11
+    assert overview(snapshot, settings)["counts"] == {"nodes": 11}
 
 
 def test_each_question_has_an_answer_here(snapshot: EmbeddedSnapshot, settings: Settings) -> None:

@@ -1,4 +1,4 @@
-"""`kg robot topics` and `kg robot record`: what goes over the wires of a robot."""
+"""`kg robot nodes`, `kg robot topics` and `kg robot record`: who is there, and what goes over the wires of a robot."""
 
 from typing import Annotated
 
@@ -7,7 +7,7 @@ import typer
 from kg.cli.options import Json, Robot
 from kg.cli.session import session
 
-__all__ = ["record", "topics"]
+__all__ = ["nodes", "record", "topics"]
 
 File = Annotated[
     str,
@@ -19,6 +19,20 @@ Topics = Annotated[
 For = Annotated[
     str | None, typer.Option("--for", metavar="S", help="Record for this many seconds of the robot's time.")
 ]
+
+
+def nodes(context: typer.Context, *, robot: Robot = None, json: Json = False) -> None:
+    """List a robot's nodes with the states of managed ones.
+
+    A managed node of ROS 2 (life cycle) works only in the state `active`. Until then, the capabilities that only it
+    provides are not available. For example:
+
+        kg robot nodes
+        kg robot nodes --json
+    """
+    from kg.cli.recording import list_nodes  # noqa: PLC0415 - start-up time
+
+    list_nodes(session(context).settings(robot=robot), json=json)
 
 
 def topics(context: typer.Context, *, robot: Robot = None, json: Json = False) -> None:

@@ -47,6 +47,8 @@ class Endpoint:
     """By which `clientid` or `serviceid` the two halves of a service or client are known."""
     type_id: Any = None
     problem: GraphProblem | None = None
+    hash: str | None = None
+    """That of its type, which distributions since Iron tell."""
 
 
 @dataclass(slots=True)
@@ -139,6 +141,12 @@ class Discovery:
     def endpoints(self, name: str) -> Iterator[Endpoint]:
         """Yield the ends of a topic, or those of the requests and of the responses of a service."""
         return (one for one in self._ends.values() if (one.end and one.end[1] == name) or one.topic == replies(name))
+
+    def hashes(self, name: str) -> Iterator[tuple[str, str]]:
+        """Yield the nodes that have an end of a name, each with the hash of its type."""
+        for key, one in self._ends.items():
+            if one.end and one.end[1] == name and one.hash and (owner := self._owners.get(key)):
+                yield owner, one.hash
 
     def neighbourhood(self) -> Neighbourhood:
         """Return the nodes, ends and problems of all but our own participant."""

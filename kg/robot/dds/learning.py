@@ -14,6 +14,8 @@ from cyclonedds.util import duration
 
 from kg.errors import RobotError
 from kg.robot.dds.classes import HEADER
+from kg.robot.messages.foreign import learn_all
+from kg.robot.messages.values import MEMBER_OF_NOTHING
 from kg.robot.ros2.names import ros_type
 
 if TYPE_CHECKING:
@@ -25,8 +27,6 @@ __all__ = ["definition", "learned"]
 
 _WAIT: Final = duration(seconds=1)
 _PLAIN: Final[dict[Any, str]] = {bool: "bool", str: "string"}
-_DUMMY: Final = "structure_needs_at_least_one_member"
-_SEPARATOR: Final = "=" * 80
 
 
 async def learned(participant: DomainParticipant, type_id: Any, types: Types) -> bool:
@@ -36,10 +36,7 @@ async def learned(participant: DomainParticipant, type_id: Any, types: Types) ->
     """
     try:
         _, found = await asyncio.to_thread(get_types_for_typeid, participant, type_id, _WAIT)
-        texts = {name: text for name, text in map(definition, found.values()) if not types.knows(name)}
-        for name, own in texts.items():
-            others = "".join(f"{_SEPARATOR}\nMSG: {one}\n{text}" for one, text in texts.items() if one != name)
-            types.define(name, own + others)
+        learn_all(types, dict(map(definition, found.values())))
     except (DDSException, RobotError, TypeError, ValueError):
         return False
     return True
@@ -53,7 +50,7 @@ def definition(sort: Any) -> tuple[str, str]:
     hints = typing.get_type_hints(sort, include_extras=True)
     if _name(sort).endswith(("_Request", "_Response")) and [*hints][: len(HEADER)] == [*HEADER]:
         hints = dict([*hints.items()][len(HEADER) :])
-    lines = [f"{_written(hint)} {name}\n" for name, hint in hints.items() if name != _DUMMY]
+    lines = [f"{_written(hint)} {name}\n" for name, hint in hints.items() if name != MEMBER_OF_NOTHING]
     return _name(sort), "".join(lines)
 
 

@@ -134,6 +134,7 @@ class DdsMiddleware:
                 told.get("clientid") or told.get("serviceid"),
                 sample.type_id,
                 problem,
+                told.get("typehash"),
             )
             self._discovery.end(sample.key.bytes, endpoint)
 
@@ -224,6 +225,10 @@ class DdsMiddleware:
         responses = self._writer(replies(service), f"{kind}_Response", ANSWERS, mark)
         server.connect(self._reader(f"rq{service}Request", f"{kind}_Request", ANSWERS, server.take, mark), responses)
         return server
+
+    def hashes(self, name: str) -> list[tuple[str, str]]:
+        """Return the nodes that have an end of a topic or service, each with the hash of its type."""
+        return list(self._discovery.hashes(name))
 
     async def learn(self, kind: str, name: str) -> bool:
         """Ask the participants that have an end of that name for its types (DDS XTypes); tell whether they told any.

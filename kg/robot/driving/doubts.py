@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
+from kg.robot.capability import role_of
 from kg.robot.connection import GraphProblem
+from kg.robot.lifecycle import idle
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -13,10 +15,10 @@ if TYPE_CHECKING:
     from kg.robot.capability import Way
     from kg.robot.connection import ComputationGraph
 
-__all__ = ["doubts_of", "role_of"]
+__all__ = ["doubts_of"]
 
 _DEAD: Final = "KG811"
-_SERVED_BY: Final = {"service": Role.SERVICES, "action": Role.ACTION_SERVERS}
+_IDLE: Final = "KG819"
 _DOES: Final = {
     Role.PUBLISHES: ("publishes", "KG825"),
     Role.SUBSCRIBES: ("listens to", "KG824"),
@@ -26,16 +28,11 @@ _DOES: Final = {
 """What the nodes of a way do, and the code of what happens where none does."""
 
 
-def role_of(way: Way, *, reads: bool) -> Role:
-    """Return the role of the nodes that a way leads to."""
-    return _SERVED_BY.get(way.kind, Role.PUBLISHES if reads else Role.SUBSCRIBES)
-
-
 def doubts_of(way: Way, graph: ComputationGraph, *, reads: bool) -> Iterator[GraphProblem]:
-    """Yield what a computation graph says against a way: that its nodes are registered and dead, or that it has none.
+    """Yield what a computation graph says against a way: that its nodes are dead or not active, or that it has none.
 
-    Where one node is alive nothing comes to nothing. The code is KG811 for a node that does not answer, else that of
-    the error to be expected.
+    Where one node works nothing comes to nothing. The code is KG811 for a node that does not answer, KG819 for one that
+    is not active, else that of the error to be expected.
     """
     role = role_of(way, reads=reads)
     does, code = _DOES[role]
@@ -46,3 +43,5 @@ def doubts_of(way: Way, graph: ComputationGraph, *, reads: bool) -> Iterator[Gra
     if nodes <= {one.subject for one in dead}:
         for one in dead:
             yield GraphProblem(_DEAD, one.subject, f"it {does} `{way.name}`, and does not answer: {one.message}")
+    for node in idle(graph, way.name, role):
+        yield GraphProblem(_IDLE, node.name, f"it {does} `{way.name}`, and is {node.state}")

@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final, Literal, Self, TypeAlias
 
 from kg.errors import RobotError
+from kg.robot.capability import role_of
 from kg.robot.connecting import is_recording, not_commanded
 from kg.robot.driving.arguments import given
 from kg.robot.driving.channels import Command
@@ -20,6 +21,7 @@ from kg.robot.driving.plans import Outcome, Plan
 from kg.robot.driving.routes import route
 from kg.robot.driving.ways import choose, named
 from kg.robot.infrastructure import of_robot
+from kg.robot.lifecycle import idle, in_words
 from kg.robot.tasks import finished, spawn
 
 if TYPE_CHECKING:
@@ -156,8 +158,9 @@ class Driver:
         (NaN, the first of an empty list); a reading of a scan that is free is infinite.
 
         Raises:
-            RobotError: KG821 or KG822 when there is no such capability or way, KG803 when the robot is lost, KG804 or
-                KG826 when its messages are not understood, and those of a service.
+            RobotError: KG819 when no node of the way is active, KG821 or KG822 when there is no such capability or way,
+                KG803 when the robot is lost, KG804 or KG826 when its messages are not understood, and those of a
+                service.
         """
         found = await self._route(capability, "read", way)
         if found.way.kind == "service":
@@ -281,8 +284,9 @@ class Driver:
             dry_run: whether to say what would be sent instead.
 
         Raises:
-            RobotError: KG821 to KG823, KG826 and KG827 before anything is sent; KG805, KG807 to KG809 from the robot;
-                KG824 when nobody listens, KG825 when a goal is not reached in time, KG803 when the robot is lost.
+            RobotError: KG819, KG821 to KG823, KG826 and KG827 before anything is sent; KG805, KG807 to KG809 from the
+                robot; KG824 when nobody listens, KG825 when a goal is not reached in time, KG803 when the robot is
+                lost.
         """
         command = Command()
         self._commands[command] = None
@@ -404,8 +408,12 @@ class Driver:
                 ways = [one for one in ways if one.kind != "action"]
                 if not ways:
                     raise RobotError("KG822", f"`{capability.name}` is only reported while its action runs")
-            graph = await self._seen() if len(ways) > 1 else None
-        return self._ready(capability, choose(ways, arguments, graph, reads=modality == "read"))
+            managed = self.connection.ros == 2  # noqa: PLR2004 - the version whose nodes have a life cycle
+            graph = await self._seen() if managed or len(ways) > 1 else None
+        chosen = choose(ways, arguments, graph, reads=modality == "read")
+        if graph is not None and (nodes := idle(graph, chosen.name, role_of(chosen, reads=modality == "read"))):
+            raise RobotError("KG819", f"`{capability.name}` is not available now: {in_words(nodes)}")
+        return self._ready(capability, chosen)
 
     def _ready(self, capability: Capability, way: Way) -> Route:
         key = _key(capability, way)

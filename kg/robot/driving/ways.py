@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.errors import RobotError
-from kg.robot.driving.doubts import role_of
+from kg.robot.capability import role_of
+from kg.robot.lifecycle import ACTIVE
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -39,9 +40,9 @@ def named(capability: Capability, name: str | None) -> list[Way]:
 def choose(ways: list[Way], arguments: Collection[str], graph: ComputationGraph | None, *, reads: bool) -> Way:
     """Return the way to take.
 
-    One whose node is there comes before one whose node is not; then one that has a field for every argument; then the
-    most specific, which has fields for the most parameters; then an action before a service before a topic when
-    something is done (an action tells how it ends), a topic first when something is read; then the first.
+    One whose node is there, and active, comes before one whose node is not; then one that has a field for every
+    argument; then the most specific, which has fields for the most parameters; then an action before a service before a
+    topic when something is done (an action tells how it ends), a topic first when something is read; then the first.
     """
     order = ("topic", "service", "action") if reads else ("action", "service", "topic")
 
@@ -55,5 +56,5 @@ def choose(ways: list[Way], arguments: Collection[str], graph: ComputationGraph 
 
 def _alive(way: Way, graph: ComputationGraph, *, reads: bool) -> bool:
     role = role_of(way, reads=reads)
-    dead = {one.name for one in graph.nodes if one.problem is not None}
+    dead = {one.name for one in graph.nodes if one.problem is not None or one.state not in {None, ACTIVE}}
     return any(one.name == way.name and one.role is role and one.node not in dead for one in graph.ends)

@@ -8,7 +8,7 @@ with launched(settings, "rover.launch", {}, {}) as subject:
 from __future__ import annotations
 
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from kg.graph.iris import Iris
@@ -17,6 +17,7 @@ from kg.pipeline.reasoning import explained_vocabulary, rules_in_force
 from kg.pipeline.systems import node_types
 from kg.robot.capabilities import capabilities_of, package_iri, read
 from kg.robot.capabilities.explaining import find, proofs
+from kg.robot.lifecycle import available
 from kg.robot.live.inference import knowledge, now, world_of
 from kg.robot.live.systems import Seen, name_of, system_of
 from kg.rules.explain.view import View
@@ -59,7 +60,9 @@ def running(
 
     `nodes` has the times (ISO 8601, UTC) since when nodes were seen, by their names; the others were seen just now.
     """
-    return _in_memory(system_of(graph, Seen(address, name_of(address), now(), nodes=nodes or {})), settings, address)
+    seen = Seen(address, name_of(address), now(), nodes=nodes or {})
+    subject = _in_memory(system_of(graph, seen), settings, address)
+    return replace(subject, capabilities=available(subject.capabilities, graph))
 
 
 @contextmanager

@@ -21,6 +21,7 @@ from kg.graph.systems import system_triples
 from kg.pipeline.inferring import digest
 from kg.pipeline.reasoning import rule_folders, schema_of
 from kg.robot.capabilities import definitions, read
+from kg.robot.lifecycle import available
 from kg.robot.live.remembering import key, remembered
 from kg.robot.live.systems import Seen, name_of, system_of
 from kg.robot.live.whole import Whole
@@ -160,6 +161,8 @@ def now() -> str:
 def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", name: str = "") -> Capabilities:
     """Return what a system can do by its graph; it is kept between processes (`kg.robot.live.remembering`).
 
+    What it cannot do now, because nodes are not active, is marked.
+
     Args:
         graph: what runs and how it communicates.
         settings: which rules are in force, and the base of IRIs.
@@ -170,10 +173,11 @@ def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", nam
     """
     called = name or name_of(address) or "robot"
     of = name or address or called
-    return remembered(
+    found = remembered(
         key(graph, settings, (called, of)),
         lambda: infer_system(system_of(graph, Seen(address, called, now())), settings, of=of),
     )
+    return available(found, graph)
 
 
 def infer_system(

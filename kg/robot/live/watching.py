@@ -47,13 +47,14 @@ _VERBS: Final = {
     Role.ACTION_SERVERS: "offers action",
     Role.ACTION_CLIENTS: "calls action",
 }
-_Kind = Literal["watching", "node", "end", "capability", "problem", "lost", "back", "busy", "kept", "ended"]
+_Kind = Literal["watching", "node", "state", "end", "capability", "problem", "lost", "back", "busy", "kept", "ended"]
 
 
 class Event(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """Something that happened.
 
-    `event` is `watching` (it began), `node`, `end` or `capability` (`change` tells whether it came or went), `problem`
+    `event` is `watching` (it began), `node`, `end` or `capability` (`change` tells whether it came or went), `state`
+    (a managed node is in another state: `detail`), `problem`
     (a peer, or a rule, does what it should not), `lost` and `back` (the robot), `busy` (another process writes the
     store), `kept` (the store is in step: its `generation`, and the `seconds` that it took) or `ended`. `name` is what
     it happened to, `detail` says more: the address or node type of a node, role and type of an end.
@@ -187,6 +188,10 @@ def _differences(before: ComputationGraph, graph: ComputationGraph, known: Kept 
     yield from _changed("node", {one.name: "" for one in before.nodes}, nodes)
     yield from _changed("end", _explicit(before), _explicit(graph))
     yield from _changed("capability", _names(known.held if known else {}), _names(kept.held))
+    states = {one.name: one.state for one in before.nodes}
+    for node in graph.nodes:
+        if node.state is not None and node.state != states.get(node.name):
+            yield _event("state", name=node.name, detail=node.state)
     for problem in graph.problems:
         if problem not in before.problems:
             yield _event("problem", name=problem.subject, detail=f"{problem.code}: {problem.message}")

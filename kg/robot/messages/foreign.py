@@ -10,13 +10,15 @@ from rosbags.typesys import Stores, get_types_from_idl, get_typestore
 from kg.errors import RobotError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from kg.robot.messages import Types
 
-__all__ = ["learn", "short"]
+__all__ = ["learn", "learn_all", "short"]
 
 _HEADING: Final = re.compile(r"^(MSG: \w+)/msg/", re.MULTILINE)
 _FAMILY: Final = re.compile(r"/(?:msg|srv|action)/")
-_IDL: Final = "=" * 80 + "\n"
+_SEPARATOR: Final = "=" * 80 + "\n"
 
 
 def short(kind: str) -> str:
@@ -29,11 +31,24 @@ def learn(types: Types, kind: str, text: str, *, idl: bool = False) -> None:
     types.define(kind, _HEADING.sub(r"\1/", _of_idl(kind, text) if idl else text))
 
 
+def learn_all(types: Types, texts: Mapping[str, str]) -> None:
+    """Learn types that use each other by their definitions in `.msg` form; those that are known stay as they are.
+
+    Raises as `Types.define`.
+    """
+    new = {name: text for name, text in texts.items() if not types.knows(name)}
+    for name, own in new.items():
+        others = (f"{_SEPARATOR}MSG: {one}\n{text}" for one, text in new.items() if one != name)
+        types.define(name, own + "".join(others))
+
+
 def _of_idl(kind: str, text: str) -> str:
     """Return the definition of a type in `.msg` form; RobotError KG810 for IDL that cannot be read."""
     store = get_typestore(Stores.EMPTY)
     try:
-        parts = [one.partition("\n")[2] for one in text.split(_IDL)[1:]] if text.startswith(_IDL) else [text]
+        parts = (
+            [one.partition("\n")[2] for one in text.split(_SEPARATOR)[1:]] if text.startswith(_SEPARATOR) else [text]
+        )
         for part in parts:
             store.register(get_types_from_idl(part))
         return store.generate_msgdef(kind.replace("/", "/msg/"), ros_version=2)[0]

@@ -224,6 +224,13 @@ class Ros1Connection:
         await server.open()
         return server
 
+    async def parameter_names(self) -> list[str]:
+        """Return the names of all parameters of the parameter server; RobotError as `http.ask`."""
+        told = await self.node.ask("getParamNames")
+        if not isinstance(told, list):
+            raise RobotError("KG810", "the master answers `getParamNames` with no list")
+        return [one for one in told if isinstance(one, str)]
+
     async def parameter(self, name: str) -> Any:
         """Return a parameter of the parameter server, or None when it is not set; RobotError as `http.ask`."""
         return await _parameter(self.node.master, self.name, absolute(name))

@@ -11,8 +11,10 @@ from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.clock import SimulatedClock, WallClock, within
 from kg.robot.connection import GraphProblem
+from kg.robot.lifecycle import States
 from kg.robot.ros2.action_client import Ros2Canceller, canceller, send_goal
 from kg.robot.ros2.action_server import ActionServer
+from kg.robot.ros2.describing import describe
 from kg.robot.ros2.middleware import LATCHED, OFFERED
 from kg.robot.ros2.services import Client, Service
 from kg.robot.ros2.topics import Ros2Publication, Ros2Subscription
@@ -55,6 +57,7 @@ class Ros2Connection:
         self._clients: dict[tuple[str, str], Client] = {}
         self._suiting = spawn(self._suit(), "following what publishers offer")
         self._ticking: asyncio.Task[None] | None = None
+        self._states = States(self, watch.changed)
 
     @classmethod
     async def open(cls, wire: Middleware, address: Address, name: str) -> Self:
@@ -96,11 +99,21 @@ class Ros2Connection:
     async def graph(self) -> ComputationGraph:
         """Return the computation graph without our own node, when it was watched long enough to be complete."""
         self._present("KG802")
-        return await self.watch.settled()
+        self._follow_states()
+        await self.watch.settled()
+        await self._states.told()
+        return self.watch.now()
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
         """Yield the graph as it is, complete or not, and again each time that it has changed."""
+        self._follow_states()
         return self.watch.changes()
+
+    def _follow_states(self) -> None:
+        """Follow the states of managed nodes from when somebody looks at the graph: a watchdog does not."""
+        if self.watch.amend != self._states.of:
+            self.watch.amend = self._states.of
+            self.watch.changed()
 
     def ends(self, role: Role, name: str) -> list[LiveEnd]:
         """Return the ends of others of that role and name that are known now."""
@@ -140,9 +153,13 @@ class Ros2Connection:
         """See that a message type is known, from peers if need be; RobotError KG804 when it cannot be."""
         if self.types.knows(message) or (await self.wire.learn(kind, name) and self.types.knows(message)):
             return
+        why = await describe(self, kind, name)
+        if self.types.knows(message):
+            return
         package = kind.partition("/")[0]
         hint = f"Read its definition with `kg build` of the package `{package}`."
-        raise RobotError("KG804", f"the message type `{message}` is not known", hint=hint)
+        because = f": {why}" if why else ""
+        raise RobotError("KG804", f"the message type `{message}` is not known{because}", hint=hint)
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> Ros2Publication:
         """Offer a topic; `latch` keeps the last message for those that come later (transient local)."""
@@ -234,6 +251,7 @@ class Ros2Connection:
         if self.watch.closed:
             return
         self.watch.close()
+        self._states.close()
         for task in (self._suiting, self._ticking):
             if task is not None:
                 task.cancel()

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
 
+from kg.robot.messages.values import MEMBER_OF_NOTHING
 from kg.robot.ros2.names import family
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["type_hash"]
 
 _EVENT: Final = "service_msgs/ServiceEventInfo"
-_DUMMY: Final = ("structure_needs_at_least_one_member", (Nodetype.BASE, ("uint8", 0)))
+_DUMMY: Final = (MEMBER_OF_NOTHING, (Nodetype.BASE, ("uint8", 0)))
 
 
 def type_hash(types: Types, kind: str, *, service: bool = False) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 from kg.facts import Qos
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Iterable
 
     from kg.robot.connection import GraphProblem, LiveEnd, LiveNode
     from kg.robot.messages import Types
@@ -85,6 +85,9 @@ class Middleware(Protocol):
 
     def server(self, service: str, kind: str, answer: Callable[[bytes], Awaitable[bytes]]) -> Handle:
         """Serve a service; an exception of `answer` is told to the client where the middleware has a way to."""
+
+    def hashes(self, name: str) -> Iterable[tuple[str, str]]:
+        """Return the nodes that have an end of a topic or service, each with the hash of its type (RIHS01)."""
 
     async def learn(self, kind: str, name: str) -> bool:
         """Ask those that have an end of that topic or service for its type; tell whether it is known now."""

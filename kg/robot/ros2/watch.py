@@ -30,10 +30,13 @@ class Watch:
         look: gives who is there.
         settle: seconds until the graph is complete. Discovery is a matter of the network: its time is the wall's,
             also where that of the robot is simulated.
+
+    `amend` may add to a graph what the middleware does not tell.
     """
 
     def __init__(self, look: Callable[[], Neighbourhood], settle: float) -> None:
         self._look = look
+        self.amend: Callable[[ComputationGraph], ComputationGraph] = lambda seen: seen
         self._loop = asyncio.get_running_loop()
         self._settled = self._loop.time() + settle
         self._watchers: set[asyncio.Event] = set()
@@ -54,7 +57,7 @@ class Watch:
     def now(self) -> ComputationGraph:
         """Return the graph as it is."""
         if self._cached is None or self._cached.complete != self.complete:
-            seen = computation_graph(self._look(), complete=self.complete)
+            seen = self.amend(computation_graph(self._look(), complete=self.complete))
             self._seen = self._seen or bool(seen.nodes)
             problems = sorted({*seen.problems, *self._problems})
             self._cached = type(seen)(seen.ros, seen.nodes, seen.ends, tuple(problems), seen.complete)

@@ -13,6 +13,7 @@ from kg.robot.clock import WallClock
 from kg.robot.connection import Received
 from kg.robot.inbox import Inbox
 from kg.robot.infrastructure import of_robot
+from kg.robot.lifecycle import States
 from kg.robot.tasks import Tasks, ended, spawn
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ class BridgeConnection:
         self._listening: dict[str, asyncio.Task[None]] = {}
         self._tasks = Tasks()
         self._closed = False
+        self._states = States(self, self._changed)
         bridge.deliver, bridge.changed = self._deliver, self._changed
         self._receiving = spawn(self._receive(), f"receiving from {address}")
 
@@ -104,7 +106,12 @@ class BridgeConnection:
         """Return the computation graph without nodes of bridges; RobotError KG802 when the bridge is lost."""
         if self._closed or self._lost.done():
             raise RobotError("KG802", f"the bridge at {self.address} is not connected any more")
-        return of_robot(self._bridge.graph())
+        self._now()
+        await self._states.told()
+        return self._now()
+
+    def _now(self) -> ComputationGraph:
+        return self._states.of(of_robot(self._bridge.graph()))
 
     async def changes(self) -> AsyncIterator[ComputationGraph]:
         """Yield the graph as it is, and again each time that it has changed; it ends with the connection."""
@@ -114,7 +121,7 @@ class BridgeConnection:
         try:
             while not self._closed and not self._lost.done():
                 news.clear()
-                if (now := of_robot(self._bridge.graph())) != last:
+                if (now := self._now()) != last:
                     yield now
                     last = now
                 await news.wait()
@@ -206,6 +213,7 @@ class BridgeConnection:
         if self._closed:
             return
         self._closed = True
+        self._states.close()
         await ended(*self._listening.values())
         await self._tasks.done()
         for inbox in [one for each in self._inboxes.values() for one in each]:

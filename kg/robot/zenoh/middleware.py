@@ -189,8 +189,13 @@ class ZenohMiddleware:
         key = self._key(service, kind, service=True)
         return ZenohServer(self._session, key, answer, lambda: self._token(Role.SERVICES, service, kind, ANSWERS))
 
+    def hashes(self, name: str) -> list[tuple[str, str]]:
+        """Return the nodes that have an end of a topic or service, each with the hash of its type."""
+        others = (one for one in self._tokens.values() if one.session != self._own)
+        return [(one.node, one.hash) for one in others if one.name == name and one.hash != NO_HASH]
+
     async def learn(self, kind: str, name: str) -> bool:
-        """Tell whether a type is known: over Zenoh nobody tells more of it than its hash."""
+        """Tell whether a type is known: Zenoh itself tells no more of it than its hash."""
         del name
         return self.types.knows(kind)
 

@@ -35,6 +35,7 @@ _COMMANDS: Final = re.compile(r"`(kg|rosnode|ros2) |`-")
 _HINTS: Final = {
     "": "The list “What it can do” shows what this robot has now.",
     "KG811": "Check on the robot whether the node runs.",
+    "KG819": "Activate the node on the robot.",
     "KG820": "Start a drone first (“take off”). Switch the motors on, and check the robot.",
     "KG829": "Stop the other node.",
     "KG836": "Give the place a name: click into the picture from above, or use “set” from the blocks of places.",

@@ -13,15 +13,15 @@ from robot.connections import types_for_tests
 from kg.codes import CATALOGUE
 from kg.errors import RobotError
 from kg.graph.systems_reading import system_names, systems
+from kg.robot.connection import ComputationGraph, LiveNode
 from kg.robot.live import Event, Watching
-from kg.robot.live.keeping import Keeper
+from kg.robot.live.keeping import Keeper, Kept
+from kg.robot.live.watching import _differences
 from kg.robot.memory import Bus
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterator
 
-    from kg.robot.connection import ComputationGraph
-    from kg.robot.live.keeping import Kept
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
 
@@ -178,3 +178,15 @@ def test_who_stops_while_the_store_is_written_leaves_it_whole(
     assert [one.name for one in found.instances] == ["/base"]
     assert found.sighting is not None
     assert found.sighting.until is not None
+
+
+def test_states_of_managed_nodes_are_told() -> None:
+    """A node that is in another state than before is told with it; one that has none is not."""
+    before = ComputationGraph(2, (LiveNode("/base", state="inactive"), LiveNode("/laser")))
+    after = ComputationGraph(2, (LiveNode("/base", state="active"), LiveNode("/laser")))
+    kept = Kept(None, {})
+    told = [list(_differences(one, after, kept, kept)) for one in (before, after)]
+    assert [[(one.event, one.name, one.detail) for one in each] for each in told] == [
+        [("state", "/base", "active")],
+        [],
+    ]

@@ -58,13 +58,20 @@ class Peer:
         kind, channel = self._channels[topic]
         channel.log(self.types.encode(kind, value))
 
-    def graph(self, published: dict[str, list[str]], subscribed: dict[str, list[str]]) -> None:
+    def graph(
+        self,
+        published: dict[str, list[str]],
+        subscribed: dict[str, list[str]],
+        served: dict[str, list[str]] | None = None,
+    ) -> None:
         """Tell clients which nodes there are."""
         made = foxglove.ConnectionGraph()
         for topic, nodes in published.items():
             made.set_published_topic(topic, nodes)
         for topic, nodes in subscribed.items():
             made.set_subscribed_topic(topic, nodes)
+        for service, nodes in (served or {}).items():
+            made.set_advertised_service(service, nodes)
         self.server.publish_connection_graph(made)
 
     def serve(self, name: str, kind: str, answer: Callable[[dict[str, Any]], dict[str, Any]]) -> None:

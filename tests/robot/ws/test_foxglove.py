@@ -21,6 +21,7 @@ from robot.ws.foxglove_peer import peer
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connecting import connect
+from kg.robot.parameters import read
 
 both = pytest.mark.parametrize("ros", [1, 2])
 
@@ -262,3 +263,40 @@ def test_the_robot_stops_when_kg_dies_or_is_suspended(number: signal.Signals) ->
             os.kill(kg.pid, number)
             robot.until(lambda: robot.came[-1][1]["linear"]["x"] == 0.0)
             kg.kill()
+
+
+def test_states_come_over_a_bridge() -> None:
+    """A managed node behind a bridge tells its state, and each change of it."""
+    event, service = "/base/transition_event", "/base/get_state"
+
+    async def scene() -> None:
+        with peer(2) as robot:
+            robot.channel(event, "lifecycle_msgs/TransitionEvent")
+            robot.serve(service, "lifecycle_msgs/GetState", lambda _: {"current_state": {"id": 2}})
+            async with joined(robot.address) as one:
+                robot.graph({event: ["/base"]}, {}, {service: ["/base"]})
+                await seen(one, lambda graph: [node.state for node in graph.nodes] == ["inactive"])
+                await until(lambda: robot.listening == [event])
+                robot.publish(event, {"goal_state": {"id": 3}})
+                await seen(one, lambda graph: [node.state for node in graph.nodes] == ["active"])
+
+    asyncio.run(scene())
+
+
+def test_parameters_are_read_where_a_bridge_tells_no_nodes() -> None:
+    """The services of a node name it, though the bridge does not say which nodes there are."""
+    values = [{"type": 3, "double_value": 0.5}]
+
+    async def scene() -> None:
+        with peer(2, tells=False) as robot:
+            for name, kind, answer in (
+                ("list_parameters", "ListParameters", lambda _: {"result": {"names": ["speed"]}}),
+                ("get_parameters", "GetParameters", lambda _: {"values": values}),
+                ("describe_parameters", "DescribeParameters", lambda _: {"descriptors": []}),
+            ):
+                robot.serve(f"/base/{name}", f"rcl_interfaces/{kind}", answer)
+            async with joined(robot.address) as one:
+                ((speed,), problems) = await read(one)
+                assert (speed.node, speed.name, speed.value, problems) == ("/base", "speed", 0.5, [])
+
+    asyncio.run(scene())

@@ -23,6 +23,7 @@ from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connecting import connect
 from kg.robot.messages import Types
+from kg.robot.parameters import find, parsed, read, write
 from kg.robot.ws.json_values import from_json, to_json
 
 both = pytest.mark.parametrize("ros", [1, 2])
@@ -317,3 +318,55 @@ def test_numbers_that_are_not_finite_are_null() -> None:
     told = to_json(types, "std_msgs/Float64", {"data": math.inf})
     assert told == {"data": None}
     assert math.isnan(from_json(types, "std_msgs/Float64", told)["data"])
+
+
+def test_states_and_parameters_come_over_a_bridge() -> None:
+    """A managed node behind a bridge tells its state, and its parameters are read and set."""
+    values: dict[str, Any] = {"speed": {"type": 3, "double_value": 0.5}}
+
+    def set_parameters(request: dict[str, Any]) -> dict[str, Any]:
+        values.update({one["name"]: one["value"] for one in request["parameters"]})
+        return {"results": [{"successful": True, "reason": ""} for _ in request["parameters"]]}
+
+    async def scene() -> None:
+        with peer(2) as robot:
+            robot.node("/base", {"/base/transition_event": "lifecycle_msgs/TransitionEvent"})
+            for name, kind, answer in (
+                (
+                    "get_state",
+                    "lifecycle_msgs/srv/GetState",
+                    lambda _: {"current_state": {"id": 2, "label": "inactive"}},
+                ),
+                ("list_parameters", "rcl_interfaces/srv/ListParameters", lambda _: {"result": {"names": [*values]}}),
+                ("describe_parameters", "rcl_interfaces/srv/DescribeParameters", lambda _: {"descriptors": []}),
+                (
+                    "get_parameters",
+                    "rcl_interfaces/srv/GetParameters",
+                    lambda request: {"values": [values[name] for name in request["names"]]},
+                ),
+                ("set_parameters", "rcl_interfaces/srv/SetParameters", set_parameters),
+            ):
+                robot.services[f"/base/{name}"] = (kind, answer)
+                robot.nodes["/base"]["services"].append(f"/base/{name}")
+            async with joined(robot.address) as one:
+                assert [node.state for node in (await one.graph()).nodes] == ["inactive"]
+                await until(lambda: "/base/transition_event" in robot.listening)
+                robot.publish("/base/transition_event", {"goal_state": {"id": 3, "label": "active"}})
+                await seen(one, lambda graph: [node.state for node in graph.nodes] == ["active"])
+                speed = await find(one, "/base", "speed")
+                assert (await write(one, speed, parsed(speed, "1.5"))).value == 1.5
+
+    asyncio.run(scene())
+
+
+def test_parameters_of_ros_1_do_not_come_over_a_bridge() -> None:
+    """The parameter server of ROS 1 is not reached over a bridge: KG852."""
+
+    async def scene() -> None:
+        with peer(1) as robot:
+            async with joined(robot.address) as one:
+                with pytest.raises(RobotError) as impossible:
+                    await read(one)
+                assert impossible.value.code == "KG852"
+
+    asyncio.run(scene())

@@ -23,6 +23,7 @@ from kg.facts import Role
 from kg.robot.connecting import connect
 from kg.robot.messages import Types
 from kg.robot.ros2.hashes import type_hash
+from kg.robot.ros2.names import dds_type
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
@@ -178,6 +179,39 @@ def test_services_go_both_ways() -> None:
             assert reply.payload.to_bytes() == b"\x00\x01\x00\x00" + struct.pack("<q", 42)
             number, _, _, sender = struct.unpack("<qqB16s", reply.attachment.to_bytes())
             assert (number, sender) == (1, GID)
+
+    asyncio.run(scene())
+
+
+def test_a_type_is_described_by_its_node() -> None:
+    """A topic of an unknown type is read: its node is asked by the hash in the token of the topic."""
+    described = Types(2)
+    described.define("newer_msgs/Reading", "float64 x\nuint8[<=4] few\n")
+    digest, service = type_hash(described, "newer_msgs/Reading"), "type_description_interfaces/GetTypeDescription"
+    kinds = {"x": {"type_id": 11}, "few": {"type_id": 99, "capacity": 4}}
+    fields = [{"name": name, "type": kind} for name, kind in kinds.items()]
+    whole = {"type_description": {"type_name": "newer_msgs/msg/Reading", "fields": fields}}
+
+    def answer(query: Any) -> None:
+        asked = described.decode(f"{service}_Request", query.payload.to_bytes())
+        right = (asked["type_name"], asked["type_hash"]) == ("newer_msgs/msg/Reading", digest)
+        content = described.encode(f"{service}_Response", {"successful": right, "type_description": whole})
+        query.reply(query.key_expr, content, attachment=query.attachment)
+
+    async def scene() -> None:
+        async with _beside() as (connection, peer):
+            key = f"{dds_type(service, service=True)}/{type_hash(described, service, service=True)}"
+            name = "robot/base/get_type_description"
+            kept = peer.session.declare_queryable(f"0/{name}/{key}", answer, complete=True)
+            peer.end(1, "SS", name.replace("/", "%"), key)
+            topic = f"{dds_type('newer_msgs/Reading')}/{digest}"
+            peer.end(2, "MP", "reading", topic)
+            subscription = await _soon(connection.subscribe("/reading"))
+            publisher = await peer.publisher(f"0/reading/{topic}")
+            publisher.put(described.encode("newer_msgs/Reading", {"x": 0.5, "few": b"\x01"}), attachment=ATTACHED)
+            received = await _soon(anext(aiter(subscription)))
+            assert received.value == {"x": 0.5, "few": b"\x01"}
+            kept.undeclare()
 
     asyncio.run(scene())
 

@@ -270,9 +270,11 @@ def test_the_start_page_of_a_store_without_nodes(client: TestClient, monkeypatch
     """What a store has none of counts as none there."""
 
     async def bare(request: Request, name: str) -> Any:
-        return {**await view(request, name), "counts": {"package": 1}}
+        found = await view(request, name)
+        return {**found, "counts": {}, "sources": [{**found["sources"][0], "nodes": 0, "packages": 1}]}
 
     monkeypatch.setattr(start, "view", bare)
     answer = client.get("/")
     assert answer.status_code == 200
     assert "0 ROS nodes in 1 package<" in answer.text
+    assert "being counted" in answer.text

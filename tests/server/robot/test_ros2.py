@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import subprocess
 import sys
 from contextlib import aclosing
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from kg.robot.connection import Connection
 
 PEER = ROOT / "tests/robot/dds/peer.py"
+MANAGED = PEER.with_name("managed.py")
 PROGRAM = "move at a velocity forward: 0.25 m/s for 60 s"
 
 
@@ -70,3 +72,33 @@ def test_programs_run_and_stop_over_dds() -> None:
     assert "drivingAtVelocity" in {one["name"] for one in robot["capabilities"]}
     assert robot["program"]["state"] == "stopped"
     assert [one.partition(":")[0] for one in robot["doubts"]] == ["/scan"]
+
+
+def test_what_an_inactive_node_would_do_is_told_as_not_available() -> None:
+    """A page is told why something cannot be done now, and, when the node is active, that it can."""
+
+    async def scene(number: int, node: subprocess.Popen[str]) -> list[str | None]:
+        async with Session(f"dds://{number}?settle=1", load({}, environment={})) as session:
+
+            def why() -> list[str | None]:
+                known = session.told()["capabilities"]
+                return [one.get("unavailable") for one in known if one["name"] == "drivingAtVelocity"]
+
+            while why() != ["/base is inactive"]:  # noqa: ASYNC110 - nothing tells it
+                await asyncio.sleep(0.05)
+            assert node.stdin is not None
+            print(3, file=node.stdin, flush=True)
+            while why() != [None]:  # noqa: ASYNC110 - the same
+                await asyncio.sleep(0.05)
+            return why()
+
+    with domain() as number, subprocess.Popen(
+        [sys.executable, str(MANAGED), str(number)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    ) as node:  # fmt: skip
+        assert node.stdout is not None
+        assert node.stdout.readline() == "ready\n"
+        try:
+            assert asyncio.run(asyncio.wait_for(scene(number, node), patient(60))) == [None]
+        finally:
+            node.kill()

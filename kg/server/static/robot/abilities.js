@@ -46,9 +46,10 @@ export class Abilities {
 
   entry(capability, group) {
     const key = `${capability.modality}-${capability.name}`;
-    const made = element("details", { className: `robot-ability ${group.style}` }, element("summary", { id: `${key}-summary` }, capability.label));
+    const made = element("details", { className: `robot-ability ${group.style}` }, element("summary", { id: `${key}-summary` }, capability.label, capability.unavailable ? element("small", { className: "quiet-text" }, " (not now)") : null));
     made.dataset.key = key;
-    const body = element("div", {}, capability.comment ? element("p", {}, capability.comment) : null);
+    const idle = capability.unavailable ? element("p", { className: "notice warning" }, `Not available now: ${capability.unavailable}.`) : null;
+    const body = element("div", {}, capability.comment ? element("p", {}, capability.comment) : null, idle);
     if (capability.modality === "write") body.append(this.form(capability, key));
     else body.append(this.reading(capability, key));
     body.append(why(capability, key));
@@ -60,7 +61,7 @@ export class Abilities {
     const fields = capability.parameters.map((parameter) => field(parameter, `${key}-${parameter.name}`));
     const time = lasts(capability) ? field({ name: "seconds", label: "for how long", type: "number", unit: "s", default: 1, minimum: 0.1, maximum: 60 }, `${key}-for`) : null;
     const form = element("form", {}, ...fields.map(({ holder }) => holder), time?.holder ?? null);
-    const go = element("button", { className: "primary", disabled: !this.mayMove, id: `${key}-do` }, "Do it now");
+    const go = element("button", { className: "primary", disabled: !this.mayMove || Boolean(capability.unavailable), id: `${key}-do` }, "Do it now");
     const end = element("button", { type: "button", id: `${key}-end` }, "Stop");
     end.addEventListener("click", () => this.act.end());
     form.append(element("div", { className: "row" }, go, end, this.blocks ? this.adder(capability, key) : null));

@@ -1,0 +1,183 @@
+"""The life cycle of nodes of ROS 2: which state each managed node is in, and what the robot cannot do for it.
+
+Source: design.ros2.org/articles/node_lifecycle.html. A managed node tells its state by the service `~/get_state`, and
+each change by the topic `~/transition_event`. It does its work in the state `active` alone.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import defaultdict
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.capability import role_of
+from kg.robot.tasks import Tasks
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from kg.robot.capability import Capabilities, Capability, Way
+    from kg.robot.connection import ComputationGraph, Connection, LiveNode
+
+__all__ = ["ACTIVE", "States", "available", "idle", "in_words"]
+
+ACTIVE: Final = "active"
+_STATES: Final = {
+    1: "unconfigured",
+    2: "inactive",
+    3: ACTIVE,
+    4: "finalized",
+    10: "configuring",
+    11: "cleaning up",
+    12: "shutting down",
+    13: "activating",
+    14: "deactivating",
+    15: "processing an error",
+}
+"""The states of lifecycle_msgs/State; what a node tells as 0 is unknown."""
+_GET_STATE: Final = "lifecycle_msgs/GetState"
+_EVENT: Final = "lifecycle_msgs/TransitionEvent"
+_PATIENCE: Final = 1.0
+"""Seconds that a node may take to tell its state."""
+_AGAIN: Final = 2.0
+"""Seconds after which a node that is not active is asked again, for the event may have been missed."""
+
+
+@dataclass(slots=True)
+class _Followed:
+    """A managed node; `restless` is set while it is not known to be active, `asked` once it was asked."""
+
+    node: LiveNode
+    state: str | None = None
+    asked: asyncio.Event = field(default_factory=asyncio.Event)
+    restless: asyncio.Event = field(default_factory=asyncio.Event)
+    tasks: Tasks = field(default_factory=Tasks)
+
+
+class States:
+    """The states of the managed nodes of a robot, followed from when they are first seen until `close`.
+
+    `changed` is called when a state has changed.
+    """
+
+    def __init__(self, connection: Connection, changed: Callable[[], None]) -> None:
+        self._connection = connection
+        self._changed = changed
+        self._followed: dict[str, _Followed] = {}
+        self._closed = False
+
+    def of(self, graph: ComputationGraph) -> ComputationGraph:
+        """Return a graph whose managed nodes have their states, as far as they are known; follow those that are new."""
+        managed = {
+            end.node
+            for end in graph.ends
+            if end.type == _GET_STATE and end.role is Role.SERVICES and end.name == f"{end.node}/get_state"
+        }
+        nodes = {node.name: node for node in graph.nodes if node.name in managed}
+        for name, known in list(self._followed.items()):
+            if nodes.get(name) != known.node:  # it has gone, or another process has the name now
+                self._followed.pop(name).tasks.cancel()
+        for name in nodes.keys() - self._followed.keys() if not self._closed else ():
+            self._begin(nodes[name])
+        states = {name: one.state for name, one in self._followed.items() if one.state is not None}
+        if not states:
+            return graph
+        return replace(graph, nodes=tuple(replace(one, state=states.get(one.name)) for one in graph.nodes))
+
+    async def told(self) -> None:
+        """Return when each node that is followed has told its state, or had the time to."""
+        waiting = [one.asked.wait() for one in self._followed.values()]
+        with suppress(TimeoutError):
+            await asyncio.wait_for(asyncio.gather(*waiting), _PATIENCE)
+
+    def close(self) -> None:
+        """Follow none any more."""
+        self._closed = True
+        for one in self._followed.values():
+            one.tasks.cancel()
+
+    def _begin(self, node: LiveNode) -> None:
+        one = self._followed[node.name] = _Followed(node)
+        one.restless.set()
+        one.tasks.spawn(self._ask(one), f"asking {node.name} for its state")
+        one.tasks.spawn(self._listen(one), f"following the state of {node.name}")
+
+    async def _ask(self, one: _Followed) -> None:
+        while True:
+            with suppress(RobotError):
+                service = f"{one.node.name}/get_state"
+                answer = await self._connection.call(service, _GET_STATE, {}, seconds=_PATIENCE)
+                self._take(one, answer["current_state"])
+            one.asked.set()
+            await asyncio.sleep(_AGAIN)
+            await one.restless.wait()
+
+    async def _listen(self, one: _Followed) -> None:
+        with suppress(RobotError):  # where there is no such topic, asking again does
+            events = await self._connection.subscribe(f"{one.node.name}/transition_event", _EVENT)
+            try:
+                async for event in events:
+                    self._take(one, event.value["goal_state"])
+            finally:
+                await events.aclose()
+
+    def _take(self, one: _Followed, told: dict[str, Any]) -> None:
+        state = _STATES.get(told["id"])
+        if state == ACTIVE:
+            one.restless.clear()
+        else:
+            one.restless.set()
+        if state != one.state:
+            one.state = state
+            self._changed()
+
+
+def idle(graph: ComputationGraph, name: str, role: Role) -> tuple[LiveNode, ...]:
+    """Return the nodes with an end where all of them are managed and none is active; none where one works."""
+    return _idle(graph, {end.node for end in graph.ends if end.name == name and end.role is role})
+
+
+def _idle(graph: ComputationGraph, names: set[str]) -> tuple[LiveNode, ...]:
+    found = tuple(node for node in graph.nodes if node.name in names and node.state not in {None, ACTIVE})
+    return found if len(found) == len(names) else ()
+
+
+def in_words(nodes: Iterable[LiveNode]) -> str:
+    """Return which states nodes are in: `/map_server is inactive`."""
+    return ", ".join(f"{node.name} is {node.state}" for node in nodes)
+
+
+def available(capabilities: Capabilities, graph: ComputationGraph) -> Capabilities:
+    """Return the same capabilities, those marked that all nodes with a way to them are not active for.
+
+    A general one is marked when all are that imply it.
+    """
+    if all(node.state in {None, ACTIVE} for node in graph.nodes):
+        return capabilities
+    names: defaultdict[tuple[str, Role], set[str]] = defaultdict(set)
+    for end in graph.ends:
+        names[end.name, end.role].add(end.node)
+
+    def nodes(way: Way, one: Capability) -> tuple[LiveNode, ...]:
+        return _idle(graph, names[way.name, role_of(way, reads=one.modality == "read")])
+
+    known = {one.name: one for one in capabilities.capabilities}
+    why: dict[str, str | None] = {}
+
+    def reason(name: str) -> str | None:
+        if name not in why:
+            why[name] = None  # whatever implies itself says nothing
+            one = known[name]
+            told = [in_words(nodes(way, one)) for way in one.ways]
+            told = told or [reason(specific) or "" for specific in one.implied_by if specific in known]
+            why[name] = "; ".join(dict.fromkeys(told)) if told and all(told) else None
+        return why[name]
+
+    marked = (msgspec.structs.replace(one, unavailable=reason(one.name)) for one in capabilities.capabilities)
+    return msgspec.structs.replace(capabilities, capabilities=tuple(marked))
