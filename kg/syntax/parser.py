@@ -113,7 +113,8 @@ class _Construct(Patterns):
             self.expect_word("WHERE")
             template, group = self._both()
         else:
-            self.accept_word("WHERE")
+            if not self.accept_word("WHERE") and self.token.kind is Kind.WORD:
+                raise self.expected("`WHERE`", ["WHERE"])
             group = self.group()
         self._refuse_modifiers()
         if self.at_word("VALUES"):
