@@ -12,12 +12,13 @@ from pygls.exceptions import JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 
 from kg.editors.rules import Rules
-from kg.editors.texts import actions, path_of
+from kg.editors.texts import actions, document_of, path_of
 from kg.editors.wiring import diagnostics
 from kg.errors import KgError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from kg.editors.source import Source
 
@@ -33,7 +34,7 @@ class _Session:
     def __init__(self, server: LanguageServer, source: Source) -> None:
         self._server = server
         self._source = source
-        self._published: dict[str, list[types.Diagnostic]] = {}
+        self._published: dict[Path | None, list[types.Diagnostic]] = {}
         self._wired: set[str] = set()
         self._commands: dict[tuple[str, ...], None] = {}
         self._building = asyncio.Lock()
@@ -74,8 +75,9 @@ class _Session:
             self._send(uri, found)
 
     def _send(self, uri: str, found: list[types.Diagnostic]) -> None:
-        self._published[uri] = found
-        document = self._server.workspace.text_documents.get(uri)
+        path = path_of(uri)
+        self._published[path] = found
+        document = document_of(path, self._server.workspace) if path else None
         self._server.text_document_publish_diagnostics(
             types.PublishDiagnosticsParams(uri=uri, diagnostics=found, version=document.version if document else None)
         )
@@ -137,8 +139,8 @@ class _Session:
 
     def actions(self, params: types.CodeActionParams) -> list[types.CodeAction]:
         """Return the quick fixes of what was published at a range."""
-        found = [each for each in self._published.get(params.text_document.uri, ()) if _meet(each.range, params.range)]
-        return actions(found, self._server.workspace)
+        published = self._published.get(path_of(params.text_document.uri), ())
+        return actions((each for each in published if _meet(each.range, params.range)), self._server.workspace)
 
 
 def _meet(one: types.Range, other: types.Range) -> bool:

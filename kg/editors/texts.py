@@ -16,11 +16,11 @@ from kg.syntax.lexer import normalise
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from pygls.workspace import Workspace
+    from pygls.workspace import TextDocument, Workspace
 
     from kg.errors import Place
 
-__all__ = ["Text", "actions", "diagnostic", "path_of", "read", "uri_of"]
+__all__ = ["Text", "actions", "diagnostic", "document_of", "path_of", "read", "uri_of"]
 
 _SEVERITIES: Final = {
     "error": types.DiagnosticSeverity.Error,
@@ -80,13 +80,18 @@ def path_of(uri: str) -> Path | None:
 
 def uri_of(path: Path, workspace: Workspace) -> str:
     """Return the address of a file: that by which the editor has it open, where it has."""
-    opened = (uri for uri in workspace.text_documents if path_of(uri) == path.resolve())
-    return next(opened, None) or path.absolute().as_uri()
+    document = document_of(path, workspace)
+    return document.uri if document else path.absolute().as_uri()
+
+
+def document_of(path: Path, workspace: Workspace) -> TextDocument | None:
+    """Return the open document of a file; editors spell addresses in different ways."""
+    return next((each for each in workspace.text_documents.values() if path_of(each.uri) == path.resolve()), None)
 
 
 def read(path: Path, workspace: Workspace) -> Text | None:
     """Return the text of a file, as the editor has it if it is open there; None if it cannot be read."""
-    document = workspace.text_documents.get(uri_of(path, workspace))
+    document = document_of(path, workspace)
     try:
         return Text(document.source if document else path.read_text("utf-8-sig"), workspace)
     except (OSError, UnicodeDecodeError):

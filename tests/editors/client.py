@@ -8,7 +8,7 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import urlsplit
+from urllib.parse import unquote, urlsplit
 
 from patience import patient
 
@@ -168,7 +168,7 @@ def _edited(text: str, edits: list[dict[str, Any]]) -> str:
 
 
 def _path(uri: str) -> Path:
-    return Path(urlsplit(uri).path)
+    return Path(unquote(urlsplit(uri).path))
 
 
 @contextmanager
