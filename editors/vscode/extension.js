@@ -3,7 +3,7 @@
 
 const vscode = require("vscode");
 const { LanguageClient } = require("vscode-languageclient/node");
-const { WATCHED, documentSelector, initializationOptions, serverOptions } = require("./settings");
+const { documentSelector, initializationOptions, serverOptions } = require("./settings");
 
 let client;
 
@@ -14,7 +14,6 @@ async function start() {
   client = new LanguageClient("kg", "kg", serverOptions(setting, folder?.fsPath), {
     documentSelector: documentSelector(),
     initializationOptions: initializationOptions(setting),
-    synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher(WATCHED) },
   });
   try {
     await client.start();

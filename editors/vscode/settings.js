@@ -4,9 +4,6 @@
 /** Languages whose files have findings of `kg lint`, by the names of VS Code; `.launch` files are XML here. */
 const LANGUAGES = ["kg-rule", "sparql", "turtle", "xml", "yaml", "python", "cpp", "c", "toml"];
 
-/** Files that change what the server reads, as a pattern. */
-const WATCHED = "**/{.kg/current,kg.toml}";
-
 /**
  * Return how the server is started in a folder.
  * @param {(name: string) => any} setting returns the value of a setting below `kg`
@@ -32,4 +29,4 @@ function documentSelector() {
   ];
 }
 
-module.exports = { LANGUAGES, WATCHED, documentSelector, initializationOptions, serverOptions };
+module.exports = { LANGUAGES, documentSelector, initializationOptions, serverOptions };

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = ["language_server"]
 
+_WATCHED: Final = ("**/.kg/current", "**/kg.toml")
+"""Files that change what the server reports: the pointer to the generation of the store, and settings."""
 _EXCUSED: Final = frozenset({"KG301", "KG302"})
 """Errors that are usual while one edits: no store yet, and a store that another process writes."""
 
@@ -49,6 +51,18 @@ class _Session:
         if folder is not None and folder.is_dir():
             self._attempt(lambda: self._source.enter(folder))
         self.learn()
+
+    async def watch(self) -> None:
+        """Ask the editor to report changes of the store and of settings, where it can."""
+        workspace = self._server.client_capabilities.workspace
+        watching = workspace.did_change_watched_files if workspace else None
+        if watching is None or not watching.dynamic_registration:
+            return
+        options = types.DidChangeWatchedFilesRegistrationOptions(
+            [types.FileSystemWatcher(glob_pattern=each) for each in _WATCHED]
+        )
+        wanted = types.Registration("kg", types.WORKSPACE_DID_CHANGE_WATCHED_FILES, options)
+        await self._server.client_register_capability_async(types.RegistrationParams([wanted]))
 
     def learn(self) -> None:
         """Read rules, ontologies and the store's vocabulary again."""
@@ -168,6 +182,7 @@ def _documents(server: LanguageServer, session: _Session) -> None:
 
     @server.feature(types.INITIALIZED)
     async def initialized(_params: types.InitializedParams) -> None:
+        await session.watch()
         await session.check()
 
     @server.feature(types.TEXT_DOCUMENT_DID_OPEN)

@@ -41,7 +41,6 @@ const vscode = {
   workspace: {
     workspaceFolders: [{ uri: { fsPath: "/robot" } }],
     getConfiguration: (section) => ({ get: (name) => values[`${section}.${name}`] }),
-    createFileSystemWatcher: (pattern) => ({ pattern }),
     onDidChangeConfiguration: (handler) => (handlers.configuration = handler),
   },
   window: { showErrorMessage: (text) => events.push(text) },

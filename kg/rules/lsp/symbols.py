@@ -7,6 +7,7 @@ query (`.ttl`, `.rq`), a page of examples (`.md`), or `kg.toml`.
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -228,11 +229,17 @@ def _turtle(found: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[_Wo
         if token.kind is Kind.STRING and predicate in _QUERIES:
             quotes = 3 if token.text[:3] in {'"""', "'''"} else 1
             written = StringToken(token.start + quotes, token.text[quotes:-quotes])
-            for inner in tokens(unescape(written.written)):
+            for inner in _query(written):
                 start, end = written.offset(inner.start), written.offset(inner.end)
                 yield _Word(inner._replace(start=start, end=end), f"{_QUERY} {token.start}", _QUERY, declared)
         else:
             yield _Word(token, "sh:prefix" if predicate == PREFIXES["sh"] + "prefix" else "", _TURTLE, prefixes)
+
+
+def _query(written: StringToken) -> Iterator[Token]:
+    """Yield the tokens of a string; none for a string with an escape that is no character."""
+    with suppress(ValueError):
+        yield from tokens(unescape(written.written))
 
 
 def _declared(found: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[tuple[str, str]]:
