@@ -122,7 +122,7 @@ class _Session:
         """
         path = path_of(uri)
         if self.rules.diagnostics(uri) is not None:
-            self.learn()
+            self._attempt(self.learn)
             self.publish(uri)
         elif self.builds and path is not None:
             with suppress(KgError):
