@@ -10,7 +10,7 @@ from lsprotocol import types
 from kg import resources
 from kg.editors.texts import Text, diagnostic, read, uri_of
 from kg.lint.lines import Lines
-from kg.lint.repairs import repairs, written
+from kg.lint.repairs import places, repairs, written
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -29,10 +29,12 @@ def diagnostics(found: Checked, workspace: Workspace) -> dict[str, list[types.Di
     lines = Lines(found.roots)
     result: dict[str, list[types.Diagnostic]] = {}
     for each in found.report.findings:
-        file = lines.file(each.place) if each.place is not None else None
-        text = read(file, workspace) if file is not None else None
-        if each.place is not None and file is not None and text is not None:
-            result.setdefault(uri_of(file, workspace), []).append(_diagnostic(each, each.place, text, lines, workspace))
+        for place in places(each, lines):
+            file = lines.file(place)
+            text = read(file, workspace) if file is not None else None
+            if file is not None and text is not None:
+                found_here = result.setdefault(uri_of(file, workspace), [])
+                found_here.append(_diagnostic(each, place, text, lines, workspace))
     return result
 
 
@@ -42,14 +44,15 @@ def _diagnostic(finding: Finding, place: Evidence, text: Text, lines: Lines, wor
     others = f" (and in {len(finding.also)} more)" if finding.also else ""
     system = "" if finding.in_own_file and not others else f"\nin {finding.system}{others}"
     hint = f"\n{finding.hint}" if finding.hint else ""
-    fixes = [fix for each in repairs(finding, lines) if (fix := _fix(each, place, lines, workspace))]
+    fixes = [fix for each in repairs(finding, lines) if (fix := _fix(each, place, where, lines, workspace))]
     result = diagnostic(where, f"{finding.message}{system}{hint}", finding.severity, finding.code, fixes)
     result.code_description = types.CodeDescription(page) if (page := page_of(finding.code)) else None
     result.related_information = [
         types.DiagnosticRelatedInformation(
             types.Location(uri_of(file, workspace), _range(each, None, other)), each.words or "see"
         )
-        for each in finding.evidence
+        for each in (*([finding.place] if finding.place else ()), *finding.evidence)
+        if each != place
         if (file := lines.file(each)) and (other := read(file, workspace))
     ]
     return result
@@ -66,13 +69,16 @@ def _range(place: Evidence, name: tuple[int, int, str] | None, text: Text) -> ty
     return types.Range(text.at(number, start), text.at(number, max(len(line_text.rstrip()), start)))
 
 
-def _fix(repair: Repair, at: Evidence, lines: Lines, workspace: Workspace) -> dict[str, Any] | None:
-    """Return the edit of a repair; its title names the line unless that is the one of the finding."""
+def _fix(
+    repair: Repair, at: Evidence, marked: types.Range, lines: Lines, workspace: Workspace
+) -> dict[str, Any] | None:
+    """Return the edit of a repair; its title names the line unless that is what is marked."""
     file = lines.file(repair.place)
     text = read(file, workspace) if file is not None else None
     if file is None or text is None:
         return None
-    elsewhere = "" if (repair.place.path, repair.line) == (at.path, at.line) else f" in {file.name}:{repair.line}"
+    here = repair.place.path == at.path and repair.line - 1 == marked.start.line
+    elsewhere = "" if here else f" in {file.name}:{repair.line}"
     return {
         "title": f"Replace `{repair.written}` by `{repair.text}`{elsewhere}",
         "uri": uri_of(file, workspace),

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kg.lint.finding import Evidence, Finding
     from kg.lint.lines import Lines
 
-__all__ = ["Repair", "repairs", "written"]
+__all__ = ["Repair", "places", "repairs", "written"]
 
 _BEFORE: Final = r"(?<![\w/.~-])(?<!::)"
 _BEHIND: Final = r"(?![\w/.-]|::)"
@@ -42,12 +42,24 @@ def repairs(finding: Finding, lines: Lines) -> Iterator[Repair]:
     if not finding.replacement or not finding.subjects:
         return
     wrong, right = finding.subjects[0], finding.replacement
-    if finding.place is not None:
-        yield from _repair(finding.place, wrong, right, lines)
+    for place in places(finding, lines):
+        yield from _repair(place, wrong, right, lines)
     for place in finding.evidence:
         # A line of evidence that only starts a node may hold the name in another role.
         if _means(place.words.rpartition(" ")[2], right):
             yield from _repair(place, right, wrong, lines)
+
+
+def places(finding: Finding, lines: Lines) -> list[Evidence]:
+    """Return where a finding is marked: at its line, and where its name is written if that line does not have it.
+
+    A launch file that only starts a node is the line of a finding about a name in the node's code.
+    """
+    own, name = finding.place, finding.subjects[0] if finding.subjects else ""
+    if own is None or not name or written(own, name, lines) or _default(own, name, lines):
+        return [own] if own is not None else []
+    ends = (each for each in finding.evidence if _means(each.words.rpartition(" ")[2], name))
+    return [own, *(each for each in ends if written(each, name, lines))]
 
 
 def _means(word: str, name: str) -> bool:

@@ -8,7 +8,7 @@ import pytest
 
 from kg.lint.finding import Evidence, Finding
 from kg.lint.lines import Lines
-from kg.lint.repairs import repairs
+from kg.lint.repairs import places, repairs
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -80,3 +80,16 @@ def test_the_other_end(tmp_path: Path) -> None:
     ends = Evidence("b.py", 1, "mine", "publishes imge"), Evidence("a.launch", 2, "mine", "starts /image")
     found = repaired(tmp_path, finding(Evidence("a.launch", 1, "mine"), "/image", "/imge", *ends))
     assert found == ['a.launch:1 <remap from="i" to="imge"/>', 'b.py:1 Publisher("image", 1)']
+
+
+def test_a_name_in_the_code_of_a_node(tmp_path: Path) -> None:
+    """Where the line only starts the node, the name is marked and replaced in its code."""
+    (tmp_path / "a.launch").write_text('<node name="viewer" ns="r"/>\n')
+    (tmp_path / "b.cpp").write_text('create_subscription<Image>(\n  "imge", 1);\n')
+    start, code = (
+        Evidence("a.launch", 1, "mine", "starts /r/viewer"),
+        Evidence("b.cpp", 1, "mine", "subscribes to imge"),
+    )
+    one = finding(start, "/r/imge", "/r/image", code)
+    assert places(one, Lines({"mine": str(tmp_path)})) == [start, code]
+    assert repaired(tmp_path, one) == ['b.cpp:2 "image", 1);']
