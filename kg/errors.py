@@ -8,14 +8,18 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from kg.codes import CATALOGUE, CodeEntry
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 __all__ = [
     "CATALOGUE",
     "CodeEntry",
     "Exit",
+    "Fix",
     "GraphError",
     "KgError",
     "Place",
@@ -84,16 +88,37 @@ class Place:
         return self.line, self.column, self.line, found.end() + 1 if found else self.column + 1
 
 
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """An edit that repairs an error: `text` replaces the characters at `place`, by default those of the error itself.
+
+    A place with an end has these characters; one with equal start and end is an insertion. `title` is empty where
+    "replace by" describes the edit.
+    """
+
+    text: str
+    place: Place | None = None
+    title: str = ""
+
+
 class KgError(Exception):
     """Base class of all errors that `kg` raises deliberately.
 
     `code` is a key of `CATALOGUE`. `message` describes the error with its values, `place` locates it, and `hint` is the
-    fix for this case.
+    fix for this case. `fixes` are alternative edits that do what the hint says, the likeliest first.
     """
 
     exit_code: Exit = Exit.INTERNAL
 
-    def __init__(self, code: str, message: str, *, place: Place | None = None, hint: str | None = None) -> None:
+    def __init__(
+        self,
+        code: str,
+        message: str,
+        *,
+        place: Place | None = None,
+        hint: str | None = None,
+        fixes: Iterable[Fix] = (),
+    ) -> None:
         """Raise `LookupError` for a code missing from the catalogue."""
         if code not in CATALOGUE:
             raise LookupError(code)
@@ -102,6 +127,7 @@ class KgError(Exception):
         self.message = message
         self.place = place
         self.hint = hint
+        self.fixes = tuple(fixes)
 
     def __str__(self) -> str:
         where = f"{self.place}: " if self.place else ""

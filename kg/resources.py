@@ -22,7 +22,10 @@ _PACKAGE = Path(__file__).resolve().parent
 
 
 def folder(name: str) -> Path:
-    """Return the folder `corpus`, `ontology`, `rules`, `queries` or `examples` of this installation."""
+    """Return the folder `corpus`, `ontology`, `rules`, `queries`, `examples` or `docs` of this installation.
+
+    An installed `docs` has the page of error codes only.
+    """
     installed = _PACKAGE / "_data" / name
     return installed if installed.is_dir() else _PACKAGE.parent / name
 

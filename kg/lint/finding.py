@@ -33,8 +33,8 @@ class Finding:
 
     `system` is the name of the configuration that it was found in, `also` are those with the same fault at the same
     line. `place` is the line where it is to be mended; None when the rule names none. `presumes_whole` tells that it is
-    concluded from something missing, so that it holds only where the configuration is started alone. `iri` is that of
-    the finding in the store.
+    concluded from something missing, so that it holds only where the configuration is started alone. `replacement` is
+    the name that probably should stand in place of the first subject. `iri` is that of the finding in the store.
     """
 
     code: str
@@ -47,6 +47,7 @@ class Finding:
     evidence: tuple[Evidence, ...] = ()
     presumes_whole: bool = False
     hint: str | None = None
+    replacement: str | None = None
     also: tuple[str, ...] = field(default=())
     iri: str = field(default="", compare=False)
 

@@ -38,6 +38,7 @@ def as_object(finding: Finding) -> dict[str, Any]:
         "presumes_whole": finding.presumes_whole,
         "also": list(finding.also),
         "hint": finding.hint,
+        "replacement": finding.replacement,
         "fingerprint": finding.fingerprint,
     }
 

@@ -125,6 +125,7 @@ class _Reading:
             evidence=tuple(place for place in others if mending is None or str(place) != str(mending)),
             presumes_whole=one(own, v.rnkg("presumesWhole")) == "true",
             hint=one(own, v.rnkg("hint")),
+            replacement=one(own, v.rnkg("replacement")),
         )
 
     def _places(self, things: Iterable[str], configuration: str) -> list[Evidence]:

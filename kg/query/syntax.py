@@ -11,10 +11,10 @@ import pyoxigraph
 
 from kg.errors import QueryError
 from kg.query.completion.outline import Slot, outline
-from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS, WELL_KNOWN
+from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS
 from kg.similar import asked, did_you_mean
 from kg.syntax.lexer import Kind, tokens
-from kg.syntax.names import PREFIXES
+from kg.syntax.names import PREFIXES, WELL_KNOWN
 from kg.syntax.position import offset_of, place_at, place_of
 
 if TYPE_CHECKING:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
-from typing import Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
 
 from kg.codes.severities import SEVERITIES
-from kg.errors import Place, RuleError
+from kg.errors import Fix, Place, RuleError
 from kg.rules.files import HEADINGS, Documentation
-from kg.similar import did_you_mean
+from kg.similar import asked, similar
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
 
 __all__ = ["parse_header"]
 
@@ -52,17 +56,30 @@ def _comments(text: str) -> list[tuple[int, str, int, str]]:
 
 def _heading(heading: str, before: dict[str, list[str]], place: Place) -> str:
     if heading not in HEADINGS:
-        near = did_you_mean(heading, HEADINGS) or f"The headings are: {', '.join(HEADINGS)}."
-        raise RuleError("KG206", f"unknown heading `{heading}`", place=place, hint=near)
+        near = similar(heading, HEADINGS)
+        hint = asked(near) or f"The headings are: {', '.join(HEADINGS)}."
+        raise RuleError(
+            "KG206", f"unknown heading `{heading}`", place=place, hint=hint, fixes=_fixes(heading, near, place)
+        )
     if heading in before:
         raise RuleError("KG206", f"the heading `{heading}` stands twice", place=place, hint="Join the two parts.")
     return heading
 
 
+def _fixes(written: str, meant: Iterable[str], place: Place) -> Iterator[Fix]:
+    """Yield the replacements of a word in the line of a place."""
+    start = (place.excerpt or "").rfind(written) + 1
+    word = replace(place, column=start, end_line=place.line, end_column=start + len(written))
+    return (Fix(each, word) for each in meant)
+
+
 def _value(key: str, value: str, place: Place) -> str:
     if key == "severity" and value not in SEVERITIES:
-        near = did_you_mean(value, SEVERITIES) or f"The severities are: {', '.join(SEVERITIES)}."
-        raise RuleError("KG206", f"unknown severity `{value}`", place=place, hint=near)
+        near = similar(value, SEVERITIES)
+        hint = asked(near) or f"The severities are: {', '.join(SEVERITIES)}."
+        raise RuleError(
+            "KG206", f"unknown severity `{value}`", place=place, hint=hint, fixes=_fixes(value, near, place)
+        )
     if not value:
         raise RuleError("KG206", f"`{key}:` has no value", place=place, hint="Write the version, as in `since: 0.2`.")
     return value

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
-from kg.errors import RuleError
-from kg.similar import did_you_mean
+from kg.errors import Fix, RuleError
+from kg.similar import asked, similar
 from kg.syntax.lexer import END, Kind, Token, as_written, is_name, normalise, token_at, tokens, unescape, unescape_local
-from kg.syntax.names import is_absolute, resolve
+from kg.syntax.names import PREFIXES, WELL_KNOWN, is_absolute, resolve
 from kg.syntax.position import place_at
+from kg.syntax.prologue import declaration
 from kg.syntax.tree import Span
 
 if TYPE_CHECKING:
@@ -87,12 +88,21 @@ class Cursor:
 
     def expected(self, what: str, known: Iterable[str] = ()) -> RuleError:
         """Return the error that the next token is not what has to stand here; `known` are names it may stand for."""
-        hint = did_you_mean(self.token.text, known) if self.token.kind is Kind.WORD else None
-        return self.error(f"expected {what}, found {self._found()}", self.token.start, hint=hint)
+        meant = similar(self.token.text, known) if self.token.kind is Kind.WORD else ()
+        message = f"expected {what}, found {self._found()}"
+        return self.error(message, self.token.start, hint=asked(meant), fixes=map(Fix, meant))
 
-    def error(self, message: str, offset: int, *, code: str = "KG201", hint: str | None = None) -> RuleError:
-        """Return an error about the place at an offset."""
-        return RuleError(code, message, place=place_at(self.text, offset, self.path), hint=hint)
+    def error(
+        self,
+        message: str,
+        offset: int,
+        *,
+        code: str = "KG201",
+        hint: str | None = None,
+        fixes: Iterable[Fix] = (),
+    ) -> RuleError:
+        """Return an error about the token at an offset."""
+        return RuleError(code, message, place=place_at(self.text, offset, self.path), hint=hint, fixes=fixes)
 
     def _found(self) -> str:
         text = self.token.text
@@ -145,11 +155,24 @@ class Cursor:
         namespace = self.prefixes.get(prefix)
         if namespace is None:
             unknown = self._unknown_prefixes(token)
-            near = did_you_mean(prefix, self.prefixes) if prefix and len(unknown) == 1 else None
-            hint = near or f"Declare {'it' if len(unknown) == 1 else 'them'}: PREFIX {prefix}: <...>."
-            names = ", ".join(f"`{each}:`" for each in unknown)
-            raise self.error(f"unknown prefix{'es' * (len(unknown) > 1)} {names}", token.start, hint=hint)
+            near = similar(prefix, self.prefixes) if prefix and len(unknown) == 1 else ()
+            hint = f"Declare {'it' if len(unknown) == 1 else 'them'}: PREFIX {prefix}: <...>."
+            raise self.error(
+                f"unknown prefix{'es' * (len(unknown) > 1)} {', '.join(f'`{each}:`' for each in unknown)}",
+                token.start,
+                hint=asked(near) or hint,
+                fixes=[*(Fix(f"{each}:{local}") for each in near), *self._declaring(unknown)],
+            )
         return namespace + unescape_local(local)
+
+    def _declaring(self, unknown: Iterable[str]) -> Iterator[Fix]:
+        """Yield the declaration of those of the prefixes that usually stand for a namespace."""
+        usual = {**WELL_KNOWN, **PREFIXES}
+        wanted = {prefix: usual[prefix] for prefix in unknown if prefix in usual}
+        if wanted:
+            at, lines = declaration(self.text, wanted)
+            title = f"Declare {' and '.join(f'`{each}:`' for each in wanted)}"
+            yield Fix(lines, place_at(self.text, at, self.path, at), title)
 
     def _unknown_prefixes(self, first: Token) -> list[str]:
         """Return the prefixes from a token on that nothing declares, so that they can be mended all at once."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["PREFIXES", "is_absolute", "resolve", "shorten"]
+__all__ = ["PREFIXES", "WELL_KNOWN", "is_absolute", "resolve", "shorten"]
 
 PREFIXES: Final = MappingProxyType(
     {
@@ -30,6 +30,25 @@ PREFIXES: Final = MappingProxyType(
     }
 )
 """Prefix to namespace; a query that declares one of them itself overrides it."""
+
+WELL_KNOWN: Final = MappingProxyType(
+    {
+        "dc": "http://purl.org/dc/elements/1.1/",
+        "dcat": "http://www.w3.org/ns/dcat#",
+        "foaf": "http://xmlns.com/foaf/0.1/",
+        "geo": "http://www.opengis.net/ont/geosparql#",
+        "qudt": "http://qudt.org/schema/qudt/",
+        "sd": "http://www.w3.org/ns/sparql-service-description#",
+        "sosa": "http://www.w3.org/ns/sosa/",
+        "ssn": "http://www.w3.org/ns/ssn/",
+        "time": "http://www.w3.org/2006/time#",
+        "unit": "http://qudt.org/vocab/unit/",
+        "vann": "http://purl.org/vocab/vann/",
+        "void": "http://rdfs.org/ns/void#",
+        "wgs84": "http://www.w3.org/2003/01/geo/wgs84_pos#",
+    }
+)
+"""Prefixes that a text must declare, with the namespace that they usually stand for."""
 
 _PARTS: Final = re.compile(r"(?:([^:/?#]+):)?(?://([^/?#]*))?([^?#]*)(?:\?([^#]*))?(?:#(.*))?", re.DOTALL)
 

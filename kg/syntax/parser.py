@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from kg.errors import Fix
 from kg.syntax.functions import RULE_FUNCTIONS
 from kg.syntax.lexer import END, Kind, as_assignment
 from kg.syntax.names import PREFIXES
@@ -112,7 +113,8 @@ class _Construct(Patterns):
             self.expect_word("WHERE")
             template, group = self._both()
         else:
-            self.accept_word("WHERE")
+            if not self.accept_word("WHERE") and self.token.kind is Kind.WORD:
+                raise self.expected("`WHERE`", ["WHERE"])
             group = self.group()
         self._refuse_modifiers()
         if self.at_word("VALUES"):
@@ -223,7 +225,8 @@ class _RuleSets(Patterns):
     def _no_statement(self) -> Exception:
         if self.at_word("CONSTRUCT"):
             hint = "Write RULE { ... } WHERE { ... }, or give the file the ending .rq."
-            return self.error("SPARQL RL has no CONSTRUCT", self.token.start, hint=hint)
+            fixes = [Fix("RULE", title="Replace `CONSTRUCT` by `RULE`")]
+            return self.error("SPARQL RL has no CONSTRUCT", self.token.start, hint=hint, fixes=fixes)
         return self.expected("`RULE` or `DATA`", _STATEMENTS)
 
     def _data(self) -> list[TriplePattern]:
@@ -277,7 +280,8 @@ class _RuleSets(Patterns):
     def _no_element(self, elements: tuple[str, ...]) -> Exception:
         word = self.token.text.upper()
         if self.at_word(*_SPARQL):
-            return self.error(f"SPARQL RL has no {word}", self.token.start, hint=_SPARQL[word])
+            fixes = [Fix("NOT", title="Replace `MINUS` by `NOT`")] if word == "MINUS" else []
+            return self.error(f"SPARQL RL has no {word}", self.token.start, hint=_SPARQL[word], fixes=fixes)
         if self.at_word(*_ELEMENTS):
             hint = "Inside NOT stand triples and filters only."
             return self.error(f"{word} inside NOT", self.token.start, hint=hint)

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode, Triple
 
-from kg.similar import did_you_mean
+from kg.errors import Fix
+from kg.similar import asked, similar
 from kg.syntax.cursor import MAX_NESTING
 from kg.syntax.functions import AGGREGATES, FUNCTIONS, Arguments
 from kg.syntax.lexer import Kind, as_operator
@@ -192,8 +193,8 @@ class Patterns(Triples):
         if name.upper() in FUNCTIONS or name.upper() in {"EXISTS", *AGGREGATES}:
             return self.error(f"SPARQL RL has no {name.upper()}", self.token.start)
         if self.text[self.token.end :].lstrip().startswith("("):
-            near = did_you_mean(name.upper(), self.functions)
-            return self.error(f"unknown function `{name}`", self.token.start, hint=near)
+            near = similar(name.upper(), self.functions)
+            return self.error(f"unknown function `{name}`", self.token.start, hint=asked(near), fixes=map(Fix, near))
         return self.expected(what, self.functions)
 
     def _built_in(self, name: str) -> None:

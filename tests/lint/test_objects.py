@@ -44,6 +44,7 @@ def test_the_fields_of_json() -> None:
         "presumes_whole": False,
         "also": ["x/y.launch"],
         "hint": "so",
+        "replacement": None,
     }
 
 

@@ -8,7 +8,7 @@ from kg.query.completion.candidates import candidates
 from kg.query.completion.matching import WORST, matcher
 from kg.query.completion.site import site_of
 from kg.query.completion.typed import Form, typed
-from kg.syntax.lexer import tokens
+from kg.syntax.prologue import declaration
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kg.query.completion.site import Candidate, Site
     from kg.query.stored import StoredQuery
 
-__all__ = ["complete", "declaration"]
+__all__ = ["complete"]
 
 _MOST: Final = 100
 """How many candidates are offered at most."""
@@ -117,28 +117,5 @@ def _edits(site: Site, one: Candidate) -> list[dict[str, Any]]:
     """Return the declaration of the prefix of what is inserted, where the query lacks it."""
     if not one.prefix or one.prefix in site.whole.prefixes or one.prefix not in site.prefixes:
         return []
-    return [declaration(site.text, one.prefix, site.prefixes[one.prefix])]
-
-
-def declaration(text: str, prefix: str, namespace: str) -> dict[str, Any]:
-    """Return the edit that declares a prefix: behind the declarations that are there, else before the query.
-
-    The comment that a query begins with stays at its beginning.
-    """
-    at = _declared_until(text)
-    line = f"PREFIX {prefix}: <{namespace}>"
-    return {"start": at, "end": at, "text": f"{line}\n" if at == 0 or text[at - 1] == "\n" else f"\n{line}"}
-
-
-def _declared_until(text: str) -> int:
-    """Return the offset where a further declaration goes."""
-    end, rest = 0, list(tokens(text))
-    while rest and rest[0].text.lower() in {"prefix", "base"}:
-        length = 3 if rest[0].text.lower() == "prefix" else 2
-        if len(rest) < length:
-            break
-        end, rest = rest[length - 1].end, rest[length:]
-    if end == 0:
-        return rest[0].start if rest else 0
-    following = text.find("\n", end)
-    return end if following < 0 or text[end:following].strip() else following + 1
+    at, text = declaration(site.text, {one.prefix: site.prefixes[one.prefix]})
+    return [{"start": at, "end": at, "text": text}]

@@ -9,8 +9,8 @@ from kg.query.completion.meaning import asserted, behind, classes, fitting, lead
 from kg.query.completion.outline import TYPE, Slot, Step
 from kg.query.completion.site import Candidate
 from kg.query.completion.typed import Form
-from kg.query.completion.vocabulary import WELL_KNOWN
 from kg.syntax.lexer import Kind
+from kg.syntax.names import WELL_KNOWN
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
-__all__ = ["AGGREGATES", "FUNCTIONS", "KEYWORDS", "WELL_KNOWN", "Function"]
+__all__ = ["AGGREGATES", "FUNCTIONS", "KEYWORDS", "Function"]
 
 KEYWORDS: Final = MappingProxyType(
     {
@@ -120,22 +120,3 @@ FUNCTIONS: Final = MappingProxyType(
         "SHA512": Function("text", "a checksum"),
     }
 )
-
-WELL_KNOWN: Final = MappingProxyType(
-    {
-        "dc": "http://purl.org/dc/elements/1.1/",
-        "dcat": "http://www.w3.org/ns/dcat#",
-        "foaf": "http://xmlns.com/foaf/0.1/",
-        "geo": "http://www.opengis.net/ont/geosparql#",
-        "qudt": "http://qudt.org/schema/qudt/",
-        "sd": "http://www.w3.org/ns/sparql-service-description#",
-        "sosa": "http://www.w3.org/ns/sosa/",
-        "ssn": "http://www.w3.org/ns/ssn/",
-        "time": "http://www.w3.org/2006/time#",
-        "unit": "http://qudt.org/vocab/unit/",
-        "vann": "http://purl.org/vocab/vann/",
-        "void": "http://rdfs.org/ns/void#",
-        "wgs84": "http://www.w3.org/2003/01/geo/wgs84_pos#",
-    }
-)
-"""Prefixes that are no part of every query, by the namespace that they usually stand for."""

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kg.query.completion.service import declaration
-from kg.query.completion.vocabulary import WELL_KNOWN
 from kg.query.syntax import keywords_meant
 from kg.similar import similar
 from kg.syntax.lexer import Kind
-from kg.syntax.names import PREFIXES
+from kg.syntax.names import PREFIXES, WELL_KNOWN
+from kg.syntax.prologue import declaration
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -38,7 +37,8 @@ def of_token(text: str, token: Token, known: Outline, declared: Mapping[str, str
 def _declaring(text: str, prefix: str, declared: Mapping[str, str]) -> Iterator[dict[str, Any]]:
     namespace = declared.get(prefix) or WELL_KNOWN.get(prefix)
     if namespace:
-        yield _fix(f"Declare `{prefix}:` as <{namespace}>", [declaration(text, prefix, namespace)])
+        at, line = declaration(text, {prefix: namespace})
+        yield _fix(f"Declare `{prefix}:` as <{namespace}>", [_edit(at, at, line)])
 
 
 def _prefixed(prefix: str, local: str, known: Outline) -> list[str]:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Triple
 
-    from kg.errors import Place, RuleError
+    from kg.errors import Fix, Place, RuleError
     from kg.rules.files import RuleFile, RuleSet
     from kg.rules.form import Element, Rule, Term
 
@@ -27,6 +27,7 @@ class Finding:
     """Something wrong with a rule: `rule` is the name of its file, `place` has the line and column.
 
     `lacks` names what its documentation lacks, as `kg.rules.blocks.tree.Rule` does: `title`, `infers`, `why`, `since`.
+    `fixes` are alternative edits that do what the hint says.
     """
 
     code: str
@@ -36,6 +37,7 @@ class Finding:
     place: Place
     hint: str | None = None
     lacks: tuple[str, ...] = ()
+    fixes: tuple[Fix, ...] = ()
 
 
 class Store(Protocol):
@@ -92,4 +94,4 @@ def at_offset(file: RuleFile, offset: int) -> Place:
 
 def from_error(error: RuleError, name: str, place: Place) -> Finding:
     """Return the finding that an error is, raised while a file was read or rules were put in order."""
-    return Finding(error.code, "error", name, error.message, error.place or place, error.hint)
+    return Finding(error.code, "error", name, error.message, error.place or place, error.hint, fixes=error.fixes)

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
+from kg.errors import Fix
 from kg.rules.checks.finding import Finding
 from kg.rules.checks.standard import STANDARD, is_standard, namespace_of
-from kg.rules.checks.tokens import place_of_name
+from kg.rules.checks.tokens import names, place_of_name
 from kg.rules.form import AUXILIARY, Atom, atoms_of
-from kg.similar import asked, did_you_mean, similar
+from kg.similar import asked, similar
 from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
@@ -53,21 +54,26 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
 
 
 def _finding(file: RuleFile, iri: str, kind: str, message: str, known: Iterable[str]) -> Finding:
-    hint = _suggestion(iri, kind, known) or "Define it in an ontology, or correct the name."
-    return Finding(CODE, "warning", file.name, message, place_of_name(file, iri), hint)
+    meant = _suggestions(iri, kind, known)
+    hint = asked(map(shorten, meant)) or "Define it in an ontology, or correct the name."
+    # Names in the strings of SHACL rules have no place of their own.
+    named = any(found == iri for found, _ in names(file))
+    fixes = tuple(Fix(shorten(each, file.prefixes or {})) for each in meant) if named else ()
+    return Finding(CODE, "warning", file.name, message, place_of_name(file, iri), hint, fixes=fixes)
 
 
-def _suggestion(iri: str, kind: str, known: Iterable[str]) -> str | None:
-    """Return the hint with similar terms: those of its kind, by the case of the first letter, come first."""
+def _suggestions(iri: str, kind: str, known: Iterable[str]) -> list[str]:
+    """Return similar terms: those of its kind, by the case of the first letter, come first."""
     namespace = namespace_of(iri)
     # Of terms of one name the one in the namespace that was written is meant.
     ordered = sorted(known, key=lambda term: (namespace_of(term) == namespace, term))
-    names = {term.removeprefix(namespace_of(term)): term for term in ordered}
-    alike = [name for name in names if name[:1].isupper() == (kind == "class")]
+    locals_ = {term.removeprefix(namespace_of(term)): term for term in ordered}
+    alike = [name for name in locals_ if name[:1].isupper() == (kind == "class")]
     found = similar(iri.removeprefix(namespace), alike)
     if found:
-        return asked(shorten(names[name]) for name in found)
-    return did_you_mean(shorten(iri), map(shorten, ordered))
+        return [locals_[name] for name in found]
+    short = {shorten(term): term for term in ordered}
+    return [short[each] for each in similar(shorten(iri), short)]
 
 
 def _read_in(file: RuleFile, iri: str) -> bool:

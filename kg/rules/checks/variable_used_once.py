@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Final
 
+from kg.errors import Fix
 from kg.rules.checks.finding import Finding, at_offset
 from kg.rules.checks.tokens import variables
 from kg.rules.form import Variable, atoms_of
-from kg.similar import did_you_mean
+from kg.similar import asked, similar
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,9 +32,12 @@ def check(file: RuleFile, _context: Context) -> Iterator[Finding]:
         name = token.text[1:]
         if uses[name] == 1 and not name.startswith("_"):
             others = [other for other in uses if other != name]
-            hint = did_you_mean(name, others) or _hint(name, blank)
+            meant = similar(name, others)
+            intended = [f"{token.text[0]}_{name}", *["[]"] * (Variable(name) in blank)]
+            fixes = (*(Fix(f"{token.text[0]}{each}") for each in meant), *map(Fix, intended))
             message = f"the variable ?{name} is used only here"
-            yield Finding(CODE, "warning", file.name, message, at_offset(file, token.start), hint)
+            hint = asked(meant) or _hint(name, blank)
+            yield Finding(CODE, "warning", file.name, message, at_offset(file, token.start), hint, fixes=fixes)
 
 
 def _hint(name: str, blank: set[Variable]) -> str:

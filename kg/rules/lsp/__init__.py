@@ -1,1 +1,1 @@
-"""A language server for rules: diagnostics, completion, hover, definitions (Language Server Protocol 3.17)."""
+"""The text of a rule in an editor: diagnostics, completion, hover, definitions, references, names."""

@@ -11,7 +11,7 @@ from kg.rules.checks.finding import from_error
 from kg.rules.checks.run import check_file
 from kg.rules.reading import read_text
 from kg.syntax.functions import FUNCTIONS
-from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.lexer import Kind, normalise, token_at, tokens
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
@@ -66,8 +66,10 @@ def width(text: str, place: Place) -> int:
     if line.startswith("#"):
         return max(len(line) - column, 1)
     start = sum(len(each) + 1 for each in lines[:number]) + column
-    token = next((each for each in tokens(normalise(text)) if each.start == start), None)
-    return min(token.end - start, len(line) - column) if token else 1
+    token = next((each for each in tokens(normalise(text)) if each.start <= start < each.end), None)
+    if token is not None and token.kind is Kind.STRING and token.start < start:
+        token = token_at(normalise(text), start)  # in the query of a SHACL rule
+    return min(token.end - start, len(line) - column) if token and token.start == start else 1
 
 
 def complete(text: str, offset: int, suffix: str, terms: Terms) -> list[Suggestion]:

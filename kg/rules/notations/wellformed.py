@@ -9,8 +9,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from kg.errors import RuleError
-from kg.similar import did_you_mean
+from kg.errors import Fix, RuleError
+from kg.similar import asked, similar
 from kg.syntax.position import place_at
 from kg.syntax.tree import Bind, Exists, Filter, TriplePattern, mentioned
 
@@ -72,10 +72,11 @@ class _Checker:
 
     def unbound(self, name: str, span: Span, message: str, bound: set[str]) -> RuleError:
         """Return the error that a variable is not bound."""
-        near = did_you_mean(name, {other for other in bound if not other.startswith(".")})
-        return self._error(name, span, message, near or f"Bind `?{name}` by a triple or SET before it is read.")
+        near = similar(name, {other for other in bound if not other.startswith(".")})
+        hint = asked(near) or f"Bind `?{name}` by a triple or SET before it is read."
+        return self._error(name, span, message, hint, [Fix(f"?{each}") for each in near])
 
-    def _error(self, name: str, span: Span, message: str, hint: str) -> RuleError:
+    def _error(self, name: str, span: Span, message: str, hint: str, fixes: Iterable[Fix] = ()) -> RuleError:
         found = re.compile(rf"[?$]{re.escape(name)}(?!\w)").search(self._text, span.start, span.end)
         place = place_at(self._text, found.start() if found else span.start, self._path)
-        return RuleError("KG203", message, place=place, hint=hint)
+        return RuleError("KG203", message, place=place, hint=hint, fixes=fixes)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kg.query.completion.service import complete, declaration
+from kg.query.completion.service import complete
 from kg.query.completion.vocabulary import KEYWORDS
 
 if TYPE_CHECKING:
@@ -99,22 +99,6 @@ def test_a_prefix_that_the_query_lacks_is_declared(offered: Offered) -> None:
     (edit,) = offered(lacking)[0]["edits"]
     assert edit == {"start": 54, "end": 54, "text": "PREFIX rnkg: <https://w3id.org/rnkg/ns#>\n"}
     assert offered("PREFIX rnkg: <https://w3id.org/rnkg/ns#> ASK { ?x a rnkg:NodeTyp|")[0]["edits"] == []
-
-
-@pytest.mark.parametrize(
-    ("text", "result"),
-    [
-        ("ASK {}", "PREFIX a: <urn:a>\nASK {}"),
-        ("# why\n\nASK {}", "# why\n\nPREFIX a: <urn:a>\nASK {}"),
-        ("PREFIX b: <urn:b> ASK {}", "PREFIX b: <urn:b>\nPREFIX a: <urn:a> ASK {}"),
-        ("PREFIX b: <urn:b>\nASK {}", "PREFIX b: <urn:b>\nPREFIX a: <urn:a>\nASK {}"),
-        ("", "PREFIX a: <urn:a>\n"),
-    ],
-)
-def test_where_declarations_go(text: str, result: str) -> None:
-    """A declaration goes behind those that are there, else before the query and behind its comment."""
-    edit = declaration(text, "a", "urn:a")
-    assert text[: edit["start"]] + edit["text"] + text[edit["end"] :] == result
 
 
 def test_holes_lie_in_brackets(offered: Offered) -> None:

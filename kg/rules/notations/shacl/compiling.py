@@ -48,7 +48,8 @@ def _compiled(graph: ShapesGraph, statement: Statement, name: str) -> tuple[Rule
         found = decompose(unit.rules[0], name, graph.path, statement.text)
     except RuleError as error:
         where = moved(error.place) if error.place else None
-        raise RuleError(error.code, error.message, place=where, hint=error.hint) from None
+        fixes = [each for each in error.fixes if each.place is None]
+        raise RuleError(error.code, error.message, place=where, hint=error.hint, fixes=fixes) from None
     return tuple(replace(_with_places(rule, moved), order=statement.order) for rule in found)
 
 

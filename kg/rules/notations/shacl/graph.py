@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, parse
 
-from kg.errors import RuleError
+from kg.errors import Fix, RuleError
+from kg.rules.notations.shacl.declared import prefixes
 from kg.rules.notations.shacl.places import Places, StringToken
 from kg.rules.notations.shacl.vocabulary import FIRST, KNOWN, NIL, REST, SH, SUBCLASS, TYPE, sh
-from kg.similar import did_you_mean
-from kg.syntax.lexer import normalise
+from kg.similar import asked, similar
+from kg.syntax.lexer import Kind, normalise, token_at
+from kg.syntax.names import PREFIXES, WELL_KNOWN, shorten
 from kg.syntax.position import place_at, place_of
+from kg.syntax.prologue import declaration
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
     from pyoxigraph import Triple
 
+    from kg.errors import Place
     from kg.rules.form import Term
 
 __all__ = ["ShapesGraph"]
+
+_PREFIX: Final = re.compile(r"^\s*@?prefix\s+([\w.-]*):", re.MULTILINE | re.IGNORECASE)
 
 
 class ShapesGraph:
@@ -44,15 +53,27 @@ class ShapesGraph:
         except SyntaxError as error:
             what = str(error.msg or error).partition(": ")[2] or str(error)
             place = place_of(self.text, error.lineno or 1, error.offset or 1, self.path)
-            raise RuleError("KG201", f"the file is not Turtle: {what}", place=place) from None
+            fixes = self._declaring(place)
+            raise RuleError("KG201", f"the file is not Turtle: {what}", place=place, fixes=fixes) from None
+
+    def _declaring(self, place: Place) -> Iterator[Fix]:
+        """Yield the declaration of the prefix at a place if only that is missing and it has a usual namespace."""
+        token = token_at(place.excerpt or "", (place.column or 1) - 1)
+        prefix, usual = token.text.partition(":")[0], {**WELL_KNOWN, **PREFIXES}
+        declared = {found[1] for found in _PREFIX.finditer(self.text)}
+        if token.kind is Kind.NAME and prefix in usual and prefix not in declared:
+            at, line = declaration(self.text, {prefix: usual[prefix]}, turtle=True)
+            yield Fix(line, place_at(self.text, at, self.path, at), f"Declare `{prefix}:`")
 
     def _check_names(self) -> None:
         for triple in self._triples:
             name = triple.predicate.value.removeprefix(SH)
             if triple.predicate.value.startswith(SH) and name not in KNOWN:
                 offset = self.places.of_name(triple.predicate.value)
-                hint = did_you_mean(f"sh:{name}", (f"sh:{known}" for known in KNOWN))
-                raise self.error(f"SHACL has no property `sh:{name}`", triple.subject, hint=hint, offset=offset)
+                near = similar(f"sh:{name}", (f"sh:{known}" for known in KNOWN))
+                fixes = [Fix(shorten(SH + each[3:], prefixes(self.text))) for each in near]
+                what = f"SHACL has no property `sh:{name}`"
+                raise self.error(what, triple.subject, hint=asked(near), offset=offset, fixes=fixes)
 
     def predicates(self, node: Term) -> list[NamedNode]:
         """Return the predicates of which a node has values."""
@@ -182,12 +203,19 @@ class ShapesGraph:
             return f"the blank node of type {kinds[0]}" if kinds else "the blank node"
         return str(node)
 
-    def error(
-        self, message: str, node: Term, *, hint: str | None, code: str = "KG201", offset: int | None = None
+    def error(  # noqa: PLR0913 - the parts of an error
+        self,
+        message: str,
+        node: Term,
+        *,
+        hint: str | None,
+        code: str = "KG201",
+        offset: int | None = None,
+        fixes: Iterable[Fix] = (),
     ) -> RuleError:
         """Return an error about a node, or about the character at `offset`."""
         where = self.offset(node) if offset is None else offset
-        return RuleError(code, message, place=place_at(self.text, where, self.path), hint=hint)
+        return RuleError(code, message, place=place_at(self.text, where, self.path), hint=hint, fixes=fixes)
 
     def unsupported(self, what: str, node: Term, hint: str) -> RuleError:
         """Return the error that a feature is not supported (KG230)."""

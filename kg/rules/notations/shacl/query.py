@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from pyoxigraph import Literal, NamedNode
 
+from kg.errors import Fix
 from kg.rules.notations.shacl.vocabulary import IMPORTS, sh
-from kg.similar import did_you_mean
+from kg.similar import asked, similar
 from kg.syntax.lexer import Kind, normalise, tokens, unescape, unescape_local
 from kg.syntax.names import PREFIXES, is_absolute
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
@@ -179,16 +180,15 @@ class _Reader:
         prefix, _, local = name.partition(":")
         namespace = self._prefixes.get(prefix)
         if namespace is None:
-            near = did_you_mean(prefix, self._prefixes) if prefix else None
+            near = similar(prefix, self._prefixes) if prefix else []
             declare = f'[ sh:prefix "{prefix}" ; sh:namespace "..." ]'
-            hint = (
-                near or f"Point sh:prefixes at a node with sh:declare {declare}; the prefixes of Turtle do not count."
-            )
-            raise self._error(f"unknown prefix `{prefix}:`", offset, hint)
+            hint = f"Point sh:prefixes at a node with sh:declare {declare}; the prefixes of Turtle do not count."
+            fixes = [Fix(f"{each}:{local}") for each in near]
+            raise self._error(f"unknown prefix `{prefix}:`", offset, asked(near) or hint, fixes)
         return str(NamedNode(namespace + unescape_local(local)))
 
-    def _error(self, message: str, offset: int | None, hint: str | None = None) -> Exception:
-        return self._graph.error(message, self._owner, hint=hint, offset=offset)
+    def _error(self, message: str, offset: int | None, hint: str | None = None, fixes: Iterable[Fix] = ()) -> Exception:
+        return self._graph.error(message, self._owner, hint=hint, offset=offset, fixes=fixes)
 
 
 def _prefixes(graph: ShapesGraph, owner: Term) -> dict[str, str]:

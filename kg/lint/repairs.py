@@ -1,0 +1,152 @@
+"""Edits that repair findings: where a name is written in the lines of a finding, and what should stand there.
+
+A launch file or code seldom has the whole name of a topic: `camera/imge` stands for `/front/camera/imge`. An edit
+therefore replaces the written end of a name by the same end of the other name.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kg.lint.finding import Evidence, Finding
+    from kg.lint.lines import Lines
+
+__all__ = ["Repair", "places", "repairs", "written"]
+
+_BEFORE: Final = r"(?<![\w/.~-])(?<!::)"
+_BEHIND: Final = r"(?![\w/.-]|::)"
+_SUBSTITUTED: Final = r"(?<=[)}]/)"
+"""What stands before the end of a name that begins with a substitution, as in `$(arg robot)/scan`."""
+_BRACKETS: Final = {".launch": "<>", ".xml": "<>", ".xacro": "<>"}
+_CODE: Final = "([{}])"
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """An edit: in the line (from one) of the file of `place`, `text` replaces `written` at the column (from zero)."""
+
+    place: Evidence
+    line: int
+    column: int
+    written: str
+    text: str
+
+
+def repairs(finding: Finding, lines: Lines) -> Iterator[Repair]:
+    """Yield the edits of which one repairs a finding: at its own line, then where the other name is written."""
+    if not finding.replacement or not finding.subjects:
+        return
+    wrong, right = finding.subjects[0], finding.replacement
+    for place in places(finding, lines):
+        yield from _repair(place, wrong, right, lines)
+    for place in finding.evidence:
+        # A line of evidence that only starts a node may hold the name in another role.
+        if _means(place.words.rpartition(" ")[2], right):
+            yield from _repair(place, right, wrong, lines)
+
+
+def places(finding: Finding, lines: Lines) -> list[Evidence]:
+    """Return where a finding is marked: at its line, and where its name is written if that line does not have it.
+
+    A launch file that only starts a node is the line of a finding about a name in the node's code.
+    """
+    own, name = finding.place, finding.subjects[0] if finding.subjects else ""
+    if own is None or not name or written(own, name, lines) or _default(own, name, lines):
+        return [own] if own is not None else []
+    ends = (each for each in finding.evidence if _means(each.words.rpartition(" ")[2], name))
+    return [own, *(each for each in ends if written(each, name, lines))]
+
+
+def _means(word: str, name: str) -> bool:
+    """Return whether a name as it is written may stand for a whole name."""
+    return bool(word.strip("/~")) and f"/{name}".endswith(f"/{word.lstrip('/~')}")
+
+
+def _repair(place: Evidence, old: str, new: str, lines: Lines) -> Iterator[Repair]:
+    found = written(place, old, lines) or _default(place, old, lines)
+    if found is None:
+        return
+    line, column, text = found
+    before = old[: len(old) - len(text.lstrip("~"))]
+    if text != old and new.startswith(before):
+        yield Repair(place, line, column, text, text[: len(text) - len(text.lstrip("~"))] + new[len(before) :])
+    elif not (lines.at(place, line) or "")[:column].endswith("/"):
+        yield Repair(place, line, column, text, new)
+
+
+def written(place: Evidence, name: str, lines: Lines) -> tuple[int, int, str] | None:
+    """Return the line (from one), the column (from zero) and the text by which the lines of a place have a name.
+
+    None when they do not have it. The lines are those of the element or call that begins at the place.
+    """
+    for end in _ends(name):
+        pattern = re.compile(rf"(?:{_BEFORE}|{_SUBSTITUTED}){re.escape(end)}{_BEHIND}")
+        found = [(line, match) for line, text in _statement(place, lines) for match in pattern.finditer(text)]
+        if found:
+            line, match = _chosen(found, place, name)
+            return line, match.start(), end
+    return None
+
+
+def _default(place: Evidence, name: str, lines: Lines) -> tuple[int, int, str] | None:
+    """Return where the file of a place has a name as a whole value, if it is in one place only.
+
+    That is the default of an argument which the line of the place reads.
+    """
+    for end in _ends(name):
+        pattern = re.compile(rf"""(?<=["']){re.escape(end)}(?=["'])""")
+        found = [(line, match) for line, text in _whole(place, lines) for match in pattern.finditer(text)]
+        if len(found) == 1:
+            return found[0][0], found[0][1].start(), end
+    return None
+
+
+def _whole(place: Evidence, lines: Lines) -> Iterator[tuple[int, str]]:
+    number = 1
+    while (text := lines.at(place, number)) is not None:
+        yield number, text
+        number += 1
+
+
+def _ends(name: str) -> list[str]:
+    """Return how a name may be written, the longest first: with its namespaces or parts of them, or as private."""
+    parts = re.split(r"(?<=[/.])", name)
+    ends = ["".join(parts[number:]) for number in range(len(parts))]
+    return [each for each in (*ends, f"~{ends[-1]}") if each.strip("/.~")]
+
+
+def _chosen(found: Sequence[tuple[int, re.Match[str]]], place: Evidence, name: str) -> tuple[int, re.Match[str]]:
+    """Return the occurrence that is meant: of a remapping what it is from or to, elsewhere the first."""
+    words = place.words.split()
+    if len(words) != 4 or words[0] != "remaps":  # noqa: PLR2004 - remaps FROM to TO
+        return found[0]
+    role = "from" if _means(words[1], name) and not _means(words[3], name) else "to"
+    named = [each for each in found if re.search(rf"\b{role}\b\W*\Z", each[1].string[: each[1].start()])]
+    return named[0] if named else found[0 if role == "from" else -1]
+
+
+def _statement(place: Evidence, lines: Lines) -> Iterator[tuple[int, str]]:
+    """Yield the lines from that of a place to the end of its element, call or block, with their numbers."""
+    suffix = place.path[place.path.rfind(".") :]
+    signs = _BRACKETS.get(suffix, _CODE)
+    half = len(signs) // 2
+    number = place.line or 1
+    depth, first = 0, lines.at(place, number)
+    text = first
+    while text is not None:
+        yield number, text
+        depth += sum((sign in signs[:half]) - (sign in signs[half:]) for sign in text if sign in signs)
+        number += 1
+        text = lines.at(place, number)
+        deeper = suffix in {".yaml", ".yml"} and text is not None and _indent(text) > _indent(first or "")
+        if depth <= 0 and not deeper:
+            return
+
+
+def _indent(line: str) -> int:
+    return len(line) - len(line.lstrip())

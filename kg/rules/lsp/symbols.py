@@ -1,0 +1,261 @@
+"""Variables, prefixes, terms and rule names in the text of a file, and all places that mean the same one.
+
+Offsets count characters of the text as it is. A file is a rule in one of the three notations, an ontology or a stored
+query (`.ttl`, `.rq`), a page of examples (`.md`), or `kg.toml`.
+"""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NamedTuple
+from urllib.parse import unquote, urlsplit
+
+from kg.errors import UsageError
+from kg.rules.notations.shacl.places import StringToken
+from kg.syntax.lexer import Kind, Token, token_at, tokens, unescape, unescape_local
+from kg.syntax.names import PREFIXES, is_absolute, resolve
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Iterator, Mapping
+
+__all__ = ["Occurrence", "Symbol", "occurrences", "renamed", "symbol_at"]
+
+_PREFIX: Final = re.compile(r"@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.IGNORECASE)
+_LOCAL: Final = re.compile(r"[^#/]*\Z")
+_BLOCK: Final = re.compile(r"^```turtle[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
+_QUOTED: Final = re.compile(r"""(["'])(.*?)\1""")
+_QUERIES: Final = frozenset(PREFIXES["sh"] + name for name in ("construct", "select", "ask"))
+_PREBOUND: Final = frozenset({"this", "value", "PATH", "currentShape", "shapesGraph"})
+"""Variables of SHACL with a meaning of their own."""
+_TURTLE, _QUERY = "turtle", "query"
+
+
+class Symbol(NamedTuple):
+    """What the text means at an offset: `kind` is variable, prefix, term or rule.
+
+    `name` is without sign or prefix: that of a variable or prefix, an IRI, the name of a rule. `scope` is where a
+    variable or prefix has its meaning. `start` and `end` are those of the part of the text that renaming changes.
+    """
+
+    kind: str
+    name: str
+    scope: str
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Occurrence:
+    """A part of a text that means a symbol; `declares` for where a prefix is declared, `path` for an imported file."""
+
+    start: int
+    end: int
+    declares: bool = False
+    path: Path | None = None
+
+
+class _Word(NamedTuple):
+    """A token, the scope of its variables, that of its prefixes, and their namespaces."""
+
+    token: Token
+    scope: str
+    layer: str
+    prefixes: Mapping[str, str]
+
+
+def symbol_at(text: str, offset: int, path: Path, name: str, rules: Collection[str]) -> Symbol | None:
+    """Return the symbol at an offset; `name` is that of the rule at `path`, `rules` are the names of all rules.
+
+    The first line of the header stands for the rule itself.
+    """
+    first = text.partition("\n")[0]
+    if name in rules and first.startswith("#") and offset <= len(first):
+        return Symbol("rule", name, "", 0, len(first.rstrip()))
+    # The sign of a variable belongs to it.
+    found = [each for each in _symbols(text, path) if each.start - (each.kind == "variable") <= offset <= each.end]
+    found = [each for each in found if each.kind != "rule" or each.name in rules]
+    # Where two touch, as a prefix and its name do, the one that begins at the offset is meant.
+    return max(found, key=lambda each: each.start, default=None)
+
+
+def occurrences(symbol: Symbol, text: str, path: Path) -> Iterator[Occurrence]:
+    """Yield where a text means a symbol; for a rule also what a rule set imports, with the path of the file."""
+    for each in _symbols(text, path):
+        if each.kind == symbol.kind and each.name == symbol.name and each.scope == symbol.scope:
+            declares = symbol.kind == "prefix" and _declares(text, each.start)
+            yield Occurrence(each.start, each.end, declares)
+    if symbol.kind == "rule" and path.suffix == ".srl":
+        yield from _imports(text, path)
+
+
+def renamed(symbol: Symbol, new: str, text: str, path: Path) -> str:
+    """Return what replaces the occurrences of a symbol; `text` is that of the file in which it is renamed.
+
+    Raises:
+        UsageError: KG003 for a name of another form, one that is taken in the scope, or a symbol with a fixed name.
+    """
+    if symbol.kind == "rule":
+        if not re.fullmatch(r"[\w.-]+(/[\w.-]+)+", new):
+            raise _refused(f"`{new}` is not the name of a rule", "Write FAMILY/NAME.")
+        return new
+    if symbol.kind == "term":
+        return _new_local(symbol, new, text, path)
+    if symbol.kind == "variable":
+        new = new.lstrip("?$")
+        if symbol.scope.startswith(_QUERY) and symbol.name in _PREBOUND:
+            raise _refused(f"SHACL gives ${symbol.name} its value", "Rename another variable.")
+        token = token_at(f"?{new}", 0)
+        fits = token.kind is Kind.VARIABLE and token.text == f"?{new}"
+    else:
+        new = new.removesuffix(":")
+        token = token_at(f"{new}:", 0)
+        fits = token.kind is Kind.NAME and token.text == f"{new}:" and not new.startswith("_")
+    if not fits:
+        raise _refused(f"`{new}` is not the name of a {symbol.kind}", "Use letters, digits and `_`.")
+    if any(occurrences(symbol._replace(name=new), text, path)):
+        raise _refused(f"there is a {symbol.kind} `{new}` already", "Choose another name.")
+    if symbol.kind == "prefix" and not any(each.declares for each in occurrences(symbol, text, path)):
+        raise _refused(f"the file does not declare the prefix `{symbol.name}:`", "Declare it with the new name.")
+    return new
+
+
+def _new_local(symbol: Symbol, new: str, text: str, path: Path) -> str:
+    prefix, colon, local = new.rpartition(":")
+    namespace = symbol.name[: len(symbol.name) - len(_local_of(symbol.name))]
+    own = {word.prefixes.get(prefix) for word in _words(text, path)} if colon else {namespace}
+    if namespace not in own:
+        raise _refused(f"`{new}` has another namespace", "Renaming changes the part after the prefix.")
+    token = token_at(f"p:{local}", 0)
+    if not local or token.kind is not Kind.NAME or token.text != f"p:{local}" or _LOCAL.match(local) is None:
+        raise _refused(f"`{local}` is not a local name", "Use letters, digits, `_` and `-`.")
+    return local
+
+
+def _refused(message: str, hint: str) -> UsageError:
+    return UsageError("KG003", message, hint=hint)
+
+
+def _local_of(iri: str) -> str:
+    found = _LOCAL.search(iri)
+    return found.group() if found else ""
+
+
+def _declares(text: str, start: int) -> bool:
+    """Return whether a prefix at an offset is declared there, by PREFIX or sh:prefix."""
+    return re.search(r"(prefix\s+|:prefix\s+[\"'])\Z", text[:start], re.IGNORECASE) is not None
+
+
+def _imports(text: str, path: Path) -> Iterator[Occurrence]:
+    before = None
+    for token in tokens(text):
+        if token.kind is Kind.IRI and before is not None and before.text.upper() == "IMPORTS":
+            parts = urlsplit(resolve(path.absolute().as_uri(), token.text[1:-1]))
+            if parts.scheme == "file":
+                yield Occurrence(token.start + 1, token.end - 1, path=Path(unquote(parts.path)))
+        before = token
+
+
+@lru_cache(maxsize=1024)
+def _symbols(text: str, path: Path) -> tuple[Symbol, ...]:
+    """Return all symbols of a text; every quoted text counts as the name of a rule."""
+    if path.suffix == ".toml":
+        return tuple(Symbol("rule", found[2], "", found.start(2), found.end(2)) for found in _QUOTED.finditer(text))
+    if path.suffix == ".md":
+        blocks = ((found.start(1), found[1]) for found in _BLOCK.finditer(text))
+        inner = ((start, each) for start, block in blocks for each in _symbols(block, Path("block.ttl")))
+        return tuple(
+            each._replace(start=start + each.start, end=start + each.end)
+            for start, each in inner
+            if each.kind in {"term", "rule"}
+        )
+    return tuple(_read(text, path))
+
+
+def _read(text: str, path: Path) -> Iterator[Symbol]:
+    for token, scope, layer, prefixes in _words(text, path):
+        if token.kind is Kind.VARIABLE:
+            yield Symbol("variable", token.text[1:], scope, token.start + 1, token.end)
+        elif token.kind is Kind.STRING:
+            quotes = 3 if token.text[:3] in {'"""', "'''"} else 1
+            value = token.text[quotes:-quotes]
+            kind = ("prefix", value, _QUERY) if scope == "sh:prefix" else ("rule", value, "")
+            yield Symbol(*kind, token.start + quotes, token.end - quotes)
+        elif token.kind is Kind.IRI:
+            iri = token.text[1:-1]
+            local = _local_of(iri)
+            if local and is_absolute(iri):
+                yield Symbol("term", iri, "", token.end - 1 - len(local), token.end - 1)
+        elif token.kind is Kind.NAME and not token.text.startswith("_:"):
+            prefix, _, local = token.text.partition(":")
+            yield Symbol("prefix", prefix, layer, token.start, token.start + len(prefix))
+            if local and prefix in prefixes:
+                iri = prefixes[prefix] + unescape_local(local)
+                start = token.end - len(_local_of(iri)) if "\\" not in local else token.start + len(prefix) + 1
+                yield Symbol("term", iri, "", max(start, token.start + len(prefix) + 1), token.end)
+
+
+def _words(text: str, path: Path) -> Iterator[_Word]:
+    built_in = {} if path.suffix == ".srl" else PREFIXES
+    prefixes = {**built_in, **dict(_PREFIX.findall(text))}
+    found = list(tokens(text))
+    if path.suffix == ".ttl":
+        yield from _turtle(found, prefixes)
+        return
+    number = depth = 0
+    for token in found:
+        depth += (token.text == "{") - (token.text == "}")
+        if path.suffix == ".srl" and depth == 0 and token.kind is Kind.WORD and token.text.upper() in {"RULE", "DATA"}:
+            number += not _follows_where(text, token.start)
+        yield _Word(token, f"rule {number}", "", prefixes)
+
+
+def _follows_where(text: str, start: int) -> bool:
+    """Return whether the word before an offset is WHERE: `WHERE DATA` begins no statement."""
+    return text[:start].rstrip()[-5:].upper() == "WHERE"
+
+
+def _turtle(found: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[_Word]:
+    """Yield the tokens of Turtle, and those of the queries in its strings."""
+    everything = list(found)
+    declared = {**PREFIXES, **dict(_declared(everything, prefixes))}
+    predicate = ""
+    for token in everything:
+        if token.kind is Kind.NAME or token.kind is Kind.IRI:
+            predicate = _iri(token, prefixes)
+        if token.kind is Kind.STRING and predicate in _QUERIES:
+            quotes = 3 if token.text[:3] in {'"""', "'''"} else 1
+            written = StringToken(token.start + quotes, token.text[quotes:-quotes])
+            for inner in _query(written):
+                start, end = written.offset(inner.start), written.offset(inner.end)
+                yield _Word(inner._replace(start=start, end=end), f"{_QUERY} {token.start}", _QUERY, declared)
+        else:
+            yield _Word(token, "sh:prefix" if predicate == PREFIXES["sh"] + "prefix" else "", _TURTLE, prefixes)
+
+
+def _query(written: StringToken) -> Iterator[Token]:
+    """Yield the tokens of a string; none for a string with an escape that is no character."""
+    with suppress(ValueError):
+        yield from tokens(unescape(written.written))
+
+
+def _declared(found: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """Yield the prefixes that `sh:declare` has for queries."""
+    predicate, prefix = "", None
+    for token in found:
+        if token.kind is Kind.NAME or token.kind is Kind.IRI:
+            predicate = _iri(token, prefixes)
+        elif token.kind is Kind.STRING and predicate == PREFIXES["sh"] + "prefix":
+            prefix = token.text[1:-1]
+        elif token.kind is Kind.STRING and predicate == PREFIXES["sh"] + "namespace" and prefix is not None:
+            yield prefix, token.text[1:-1]
+
+
+def _iri(token: Token, prefixes: Mapping[str, str]) -> str:
+    if token.kind is Kind.IRI:
+        return token.text[1:-1]
+    prefix, _, local = token.text.partition(":")
+    return prefixes.get(prefix, "") + local
