@@ -20,6 +20,8 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Empty.h>
+#include <std_srvs/Empty.h>
+#include <swri_roscpp/swri_roscpp.h>
 #include <tf/transform_listener.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
@@ -100,10 +102,17 @@ private:
   ros::Subscriber cloud_;
 };
 
+void onSync(const std_msgs::EmptyConstPtr& message) {}
+bool onReset(std_srvs::Empty::Request& request, std_srvs::Empty::Response& response) { return true; }
+
 int main(int argc, char** argv)
 {
   ros::init(argc, argv, "frameworks");
   Frameworks frameworks;
+  ros::NodeHandle node;
+  ros::Publisher fix = swri::advertise<sensor_msgs::PointCloud2>(node, "fix", 1);
+  swri::Subscriber sync(node, "sync", 10, onSync);
+  swri::ServiceServer reset(node, "reset", onReset);
   DockClient dock("dock", true);
   Arm arm("/arm/follow");
   ros::spin();
