@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -65,6 +66,7 @@ SHAPES: Final = {
 """Rule sets of `:up`, `:reach` and classes over `:p`, `:q`, `:under`."""
 
 
+@cache
 def rules_of(text: str) -> list[Rule]:
     """Return the rules of a text of SPARQL 1.2 RL."""
     whole = PREFIX + text
