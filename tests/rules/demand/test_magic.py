@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -66,7 +65,6 @@ SHAPES: Final = {
 """Rule sets of `:up`, `:reach` and classes over `:p`, `:q`, `:under`."""
 
 
-@cache
 def rules_of(text: str) -> list[Rule]:
     """Return the rules of a text of SPARQL 1.2 RL."""
     whole = PREFIX + text
