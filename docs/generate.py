@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from kg.rules.files import RuleFile
 
-__all__ = ["PAGES", "SESSIONS", "main", "session"]
+__all__ = ["PAGES", "SESSIONS", "checkout", "main", "session"]
 
 _FOLDER: Final = Path(__file__).resolve().parent
 _DATES: Final = {"GIT_AUTHOR_DATE": "2026-01-01T00:00:00Z", "GIT_COMMITTER_DATE": "2026-01-01T00:00:00Z"}
@@ -291,13 +291,13 @@ def main() -> None:
     for name in SESSIONS:
         path = (_FOLDER / name).resolve()
         with tempfile.TemporaryDirectory() as folder:
-            _write(path, session(path, Path(folder)))
+            _write(path, session(path, checkout(Path(folder))))
 
 
-def session(page: Path, folder: Path) -> str:
-    """Return a page with the current output of its commands, run below `folder` in a checkout with `examples/`.
+def checkout(folder: Path) -> Path:
+    """Make a checkout with `examples/` in `folder` and return its path.
 
-    The checkout is called `kg`, so that readers in a clone see the same names of sources and files.
+    It is called `kg`, so that readers in a clone see the same names of sources and files.
     """
     clone = folder / "kg"
     shutil.copytree(_FOLDER.parent / "examples", clone / "examples")
@@ -305,6 +305,11 @@ def session(page: Path, folder: Path) -> str:
     commit = [*_AUTHOR, "commit", "-q", "-m", "The example workspace"]
     for arguments in (["init", "-q"], *identity, ["add", "examples"], commit):
         subprocess.run(["git", "-C", str(clone), *arguments], check=True, env={**os.environ, **_DATES})  # noqa: S607 - the reader's git
+    return clone
+
+
+def session(page: Path, clone: Path) -> str:
+    """Return a page with the current output of its commands, run in a checkout."""
     return refreshed(page.read_text(encoding="utf-8"), clone)
 
 

@@ -42,6 +42,8 @@ _STEP: Final = 30
 _LAST: Final = 5
 """What a page takes to be told about, and to be closed."""
 _IDLE: Final = "new Promise((done) => requestIdleCallback(() => done(), { timeout: 5000 }))"
+_IDLE_TIMES: Final = 2
+"""The first idle time may lie between the arrival of an answer and what the page does with it."""
 _WATCHING: Final = """
 window.kgViolations = [];
 document.addEventListener("securitypolicyviolation", (event) =>
@@ -95,18 +97,23 @@ class Visit:
         await dialog.dismiss()
 
     async def rest(self, *, scripts: bool = True) -> None:
-        """Wait until the page is busy with nothing, is owed no answer, and has made something of those that came.
+        """Wait until the page is busy with nothing, is owed no answer, and has processed those that came.
 
-        That nothing was asked for half a second says less: a slow page is as quiet between two questions.
+        Playwright's `networkidle` is weaker and more expensive: a slow page is as quiet between two requests, and a
+        browser without a graphics card computes half a second of processor time in the half second of the wait.
         """
         busy = self.page.locator("[aria-busy=true]")
-        while True:
+        idle = 0
+        while idle < _IDLE_TIMES:
             await busy.first.wait_for(state="detached")
+            asked = len(self.requests)
             if not self.asking:
                 if scripts:
                     await self.page.evaluate(_IDLE)
-                if not self.asking and not await busy.count():
-                    return
+                if not self.asking and asked == len(self.requests) and not await busy.count():
+                    idle += 1
+                    continue
+            idle = 0
             await asyncio.sleep(0.02)
 
     async def told(self) -> str:
@@ -158,7 +165,7 @@ class Chromium:
         try:
             visit = await _opened(context, address, tools=tools)
             try:
-                answer = await visit.page.goto(address, wait_until="networkidle")
+                answer = await visit.page.goto(address, wait_until="load")
                 visit.status = answer.status if answer else 0
                 # In a sandbox without scripts nothing is called back.
                 sealed = "sandbox" in (answer.headers if answer else {}).get("content-security-policy", "")

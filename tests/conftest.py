@@ -21,6 +21,9 @@ _MEMORY: Final = Path("/dev/shm")  # noqa: S108 - tempfile makes the folders in 
 _MEMORY_BYTES: Final = 4 << 30
 """Free space that a run may need: containers often have 64 MB there."""
 
+_MANY: Final = 1000
+"""Tests of a run of which dozens build workspaces."""
+
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("patient")
 
@@ -55,6 +58,22 @@ def pytest_collection() -> Generator[None, object, object]:
     finally:
         gc.freeze()
         gc.enable()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that open pages in a browser."""
+    for item in items:
+        if "browser" in getattr(item, "fixturenames", ()):
+            item.add_marker(pytest.mark.browser)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _tagger(request: pytest.FixtureRequest) -> None:
+    """Load the tagger once where many tests run: otherwise each process that their builds start loads it again."""
+    if len(request.session.items) > _MANY:
+        from kg.language.annotating import prepare  # noqa: PLC0415 - other runs do without it
+
+        prepare()
 
 
 def _skipping() -> Generator[None, object, object]:

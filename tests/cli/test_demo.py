@@ -2,18 +2,28 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+from cli.program import Program
+
 from kg.cli.commands.demo import QUESTIONS
 from kg.query.stored import find
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from cli.program import Program
+    from cli.program import Run
 
 
-def test_the_demo_answers_every_question_with_lines_of_code(kg: Program, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path]:
+    """Return how the demo ends where the environment names a store, and its folder."""
+    folder = tmp_path_factory.mktemp("demo")
+    return Program(folder)("demo", KG_STORE="own"), folder
+
+
+def test_the_demo_answers_every_question_with_lines_of_code(shown: tuple[Run, Path]) -> None:
     """Each of the five questions is shown with its query and an answer that ends in file and line, and then a proof."""
-    run = kg("demo")
+    run, _ = shown
     assert run.code == 0
     parts = run.out.split("\n\n    SELECT ")
     assert len(parts) == 6
@@ -23,7 +33,6 @@ def test_the_demo_answers_every_question_with_lines_of_code(kg: Program, tmp_pat
     assert "scan_filter_nodelet.cpp:" in run.out
     assert "by rule capability/general" in run.out
     assert "ros:evokes" in run.out
-    assert not list(tmp_path.iterdir())
 
 
 def test_the_demo_may_be_kept(kg: Program, tmp_path: Path) -> None:
@@ -35,10 +44,10 @@ def test_the_demo_may_be_kept(kg: Program, tmp_path: Path) -> None:
         assert "flight_controller" in kg("--store", name, "nodes").out
 
 
-def test_the_demo_does_not_write_into_a_store_of_the_settings(kg: Program, tmp_path: Path) -> None:
-    """A store in the environment or kg.toml is someone's own."""
-    kg("demo", KG_STORE="own")
-    assert not (tmp_path / "own").exists()
+def test_the_demo_leaves_the_folder_and_a_store_of_the_settings_alone(shown: tuple[Run, Path]) -> None:
+    """Its store is temporary; one in the environment or kg.toml is someone's own."""
+    _, folder = shown
+    assert not list(folder.iterdir())
 
 
 def test_the_queries_shown_fit_the_terminal() -> None:

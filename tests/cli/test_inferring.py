@@ -17,6 +17,7 @@ DATA = """
 <urn:x:driver> a ros:Node ; ros:hasComponent <urn:x:end> .
 <urn:x:end> a ros:Publisher ; rnkg:connectsTo <urn:x:scan> .
 """
+DRONE = str(folder("examples") / "workspace" / "drone")
 PUBLISHES = "ASK { <urn:x:driver> rnkg:publishes <urn:x:scan> }"
 
 
@@ -33,7 +34,7 @@ def test_what_is_imported_is_inferred_from(kg: Program, tmp_path: Path) -> None:
 
 def test_a_build_says_how_much_it_inferred(kg: Program) -> None:
     """The report has a line for people and an object for programs."""
-    run = kg("--store", "built", "build", str(folder("examples") / "workspace"), "--json")
+    run = kg("--store", "built", "build", DRONE, "--json")
     assert "inferred" in run.err
     assert json.loads(run.out)["inferred"]["triples"] > 0
 
@@ -46,17 +47,17 @@ def test_a_broken_rule_is_a_warning(kg: Program, tmp_path: Path) -> None:
     run = kg("import", "robot.ttl")
     assert (run.code, "warning[KG201]" in run.err) == (1, True)
     assert kg("query", PUBLISHES).out.strip() == "true"
-    run = kg("build", str(folder("examples") / "workspace"), "--json")
+    run = kg("build", DRONE, "--json")
     assert (run.code, json.loads(run.out)["inferred"]["problems"][0]["code"]) == (1, "KG201")
     assert "broken.rq:1" in run.err
     run = kg("why", "<urn:x:driver>", "rnkg:publishes", "<urn:x:scan>")
     assert (run.code, "warning[KG201]" in run.err) == (0, True)
-    assert kg("forget", "local/workspace").code == 1
+    assert kg("forget", "local/drone").code == 1
 
 
 def test_the_status_tells_of_rules_that_changed(kg: Program, tmp_path: Path) -> None:
     """From when a rule is written until the rules run again."""
-    kg("build", str(folder("examples") / "workspace"))
+    kg("build", DRONE)
     assert "rules have changed since they last ran" not in kg("status").err
     (tmp_path / "rules" / "mine").mkdir(parents=True)
     (tmp_path / "rules" / "mine" / "new.rq").write_text("CONSTRUCT { ?x <urn:p> ?y } WHERE { ?x <urn:q> ?y }")

@@ -129,6 +129,7 @@ def test_wrong_words_are_refused(kg: Program, arguments: tuple[str, ...], said: 
     assert said in run.err
 
 
+@pytest.mark.ros
 @pytest.mark.skipif(not has_ros(), reason="Debian's ROS 1 (rospy, rosmaster, move_base_msgs) is missing")
 def test_programs_run_in_ros(kg: Program) -> None:
     """A program tells what it does in ROS 1, and fails at its line; a dry run moves nothing; Ctrl-C stops."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import httpx
 import pyoxigraph
 import pytest
+from cli.program import Program
 from patience import patient
 from serving import TOKEN
 
@@ -109,9 +110,9 @@ def test_port_in_use(store: Path) -> None:
 )
 def test_refusals(store: Path, arguments: list[str], code: str) -> None:
     """Options that cannot be are told before anything listens."""
-    status, said = run(*arguments, cwd=store)
-    assert status == 2
-    assert code in said
+    refused = Program(store)("serve", *arguments)
+    assert refused.code == 2
+    assert code in refused.err
 
 
 def test_it_serves(store: Path) -> None:

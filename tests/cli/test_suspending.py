@@ -47,9 +47,16 @@ def kg(robot: Drivable, folder: Path, *command: str) -> Iterator[subprocess.Pope
             process.kill()
 
 
-@pytest.mark.parametrize("command", [DO, RUN], ids=["do", "run"])
 @pytest.mark.parametrize(
-    ("pause", "resume"), [(signal.SIGSTOP, signal.SIGCONT), (signal.SIGUSR1, signal.SIGUSR2)], ids=["stop", "block"]
+    ("robot", "command", "pause", "resume"),
+    [
+        (1, DO, signal.SIGSTOP, signal.SIGCONT),
+        (1, RUN, signal.SIGUSR1, signal.SIGUSR2),
+        (2, DO, signal.SIGUSR1, signal.SIGUSR2),
+        (2, RUN, signal.SIGSTOP, signal.SIGCONT),
+    ],
+    indirect=["robot"],
+    ids=["ros1-do-stop", "ros1-run-block", "dds-do-block", "dds-run-stop"],  # each pair of robot, command and pause
 )
 def test_a_silent_controller_stops_and_does_not_go_on(
     robot: Drivable, tmp_path: Path, command: tuple[str, ...], pause: signal.Signals, resume: signal.Signals

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import pytest
 from cli.rover import build
+from workspaces import copied, example
 
 from kg.resources import folder
 
@@ -69,9 +70,9 @@ def test_lists_are_tables_in_colour(tmp_path: Path) -> None:
     assert not re.search(r"\x1b\[3[0-9]m", plain)
 
 
-def test_places_lead_to_the_file(tmp_path: Path) -> None:
+def test_places_lead_to_the_file(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
     """Places are links that terminals open (OSC 8), for nodes, in answers and below hits."""
-    on_terminal(tmp_path, "build", str(folder("examples") / "workspace"))
+    copied(example(tmp_path_factory) / ".kg", tmp_path / ".kg")
     for arguments in (["node", "base_controller"], ["query", "demo/laser-scans"], ["search", "laser scan"]):
         assert re.search(r"\x1b\]8;[^;]*;file://[^\x1b]*\.cpp\x1b\\", on_terminal(tmp_path, *arguments)), arguments
 

@@ -42,6 +42,7 @@ def written(folder: Path, name: str, text: str) -> Path:
     return path
 
 
+@pytest.mark.java
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_the_ontologies_are_consistent_alone_and_together() -> None:
@@ -51,6 +52,7 @@ def test_the_ontologies_are_consistent_alone_and_together() -> None:
     assert [each.error() for each in checks] == [None] * len(checks)
 
 
+@pytest.mark.java
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_classes_properties_and_individuals_are_classified(tmp_path: Path) -> None:
@@ -70,6 +72,7 @@ def test_classes_properties_and_individuals_are_classified(tmp_path: Path) -> No
     }
 
 
+@pytest.mark.java
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_nothing_follows_from_a_contradiction(tmp_path: Path) -> None:
@@ -81,6 +84,7 @@ def test_nothing_follows_from_a_contradiction(tmp_path: Path) -> None:
     assert "kg ontology check" in (caught.value.hint or "")
 
 
+@pytest.mark.java
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_the_published_examples_and_what_kg_writes_are_consistent(tmp_path: Path) -> None:
@@ -92,6 +96,7 @@ def test_the_published_examples_and_what_kg_writes_are_consistent(tmp_path: Path
     assert together.good
 
 
+@pytest.mark.java
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_a_component_of_node_and_communication_is_consistent_but_a_node_is_no_topic(tmp_path: Path) -> None:
@@ -106,6 +111,7 @@ def test_a_component_of_node_and_communication_is_consistent_but_a_node_is_no_to
     assert not check([wrong])[-1].consistent
 
 
+@pytest.mark.java
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_a_class_that_can_have_no_instance_is_named(tmp_path: Path) -> None:
@@ -122,6 +128,7 @@ def test_a_class_that_can_have_no_instance_is_named(tmp_path: Path) -> None:
     assert str(error) == "KG602: x.ttl: no instance is possible of urn:test:C"
 
 
+@pytest.mark.java
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_a_contradiction_is_reported(tmp_path: Path) -> None:
@@ -134,6 +141,7 @@ def test_a_contradiction_is_reported(tmp_path: Path) -> None:
     assert (error.code, error.message) == ("KG602", "x.ttl: the axioms contradict each other")
 
 
+@pytest.mark.java
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_what_the_reasoner_cannot_work_with_is_told(tmp_path: Path) -> None:
@@ -146,6 +154,7 @@ def test_what_the_reasoner_cannot_work_with_is_told(tmp_path: Path) -> None:
     assert caught.value.code == "KG602"
 
 
+@pytest.mark.java
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_imports_are_not_followed(tmp_path: Path) -> None:

@@ -20,9 +20,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 PYTHON = "/usr/bin/python3"
-pytestmark = needs(
-    PYTHON, *(f"/usr/lib/python3/dist-packages/{one}" for one in ("rosbag", "roslz4", "rospy", "std_msgs"))
-)
+pytestmark = [
+    pytest.mark.ros,
+    needs(PYTHON, *(f"/usr/lib/python3/dist-packages/{one}" for one in ("rosbag", "roslz4", "rospy", "std_msgs"))),
+]
 
 READ = """
 import json, sys, rosbag

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import subprocess
     from collections.abc import AsyncIterator, Callable, Iterator
 
-pytestmark = needs_debian
+pytestmark = [pytest.mark.ros, needs_debian]
 
 ROVER = """
 import actionlib, os, rospy, sys

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-pytestmark = [needs_debian, needs("/usr/lib/python3/dist-packages/nav_msgs")]
+pytestmark = [pytest.mark.ros, needs_debian, needs("/usr/lib/python3/dist-packages/nav_msgs")]
 
 _BASE = """
 import rospy

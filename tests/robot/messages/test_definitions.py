@@ -36,6 +36,7 @@ json.dump(sums, sys.stdout)
 SEPARATOR = "=" * 80
 
 
+@pytest.mark.ros
 @pytest.mark.skipif(not (DEBIAN / "std_msgs" / "msg").is_dir(), reason="Debian's ROS 1 messages are not installed")
 def test_sums_are_those_of_debian() -> None:
     """The MD5 sum of every message and service type that Debian installs is that of kg, which knows them all."""

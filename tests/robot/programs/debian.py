@@ -7,6 +7,7 @@ import socket
 import subprocess
 import time
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,7 @@ HERE = Path(__file__).parent
 SYSTEM = "/usr/bin/python3"
 
 
+@cache
 def has_ros() -> bool:
     """Tell whether Debian's ROS 1 is installed."""
     modules = "import rospy, actionlib, move_base_msgs.msg, nav_msgs.msg, std_srvs.srv"

@@ -154,6 +154,7 @@ def test_programs_with_errors_are_refused() -> None:
         convert(parse("log 1 m + 2 s"), CAPABILITIES)
 
 
+@pytest.mark.ros
 @pytest.mark.skipif(not has_ros(), reason="Debian's ROS 1 (rospy, rosmaster, move_base_msgs) is missing")
 def test_code_runs_in_ros(tmp_path: Path) -> None:
     """A converted program drives a node of Debian's rospy, and stops it."""

@@ -94,6 +94,7 @@ def rospy_program(
         yield process, said, since
 
 
+@pytest.mark.ros
 @needs_ros
 @pytest.mark.parametrize("text", [MOVING, TOGETHER])
 @pytest.mark.parametrize("number", SIGNALS)
@@ -110,6 +111,7 @@ def test_a_signal_stops_the_robot_in_ros_1(
     assert process.returncode == 128 + number
 
 
+@pytest.mark.ros
 @needs_ros
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_signal_cancels_the_goal_in_ros_1(
@@ -125,6 +127,7 @@ def test_a_signal_cancels_the_goal_in_ros_1(
     assert process.returncode == 128 + number
 
 
+@pytest.mark.ros
 @needs_ros
 def test_a_signal_ends_the_wait_for_a_service(trolley: tuple[dict[str, str], Path], tmp_path: Path) -> None:
     """A service that does not answer keeps no program alive."""
@@ -136,6 +139,7 @@ def test_a_signal_ends_the_wait_for_a_service(trolley: tuple[dict[str, str], Pat
     assert process.returncode == 128 + signal.SIGTERM
 
 
+@pytest.mark.ros
 @needs_ros
 def test_a_node_that_is_killed_stops_the_robot(trolley: tuple[dict[str, str], Path], tmp_path: Path) -> None:
     """`rosnode kill` ends the program with a zero, before its topics are closed."""

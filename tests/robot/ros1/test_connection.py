@@ -40,6 +40,7 @@ class TestOnOwnMaster(Behaviour):
         return System(1, join)
 
 
+@pytest.mark.ros
 @needs_debian
 class TestOnRosmaster(Behaviour):
     """On the rosmaster of Debian."""

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from kg.robot.connection import Accepted, ComputationGraph, Connection, Received, Value
 
-pytestmark = needs_debian
+pytestmark = [pytest.mark.ros, needs_debian]
 
 PEER = """
 import rospy

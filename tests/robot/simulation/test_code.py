@@ -56,6 +56,7 @@ async def run(code: str, port: int, home: str) -> int | None:
     return process.returncode
 
 
+@pytest.mark.ros
 @needs_debian
 @needs_messages
 @pytest.mark.parametrize(("number", "robot"), [(1, "office")])

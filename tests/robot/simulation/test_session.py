@@ -54,6 +54,7 @@ async def wrong_of(variant: Variant, simulation: Simulation, address: str) -> li
     return wrong + missed(variant, simulation.world)
 
 
+@pytest.mark.ros
 @needs_debian
 @pytest.mark.parametrize("robot", ["office", "drone"])
 def test_an_exercise_on_a_real_master(master: int, robot: Robot) -> None:

@@ -1,15 +1,22 @@
 """The naive evaluation that the engine is compared with: sets of tuples and nested loops over the internal form.
 
-It knows no indexes, no deltas and no reordering: elements are taken from left to right, rules of a stratum are applied
-until nothing is new. Expressions and aggregates are asked of pyoxigraph one solution, one group at a time.
+It has no indexes, deltas, reordering or strata. Elements are taken from left to right, and all rules are applied until
+nothing is new. Negation and aggregates read the result of the round before. The fixpoint of these rounds is a stable
+model (Gelfond, Lifschitz 1988), of which rules that can be stratified have exactly one. After round `n` the first `n`
+strata are final, so the rounds end. pyoxigraph evaluates expressions and aggregates, one solution or group at a time.
+
+Of the engine it shares the internal form of rules and nothing else, so that an error in its order of rules, its scopes
+or its spelling of terms is seen.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cache, lru_cache
 from hashlib import blake2b
 from typing import TYPE_CHECKING, TypeAlias
 
-from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Store, Triple
+from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, Triple
 
 from kg.rules.form import (
     AUXILIARY,
@@ -22,10 +29,8 @@ from kg.rules.form import (
     TripleTerm,
     Values,
     Variable,
+    variables_of,
 )
-from kg.rules.scope import bound_in
-from kg.rules.stratify import stratify
-from kg.store.terms import spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -38,22 +43,54 @@ Solution: TypeAlias = "dict[str, Term]"
 __all__ = ["Fact", "infer"]
 
 _ENGINE = Store()
+_ROW = NamedNode("urn:row")
+
+
+@dataclass(frozen=True, slots=True)
+class _Facts:
+    """Triples that bodies read: those derived in this round so far, those of the round before, those asserted."""
+
+    known: set[Fact]
+    before: set[Fact]
+    asserted: set[Fact]
+
+    def finished(self) -> _Facts:
+        """Return what negation and aggregates read."""
+        return _Facts(self.before, self.before, self.asserted)
 
 
 def infer(rules: Iterable[Rule], asserted: set[Fact]) -> set[Fact]:
-    """Return the triples that the rules infer and that are not asserted."""
-    known = set(asserted)
-    for stratum in stratify(rules, bounded=True):
-        size = -1
-        while size != len(known):
-            size = len(known)
-            for rule in stratum.rules:
-                known |= set(_derived(rule, known, asserted))
-    return known - asserted
+    """Return the triples that rules that can be stratified infer and that are not asserted."""
+    all_rules = list(rules)
+    before, found = asserted, _least(all_rules, asserted, asserted)
+    while found != before and not all(_is_monotone(rule.body) for rule in all_rules):
+        before, found = found, _least(all_rules, asserted, found)
+    return found - asserted
 
 
-def _derived(rule: Rule, known: set[Fact], asserted: set[Fact]) -> Iterator[Fact]:
-    for solution in list(_solutions(rule.body, {}, known, asserted)):
+def _is_monotone(body: tuple[Element, ...]) -> bool:
+    """Return whether a body never reads the round before."""
+    return all(
+        _is_monotone(element.body) and not element.negated
+        if isinstance(element, Exists)
+        else not isinstance(element, Aggregate) and (not isinstance(element, EngineBlock) or element.monotone)
+        for element in body
+    )
+
+
+def _least(rules: list[Rule], asserted: set[Fact], before: set[Fact]) -> set[Fact]:
+    """Return the least fixpoint of rules whose negation and aggregates read the round before."""
+    facts = _Facts(set(asserted), before, asserted)
+    size = -1
+    while size != len(facts.known):
+        size = len(facts.known)
+        for rule in rules:
+            facts.known.update(list(_derived(rule, facts)))
+    return facts.known
+
+
+def _derived(rule: Rule, facts: _Facts) -> Iterator[Fact]:
+    for solution in list(_solutions(rule.body, {}, facts)):
         for atom in rule.head:
             terms = [_instance(position, solution, rule) for position in atom.positions]
             if _is_triple(terms):
@@ -80,23 +117,48 @@ def _instance(pattern: Pattern, solution: Solution, rule: Rule) -> Term | None:
 def _blank(node: BlankNode, solution: Solution, rule: Rule) -> BlankNode:
     text = f"{rule.name}\n{rule.part}\n{node.value}\n".encode()
     # What stays unbound, such as an aggregate in error, is a variable of the solution too.
-    names = {variable.name for variable in bound_in(rule.body)} | solution.keys()
-    spelt = {name: spell(solution[name]) if name in solution else b"" for name in names}
+    names = _names(rule.body) | solution.keys()
+    spelt = {name: _spelt(solution[name]) if name in solution else b"" for name in names}
     text += b"\n".join(b"%s=%s" % (name.encode(), spelt[name]) for name in sorted(names))
     digest = blake2b(text, digest_size=16).digest()
     return BlankNode(bytes([digest[0] | 0xE0, *digest[1:]]).hex())
 
 
-def _solutions(body: tuple[Element, ...], start: Solution, known: set[Fact], asserted: set[Fact]) -> list[Solution]:
+def _names(body: tuple[Element, ...]) -> set[str]:
+    """Return the variables of the solutions of a body: what filters and EXISTS mention stays inside of them."""
+    found: list[Variable] = []
+    for element in body:
+        if isinstance(element, Atom):
+            found += [variable for position in element.positions for variable in variables_of(position)]
+        elif isinstance(element, Assignment):
+            found.append(element.variable)
+        elif isinstance(element, Values | EngineBlock):
+            found += element.variables
+        elif isinstance(element, Aggregate):
+            found += [*element.keys, *(column.variable for column in element.columns)]
+    return {variable.name for variable in found}
+
+
+@cache
+def _spelt(term: Term) -> bytes:
+    """Return a term as a store dumps it."""
+    store = Store()
+    store.add(Quad(_ROW, _ROW, term))
+    line = store.dump(format=RdfFormat.N_QUADS)
+    assert line is not None
+    return line.removeprefix(b"<urn:row> <urn:row> ").removesuffix(b" .\n")
+
+
+def _solutions(body: tuple[Element, ...], start: Solution, facts: _Facts) -> list[Solution]:
     solutions = [start]
     for element in body:
-        solutions = [after for before in solutions for after in _after(element, before, known, asserted)]
+        solutions = [after for before in solutions for after in _after(element, before, facts)]
     return solutions
 
 
-def _after(element: Element, solution: Solution, known: set[Fact], asserted: set[Fact]) -> Iterable[Solution]:
+def _after(element: Element, solution: Solution, facts: _Facts) -> Iterable[Solution]:
     if isinstance(element, Atom):
-        return _matches(element, solution, asserted if element.asserted else known)
+        return _matches(element, solution, facts.asserted if element.asserted else facts.known)
     if isinstance(element, Filter):
         value = _value(f"IF({element.expression.text}, true, false)", element.expression, solution)
         return [solution] if value == Literal(True) else []
@@ -104,15 +166,16 @@ def _after(element: Element, solution: Solution, known: set[Fact], asserted: set
         value = _value(element.expression.text, element.expression, solution)
         return [] if value is None else [{**solution, element.variable.name: value}]
     if isinstance(element, Exists):
-        found = bool(_solutions(element.body, solution, known, asserted))
+        found = bool(_solutions(element.body, solution, facts.finished() if element.negated else facts))
         return [solution] if found != element.negated else []
     if isinstance(element, Values):
         rows = ({v.name: t for v, t in zip(element.variables, row, strict=True)} for row in element.rows)
         return [joined for row in rows if (joined := _joined(solution, row)) is not None]
     if isinstance(element, Aggregate):
-        groups = _groups(element, known, asserted)
+        groups = _groups(element, facts.finished())
         return [joined for row in groups if (joined := _joined(solution, row)) is not None]
-    return [joined for row in _block(element, known) if (joined := _joined(solution, row)) is not None]
+    read = facts.known if element.monotone else facts.before
+    return [joined for row in _block(element, read) if (joined := _joined(solution, row)) is not None]
 
 
 def _joined(left: Solution, right: Solution) -> Solution | None:
@@ -147,23 +210,28 @@ def _bound(pattern: Pattern, term: Term, solution: Solution | None) -> Solution 
 
 
 def _value(text: str, expression: Expression, solution: Solution) -> Term | None:
+    """Evaluate an expression over a solution."""
+    return _evaluated(text, tuple((name, solution.get(name)) for name in expression.variables))
+
+
+@lru_cache(maxsize=1 << 14)
+def _evaluated(text: str, arguments: tuple[tuple[str, Term | None], ...]) -> Term | None:
     """Evaluate an expression; its arguments stand in a store, where blank nodes may stand too."""
     store = Store()
-    row = NamedNode("urn:row")
-    store.add(Quad(row, NamedNode("urn:is"), row))
+    store.add(Quad(_ROW, NamedNode("urn:is"), _ROW))
     pattern = "<urn:row> <urn:is> <urn:row>"
-    for index, name in enumerate(expression.variables):
-        if name in solution:
-            store.add(Quad(row, NamedNode(f"urn:argument:{index}"), solution[name]))
+    for index, (name, term) in enumerate(arguments):
+        if term is not None:
+            store.add(Quad(_ROW, NamedNode(f"urn:argument:{index}"), term))
             pattern += f" . <urn:row> <urn:argument:{index}> ?{name}"
     (found,) = list(store.query(f"SELECT ?kg_value {{ {pattern} BIND({text} AS ?kg_value) }}"))  # type: ignore[arg-type]  # a SELECT gives solutions
     value: Term | None = found["kg_value"]
     return value
 
 
-def _groups(aggregate: Aggregate, known: set[Fact], asserted: set[Fact]) -> Iterator[Solution]:
+def _groups(aggregate: Aggregate, facts: _Facts) -> Iterator[Solution]:
     members: dict[tuple[Term, ...], list[Solution]] = {} if aggregate.keys else {(): []}
-    for solution in _solutions(aggregate.body, {}, known, asserted):
+    for solution in _solutions(aggregate.body, {}, facts):
         members.setdefault(tuple(solution[key.name] for key in aggregate.keys), []).append(solution)
     for key, solutions in members.items():
         row = {variable.name: term for variable, term in zip(aggregate.keys, key, strict=True)}
@@ -183,10 +251,10 @@ def _aggregated(column: Column, solutions: list[Solution]) -> Term | None:
         values = list(dict.fromkeys(values))
     if column.function == "COUNT":
         return Literal(sum(value is not None for value in values))
-    values.sort(key=lambda value: b"" if value is None else spell(value))
+    values.sort(key=lambda value: b"" if value is None else _spelt(value))
     if column.function == "SAMPLE":
         return next((value for value in values if value is not None), None)
-    terms = " ".join("UNDEF" if value is None else spell(value).decode() for value in values)
+    terms = " ".join("UNDEF" if value is None else _spelt(value).decode() for value in values)
     call = f"{column.function}(?x)"
     if column.function == "GROUP_CONCAT":
         call = f'GROUP_CONCAT(STR(?x); SEPARATOR="{column.separator}")'

@@ -42,7 +42,7 @@ def address() -> Iterator[str]:
         yield found
 
 
-@pytest.fixture(scope="module", params=["oxigraph", "virtuoso"])
+@pytest.fixture(scope="module", params=["oxigraph", pytest.param("virtuoso", marks=pytest.mark.virtuoso)])
 def server(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RemoteStore]:
     """One server of each kind for all tests of this file."""
     if request.param == "oxigraph":

@@ -290,7 +290,8 @@ def test_without_libraries_the_text_is_there(browser: Chromium, site: str) -> No
         async with browser.visit(f"{site}/search") as visit:
             page = visit.page
             await page.route("**/vendor/**", lambda route: route.abort())
-            await page.goto(f"{site}/rule-blocks", wait_until="networkidle")
+            await page.goto(f"{site}/rule-blocks", wait_until="load")
+            await visit.rest()
             await _checked(page)
             await page.click("#try")
             return await page.locator("#blocks").is_visible(), await page.locator(".rule-found").inner_text()

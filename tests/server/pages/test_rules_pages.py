@@ -118,7 +118,8 @@ def test_without_libraries_the_list_says_it(browser: Chromium, site: str) -> Non
     async def read() -> str:
         async with browser.visit(f"{site}/search") as visit:
             await visit.page.route("**/vendor/**", lambda route: route.abort())
-            await visit.page.goto(f"{site}/rule?name=feeds", wait_until="networkidle")
+            await visit.page.goto(f"{site}/rule?name=feeds", wait_until="load")
+            await visit.rest()
             return await visit.page.inner_text(".graph")
 
     text = browser.run(read())

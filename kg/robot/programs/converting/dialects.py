@@ -145,14 +145,16 @@ class Rospy:
 
     def reach(self, attribute: str, label: str) -> list[str]:
         """Return the statements that carry out `goal` within `within` seconds."""
+        # Not wait_for_result: it never ends if the server answers before send_goal returns (a race in actionlib).
+        state = f"self.{attribute}.get_state()"
         return [
             f"self.{attribute}.send_goal(goal)",
             "try:",
-            f"    self.until(lambda: self.{attribute}.wait_for_result(rospy.Duration(0.05)), within)",
+            f"    self.until(lambda: {state} not in (GoalStatus.PENDING, GoalStatus.ACTIVE), within)",
             "except BaseException:",
             f"    self.{attribute}.cancel_goal()",
             "    raise",
-            f"if self.{attribute}.get_state() != GoalStatus.SUCCEEDED:",
+            f"if {state} != GoalStatus.SUCCEEDED:",
             f'    raise RuntimeError("could not {label}: " + self.{attribute}.get_goal_status_text())',
         ]
 

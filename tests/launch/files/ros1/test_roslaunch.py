@@ -18,7 +18,7 @@ from files.ros1.records import CASES, case_workspace, configuration
 if TYPE_CHECKING:
     from pathlib import Path
 
-pytestmark = pytest.mark.skipif(reason_to_skip() is not None, reason=str(reason_to_skip()))
+pytestmark = [pytest.mark.ros, pytest.mark.skipif(reason_to_skip() is not None, reason=str(reason_to_skip()))]
 
 TREES = 80
 ENVIRONMENT = {"HOME_OF": "5"}

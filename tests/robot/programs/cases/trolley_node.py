@@ -3,6 +3,8 @@
 It stands alone, for it is run by the system's Python.
 """
 
+import threading
+
 import actionlib
 import rospy
 from geometry_msgs.msg import Twist
@@ -22,6 +24,7 @@ class Trolley:
     def __init__(self) -> None:
         """Offer and ask for topics."""
         self.place = 0.0
+        self.lock = threading.Lock()  # goals come in another thread than that which rolls
         self.speed = 0.0
         self.since = rospy.get_time()
         self.odometry = rospy.Publisher("/odom", Odometry, queue_size=1)
@@ -52,13 +55,20 @@ class Trolley:
             print("cancelled", flush=True)
             self.server.set_preempted()
             return
-        self.place = goal.target_pose.pose.position.x
+        with self.lock:
+            self.place = goal.target_pose.pose.position.x
+        self.tell()  # before the result: the robot is where it was sent when it says so
         self.server.set_succeeded(MoveBaseResult())
 
     def step(self) -> None:
-        """Roll for the time that has passed, which may be more than a step, and tell."""
+        """Roll for the time that has passed, which may be more than a step, and publish the place."""
         since, self.since = self.since, rospy.get_time()
-        self.place += self.speed * (self.since - since)
+        with self.lock:
+            self.place += self.speed * (self.since - since)
+        self.tell()
+
+    def tell(self) -> None:
+        """Publish where it is and how far the wall is."""
         odometry = Odometry()
         odometry.pose.pose.position.x = self.place
         odometry.pose.pose.orientation.w = 1.0
