@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from kg.pipeline.report import BuildReport, Report
     from kg.query.result import Result
-    from kg.rules.reports import RunReport
+    from kg.rules.running import RunReport
     from kg.store.embedded import EmbeddedStore
     from kg.store.rdflib_view import SnapshotDataset
 
@@ -183,7 +183,7 @@ def infer(
         RuleError: KG2xx for rules that cannot be read or run, KG205 after the timeout; the store is as it was.
         StoreError: KG301 when there is no store, KG302 while another process writes.
     """
-    from kg.pipeline.rule_runs import run_on_store  # noqa: PLC0415 - who only asks loads no engine of rules
+    from kg.pipeline.inferring import run_on_store  # noqa: PLC0415 - who only asks loads no engine of rules
     from kg.rules.engine.limits import Limits  # noqa: PLC0415 - the same
 
     given = settings.load({"store": store, "rules": None if rules is None else [str(folder) for folder in rules]})

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import msgspec
 
 from kg.errors import Place, RuleError, UsageError
-from kg.pipeline.inferring import digest
-from kg.pipeline.reasoning import check_context, explained_vocabulary, rules_in_force, schema_of
+from kg.pipeline.reasoning import check_context, digest, explained_vocabulary, rules_in_force, schema_of
 from kg.rules.authoring.library import Library
 from kg.rules.authoring.naming import find_rule
 from kg.rules.blocks.read import read

@@ -11,7 +11,8 @@ from kg.errors import RuleError
 from kg.pipeline import inferring
 from kg.pipeline.build import build
 from kg.pipeline.forgetting import forget
-from kg.pipeline.inferring import LastRun, digest, last_run
+from kg.pipeline.inferring import LastRun, last_run
+from kg.pipeline.reasoning import digest
 from kg.rules.running import Runner
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore

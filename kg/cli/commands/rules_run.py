@@ -17,7 +17,7 @@ from kg.store.opening import layout_of
 if TYPE_CHECKING:
     from kg.rules.engine.limits import Limits
     from kg.rules.remote.running import RemoteReport
-    from kg.rules.reports import RunReport
+    from kg.rules.running import RunReport
     from kg.settings import Settings
 
 __all__ = ["limits_of", "run"]
@@ -98,16 +98,16 @@ def run(  # noqa: PLR0913 - the options of a command
     if settings.memory:
         supervise(settings.memory)
     from kg.cli.progress import waiting  # noqa: PLC0415 - start-up time
-    from kg.pipeline import rule_runs  # noqa: PLC0415 - start-up time
+    from kg.pipeline import inferring  # noqa: PLC0415 - start-up time
 
     with waiting("running the rules"):
         if remote:
-            answer = rule_runs.run_on_server(settings, remote, update_url, limits=limits)
+            answer = inferring.run_on_server(settings, remote, update_url, limits=limits)
         elif data:
             target = Path(output) if output and not dry_run else None
-            report = rule_runs.run_on_files(settings, [Path(file) for file in data], target, limits=limits)
+            report = inferring.run_on_files(settings, [Path(file) for file in data], target, limits=limits)
         else:
-            report = rule_runs.run_on_store(settings, full=full, dry_run=dry_run, limits=limits)
+            report = inferring.run_on_store(settings, full=full, dry_run=dry_run, limits=limits)
     if remote:
         _show_remote(answer, json=json)
     else:
@@ -121,7 +121,7 @@ def _nothing_to_do(settings: "Settings") -> "RunReport | None":
     last = unchanged(settings, layout_of(settings))
     if last is None:
         return None
-    from kg.rules.reports import nothing_changed  # noqa: PLC0415 - start-up time
+    from kg.rules.running import nothing_changed  # noqa: PLC0415 - start-up time
 
     return nothing_changed(last.asserted, last.inferred, last.strata)
 
