@@ -1,7 +1,6 @@
-"""The way back: node types are read from the graph as the facts they were written from.
+"""Reads node types from the graph, as the facts that `kg.graph.nodes` and `kg.graph.interfaces` wrote.
 
-`kg.graph.nodes` and `kg.graph.interfaces` write what this module reads; `kg.graph.fields` declares the plain values once
-for both. A test holds the two together.
+`kg.graph.fields` declares the plain values for both ways. A test compares the facts written with those read.
 """
 
 from __future__ import annotations

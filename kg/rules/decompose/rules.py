@@ -64,7 +64,7 @@ def _check_head(work: Work) -> None:
         for name in sorted(head_variables(triple) - bound):
             raise RuleError(
                 "KG203",
-                f"`?{name}` stands in the head and nothing in the body binds it",
+                f"`?{name}` is in the head, but nothing in the body binds it",
                 place=work.place(triple.span),
                 hint=f"Bind `?{name}` in the body, or leave the triple out.",
             )

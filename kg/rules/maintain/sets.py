@@ -1,4 +1,4 @@
-"""Sets of triples taken together; each costs in proportion to the smaller one, but for copies of what is changed."""
+"""Operations on two sets of triples; apart from copies, the cost is in proportion to the smaller set."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ __all__ = ["absorb", "common", "lacking", "take_out"]
 
 
 def common(facts: Facts, others: Facts) -> Facts:
-    """Return the triples that both have."""
+    """Return the intersection."""
     found = Facts()
     for predicate, keys in facts:
         found.replace(predicate, intersection(keys, others.keys(predicate)))
@@ -16,7 +16,7 @@ def common(facts: Facts, others: Facts) -> Facts:
 
 
 def lacking(facts: Facts, others: Facts) -> Facts:
-    """Return the triples of `facts` that `others` lack."""
+    """Return the triples of `facts` that are not in `others`."""
     found = Facts()
     for predicate, keys in facts:
         found.replace(predicate, others.missing(predicate, keys))
