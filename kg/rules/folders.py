@@ -53,7 +53,7 @@ def families_in_force(settings: Settings) -> tuple[str, ...]:
         plain = name.removeprefix("+")
         if plain not in known:
             origin = settings.origin("rule_families")
-            message = f"{_setting(origin, 'rule_families')} names `{plain}`, which is no family of rules"
+            message = f"{_setting(origin, 'rule_families')} names an unknown family of rules, `{plain}`"
             hint = did_you_mean(plain, known) or f"The families are {', '.join(known)}."
             raise UsageError("KG002", message, place=origin.place, hint=hint)
     return settings.rule_families

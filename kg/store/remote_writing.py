@@ -81,7 +81,7 @@ class RemoteTransaction:
         """
         for prefix, iri in (prefixes or {}).items():
             if self._prefixes.setdefault(prefix, iri) != iri:
-                message = f"the prefix `{prefix}:` stands for two IRIs in one transaction"
+                message = f"the prefix `{prefix}:` means two IRIs in one transaction"
                 raise StoreError("KG225", message, hint="Write one of them in full.")
         self._operations.append(text)
 

@@ -76,4 +76,4 @@ def _unknown(rules: Library, name: str) -> UnknownNameError:
     known = list(rules.entries)
     lasts = (one.rpartition("/")[2] for one in known)
     hint = did_you_mean(name, [*known, *lasts, *(one.family for one in rules.entries.values())])
-    return UnknownNameError("KG001", f"there is no rule `{name}`", hint=hint or "`kg rules list` lists them.")
+    return UnknownNameError("KG001", f"unknown rule `{name}`", hint=hint or "`kg rules list` lists them.")

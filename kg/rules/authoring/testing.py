@@ -111,7 +111,7 @@ def _other(library: Library, name: str, place: Place) -> RuleFile:
     try:
         return library.read(find_rule(library, name).name)
     except UnknownNameError as error:
-        message = f"the example names the rule `{name}`, which there is not"
+        message = f"the example names an unknown rule, `{name}`"
         raise RuleError("KG221", message, place=place, hint=error.hint) from None
 
 

@@ -62,8 +62,8 @@ def test_rules_are_meant_by_name_family_file_and_folder(
 @pytest.mark.parametrize(
     ("name", "message", "hint"),
     [
-        ("onee", "there is no rule `onee`", "Did you mean `one` or `f/one`?"),
-        ("zzz", "there is no rule `zzz`", "`kg rules list` lists them."),
+        ("onee", "unknown rule `onee`", "Did you mean `one` or `f/one`?"),
+        ("zzz", "unknown rule `zzz`", "`kg rules list` lists them."),
         ("two", "several rules are called `two`: f/two, g/two", "Give the whole name."),
     ],
 )

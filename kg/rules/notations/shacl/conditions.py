@@ -54,7 +54,7 @@ class Conditions:
         """
         if isinstance(shape, Literal):
             raise self._graph.error(
-                f"{shape} is no shape",
+                f"{shape} is not a shape",
                 self._around[-1] if self._around else shape,
                 hint="Point at a shape: an IRI or a blank node.",
             )
