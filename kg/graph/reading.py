@@ -20,7 +20,7 @@ from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
 from kg.graph.queries import select
-from kg.graph.texts_reading import DESCRIPTIONS, descriptions_of
+from kg.graph.texts import DESCRIPTIONS, descriptions_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping

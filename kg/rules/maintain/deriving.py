@@ -17,7 +17,7 @@ from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, TripleTerm, Vari
 from kg.rules.maintain.joins import Join
 from kg.rules.maintain.patterns import pattern
 from kg.rules.maintain.pivots import pivots
-from kg.rules.maintain.sets import absorb
+from kg.rules.maintain.worlds import absorb
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

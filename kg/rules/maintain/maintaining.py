@@ -18,9 +18,8 @@ from kg.rules.engine.equality import equalities
 from kg.rules.engine.evaluate import Limits, evaluate
 from kg.rules.engine.facts import Facts, merged
 from kg.rules.maintain.deriving import MaintainedRule
-from kg.rules.maintain.sets import absorb, common, lacking
 from kg.rules.maintain.strata import LargeChangeError, Progress, Strata
-from kg.rules.maintain.worlds import Delta, World
+from kg.rules.maintain.worlds import Delta, World, absorb, common, lacking
 
 if TYPE_CHECKING:
     from kg.rules.engine.evaluate import Program

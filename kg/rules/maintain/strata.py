@@ -19,8 +19,7 @@ import numpy as np
 
 from kg.rules.engine.facts import Facts, difference, union, unpack
 from kg.rules.maintain.patterns import Patterns
-from kg.rules.maintain.sets import absorb, common, lacking, take_out
-from kg.rules.maintain.worlds import Delta, World
+from kg.rules.maintain.worlds import Delta, World, absorb, common, lacking, take_out
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any
+
+from pyoxigraph import RdfFormat, parse
 
 from kg.errors import Place, RuleError
 from kg.rules.decompose import decompose
@@ -19,7 +22,14 @@ if TYPE_CHECKING:
     from kg.rules.form import Rule
     from kg.rules.notations.shacl.statements import Statement
 
-__all__ = ["rules"]
+__all__ = ["prefixes", "rules"]
+
+
+def prefixes(text: str) -> dict[str, str]:
+    """Return the prefixes of a file of Turtle that parses, as they are at its end."""
+    parsed = parse(text.encode(), RdfFormat.TURTLE)
+    deque(parsed, maxlen=0)
+    return dict(parsed.prefixes)
 
 
 def rules(text: str, name: str, path: Path | str) -> tuple[Rule, ...]:
