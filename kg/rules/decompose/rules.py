@@ -18,7 +18,7 @@ from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filt
 from kg.rules.scope import binds, bound_in, mentions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from kg.rules.decompose.names import Names
     from kg.rules.form import Element
@@ -94,12 +94,8 @@ def _check_blocks(body: tuple[Element, ...]) -> None:
             _check_blocks(element.body)
         inner = element.body if isinstance(element, Exists) else (element,)
         open_ends = {variable for one in inner if isinstance(one, EngineBlock) for variable in one.optional}
-        if open_ends and not open_ends.isdisjoint(_mentioned((*body[:index], *body[index + 1 :]))):
+        if open_ends and any(open_ends & mentions(one) for one in (*body[:index], *body[index + 1 :])):
             raise IndivisibleError
-
-
-def _mentioned(body: Iterable[Element]) -> frozenset[Variable]:
-    return frozenset().union(*map(mentions, body))
 
 
 def decompose(rule: RuleText, name: str, path: str, text: str) -> tuple[Rule, ...]:
