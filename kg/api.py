@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from kg.pipeline.report import BuildReport, Report
     from kg.query.result import Result
-    from kg.rules.running import RunReport
+    from kg.rules.reports import RunReport
     from kg.store.embedded import EmbeddedStore
     from kg.store.rdflib_view import SnapshotDataset
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from kg.rules.explain.view import View
     from kg.rules.files import Documentation
     from kg.rules.form import Term
-    from kg.rules.running import RunReport
+    from kg.rules.reports import RunReport
 
 __all__ = [
     "change_lines",

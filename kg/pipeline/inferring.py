@@ -42,7 +42,8 @@ if TYPE_CHECKING:
     from kg.errors import KgError
     from kg.rules.engine.limits import Limits
     from kg.rules.remote.running import RemoteReport
-    from kg.rules.running import Runner, RunReport
+    from kg.rules.reports import RunReport
+    from kg.rules.running import Runner
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.layout import Layout

@@ -40,6 +40,7 @@ from kg.rules.maintain import Maintained
 from kg.rules.memory import Memory
 from kg.rules.patches import patched, stated
 from kg.rules.recording import activity
+from kg.rules.reports import Difference, RunReport, Seconds
 from kg.rules.written import Written
 from kg.store import changes
 from kg.store.changes import Changes
@@ -57,12 +58,11 @@ if TYPE_CHECKING:
     from kg.rules.columns import Tables, Wanted
     from kg.rules.engine.evaluate import RuleReport
     from kg.rules.files import RuleSet
-    from kg.rules.form import Rule
     from kg.rules.recording import Names
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["Difference", "RunReport", "Runner", "Seconds", "nothing_changed", "rdf_format", "run_files"]
+__all__ = ["Outcome", "Reasoner", "Runner", "rdf_format", "run_files"]
 
 _FEW: Final = 2500
 """So many triples are added one by one; a bulk load costs as much before it begins."""
@@ -75,58 +75,6 @@ _REMOVAL: Final = 3
 
 _LARGE: Final = 4
 """Where more than one in so many asserted triples changed, everything is evaluated anew."""
-
-
-@dataclass(frozen=True, slots=True)
-class Seconds:
-    """Wall time by phase."""
-
-    read: float = 0.0
-    evaluate: float = 0.0
-    write: float = 0.0
-
-    @property
-    def total(self) -> float:
-        """All of it."""
-        return self.read + self.evaluate + self.write
-
-
-@dataclass(frozen=True, slots=True)
-class Difference:
-    """The inferred triples that a run adds and removes."""
-
-    dictionary: Dictionary
-    added: Facts
-    removed: Facts
-
-
-@dataclass(frozen=True, slots=True)
-class RunReport:
-    """Report of a run; `asserted` counts the triples that rules may read, `inferred` what the graph holds then.
-
-    `mode` is `full` or `incremental`; only a full run reports each rule. `applied` are the rules, cut to the
-    schema, `strata` is how many levels they have. `generation` is the one that the run
-    made: None when it changed nothing, was a dry run, or is part of a transaction that goes on.
-    """
-
-    asserted: int
-    inferred: int
-    added: int
-    removed: int
-    seconds: Seconds
-    strata: int
-    mode: str
-    rules: tuple[RuleReport, ...]
-    change: Difference
-    applied: tuple[Rule, ...] = ()
-    generation: int | None = None
-    dry_run: bool = False
-
-
-def nothing_changed(asserted: int, inferred: int, strata: int) -> RunReport:
-    """Return the report of a run that had nothing to do; the counts are those of the last run."""
-    change = Difference(Dictionary(), Facts(), Facts())
-    return RunReport(asserted, inferred, 0, 0, Seconds(), strata, "incremental", (), change)
 
 
 class Runner:

@@ -14,11 +14,12 @@ from kg.rules.files import Documentation, RuleFile, RuleSet
 from kg.rules.form import Atom, Exists, Rule, Variable
 from kg.rules.lines import lines
 from kg.rules.recording import Names
-from kg.rules.running import Runner, RunReport
+from kg.rules.running import Runner
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
     from kg.rules.form import Element
+    from kg.rules.reports import RunReport
 
 NAMES = Names.of("http://example.org/", "http://example.org/ns#")
 A, B = NamedNode("http://example.org/graph/a"), NamedNode("http://example.org/graph/b")

@@ -17,7 +17,7 @@ from kg.store.opening import layout_of
 if TYPE_CHECKING:
     from kg.rules.engine.limits import Limits
     from kg.rules.remote.running import RemoteReport
-    from kg.rules.running import RunReport
+    from kg.rules.reports import RunReport
     from kg.settings import Settings
 
 __all__ = ["limits_of", "run"]
@@ -121,7 +121,7 @@ def _nothing_to_do(settings: "Settings") -> "RunReport | None":
     last = unchanged(settings, layout_of(settings))
     if last is None:
         return None
-    from kg.rules.running import nothing_changed  # noqa: PLC0415 - start-up time
+    from kg.rules.reports import nothing_changed  # noqa: PLC0415 - start-up time
 
     return nothing_changed(last.asserted, last.inferred, last.strata)
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from kg.rules.authoring.shares import Share
     from kg.rules.engine.evaluate import RuleReport
     from kg.rules.remote.running import RemoteReport, StratumReport
-    from kg.rules.running import RunReport
+    from kg.rules.reports import RunReport
 
 __all__ = ["RuleRun", "remote_objects", "remote_strata", "rule_runs", "run_objects"]
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kg.rules.engine.facts import Facts
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Rule
-    from kg.rules.running import RunReport
+    from kg.rules.reports import RunReport
 
 __all__ = ["Share", "shares"]
 

@@ -9,7 +9,7 @@ from rules.authoring.worlds import EX, files, write_rules
 from kg.rules.authoring.shares import Share, shares
 from kg.rules.engine.facts import Facts, distinct
 from kg.rules.engine.terms import Dictionary
-from kg.rules.running import Difference, RunReport, Seconds
+from kg.rules.reports import Difference, RunReport, Seconds
 
 if TYPE_CHECKING:
     from pathlib import Path
