@@ -183,7 +183,7 @@ def infer(
         RuleError: KG2xx for rules that cannot be read or run, KG205 after the timeout; the store is as it was.
         StoreError: KG301 when there is no store, KG302 while another process writes.
     """
-    from kg.pipeline.rule_runs import run_on_store  # noqa: PLC0415 - who only asks loads no engine of rules
+    from kg.pipeline.inferring import run_on_store  # noqa: PLC0415 - who only asks loads no engine of rules
     from kg.rules.engine.limits import Limits  # noqa: PLC0415 - the same
 
     given = settings.load({"store": store, "rules": None if rules is None else [str(folder) for folder in rules]})

@@ -67,4 +67,4 @@ def asked(names: Iterable[str]) -> str | None:
 def unknown(kind: str, name: str, names: Iterable[str], *, otherwise: str) -> UnknownNameError:
     """Return the error KG001 about a name: with those of `names` that were probably meant, else the way out."""
     hint = did_you_mean(name, names) or otherwise
-    return UnknownNameError("KG001", f"there is no {kind} `{name}`", hint=hint)
+    return UnknownNameError("KG001", f"unknown {kind} `{name}`", hint=hint)

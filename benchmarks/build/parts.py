@@ -27,8 +27,7 @@ from kg import settings
 from kg.extract import texts
 from kg.language import annotating
 from kg.pipeline import build, cache, pool, reasoning, systems, work, writing
-from kg.rules.inferring import Reasoner
-from kg.rules.running import Runner
+from kg.rules.running import Reasoner, Runner
 from kg.rules.written import Written
 from kg.store.embedded import EmbeddedStore
 from kg.store.transaction import EmbeddedTransaction

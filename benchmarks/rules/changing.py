@@ -16,7 +16,8 @@ import generating
 import rule_sets
 from pyoxigraph import NamedNode, RdfFormat
 
-from kg.rules.running import Names, Runner
+from kg.rules.recording import Names
+from kg.rules.running import Runner
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:

@@ -123,10 +123,10 @@ def _count(store: EmbeddedStore, pattern: str) -> int:
 def _run(store: EmbeddedStore, rules: RuleSet) -> dict[str, Any]:
     """Return the processor seconds of a run that writes everything into the store."""
     from kg.rules.recording import Names  # noqa: PLC0415 - each engine loads its own
-    from kg.rules.running import run  # noqa: PLC0415 - each engine loads its own
+    from kg.rules.running import Runner  # noqa: PLC0415 - each engine loads its own
 
     begin = time.process_time()
-    report = run(store, rules, Names.of(_BASE, _BASE))
+    report = Runner(Names.of(_BASE, _BASE), store.layout.cache).run(store, rules)
     seconds = time.process_time() - begin
     print(f"tree, a run: {report.inferred:,} triples inferred and written in {seconds:.2f} s", flush=True)
     return {"inferred": report.inferred, "seconds": seconds}

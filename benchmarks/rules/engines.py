@@ -61,12 +61,13 @@ def kg_files(data: Path, output: Path) -> Figures:
 
 def kg_store(data: Path, output: Path) -> Figures:
     """`kg`, in a store on disk that nothing was inferred in before."""
-    from kg.rules.running import Names, run  # noqa: PLC0415 - each engine loads its own
+    from kg.rules.recording import Names  # noqa: PLC0415 - each engine loads its own
+    from kg.rules.running import Runner  # noqa: PLC0415 - each engine loads its own
 
     store = _store(data, output)
     rules, names = rule_sets.seventeen(), Names.of(_BASE, _RNKG)
     begin = _now()
-    report = run(store, rules, names)
+    report = Runner(names, store.layout.cache).run(store, rules)
     figures = _of_report(report, _now() - begin)
     with store.read() as snapshot:
         from pyoxigraph import RdfFormat  # noqa: PLC0415 - each engine loads its own

@@ -9,9 +9,9 @@ import generating
 from pyoxigraph import NamedNode
 
 from kg.resources import folder as shipped
-from kg.rules.filing import run_files
 from kg.rules.reading import discover
-from kg.rules.running import Names, Runner
+from kg.rules.recording import Names
+from kg.rules.running import Runner, run_files
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:

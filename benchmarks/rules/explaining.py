@@ -15,7 +15,8 @@ from kg.rules.explain.proof import Proof
 from kg.rules.explain.view import View, Vocabulary
 from kg.rules.explain.why import why
 from kg.rules.explain.why_not import why_not
-from kg.rules.running import Names, run
+from kg.rules.recording import Names
+from kg.rules.running import Runner
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def measure(size: int, folder: Path) -> dict[str, Any]:
     with store.write("benchmark") as transaction:
         transaction.replace_graphs({_SOURCE: (line.encode() for line in generating.triples(size))})
     rules = rule_sets.seventeen()
-    report = run(store, rules, _NAMES)
+    report = Runner(_NAMES, store.layout.cache).run(store, rules)
     with store.read() as snapshot:
         facts = _sample(snapshot)
         proofs = [_timed(snapshot, rules.rules, fact) for fact in facts]

@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 from typing import Final
 
-from kg.pipeline.rule_runs import run_on_store
+from kg.pipeline.inferring import run_on_store
 from kg.pipeline.updating.applying import Applier
 from kg.pipeline.updating.changes import Update
 from kg.pipeline.updating.writer import Writer

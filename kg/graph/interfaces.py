@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Resolution, Role
 from kg.graph import vocabulary as v
-from kg.graph.ntriples import boolean, integer, plain
+from kg.graph.fields import INTERFACE, QOS
+from kg.graph.ntriples import plain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -85,10 +86,7 @@ def interface(scope: Scope, owner: str, fact: Interface) -> str:
     writer.add(node, v.HAS_COMPONENT, part)
     writer.add(part, v.TYPE, shape.component_class)
     writer.add(part, v.DECLARED_BY, part)
-    writer.text(part, v.NAME, fact.name)
-    writer.text(part, v.RESOLVED_NAME, fact.resolved)
-    writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
-    writer.add(part, v.IMPLICIT, boolean(fact.implicit))
+    INTERFACE.write(writer, part, fact)
     scope.evidence(part, fact.location, fact.via)
     kind = interface_type(scope, shape.type_kind, fact.type) if fact.type else None
     if kind:
@@ -99,22 +97,9 @@ def interface(scope: Scope, owner: str, fact: Interface) -> str:
         writer.add(part, v.CONNECTS_TO, channel)
         if kind:
             writer.once(channel, shape.channel_has_type, kind)
-    _details(scope, part, fact)
-    return part[1:-1]
-
-
-def _details(scope: Scope, part: str, fact: Interface) -> None:
-    writer = scope.writer
-    writer.text(part, v.WRITTEN, fact.written)
-    writer.text(part, v.PARAMETER_NAME, fact.parameter)
-    writer.text(part, v.ORIGIN, fact.origin)
-    if fact.arguments:
-        writer.add(part, v.LEAST_ARGUMENTS, integer(fact.arguments))
-    for switch in fact.switches:
-        writer.text(part, v.SWITCHED_BY, switch)
-    writer.text(part, v.REASON, fact.reason)
     if fact.qos is not None:
         writer.add(part, v.HAS_QOS, quality(scope, fact.qos))
+    return part[1:-1]
 
 
 def quality(scope: Scope, qos: Qos) -> str:
@@ -130,14 +115,7 @@ def quality(scope: Scope, qos: Qos) -> str:
     more = [f"{name}:{value if isinstance(value, str) else plain(value)}" for name, value in rarer.items() if value]
     iri, writer = f"<{scope.iris.qos(*words, *more)}>", scope.writer
     if writer.described(iri, " ".join([*words, *more]), v.QOS):
-        writer.text(iri, v.RELIABILITY, qos.reliability)
-        writer.text(iri, v.DURABILITY, qos.durability)
-        writer.text(iri, v.HISTORY, qos.history)
-        writer.number(iri, v.DEPTH, qos.depth)
-        writer.measure(iri, v.DEADLINE, qos.deadline)
-        writer.measure(iri, v.LIFESPAN, qos.lifespan)
-        writer.text(iri, v.LIVELINESS, qos.liveliness)
-        writer.measure(iri, v.LEASE_DURATION, qos.lease_duration)
+        QOS.write(writer, iri, qos)
     return iri
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from kg.facts import Interface, NodeType
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_text
+from kg.graph.fields import NODE, PARAMETER
 from kg.graph.interfaces import interface
-from kg.graph.ntriples import boolean, integer, literal
 from kg.graph.plugin_slots import plugin_slot
 
 if TYPE_CHECKING:
@@ -43,17 +43,9 @@ def node(scope: Scope, package: str, fact: NodeType) -> Stated:
     subject, writer = f"<{iri}>", scope.writer
     writer.add(package, v.CONTAINS, subject)
     writer.described(subject, fact.name, v.NODE, v.NODE_TYPE)
-    writer.add(subject, v.NAME, literal(fact.name))
-    writer.add(subject, v.KIND, v.rnkg(fact.kind))
-    writer.add(subject, v.LANGUAGE, literal(fact.language))
-    writer.add(subject, v.ROS_VERSION, integer(fact.ros))
-    writer.text(subject, v.PLUGIN_NAME, fact.plugin)
-    writer.text(subject, v.NODE_NAME, fact.node_name)
-    writer.text(subject, v.BASE_CLASS, fact.base_class)
+    NODE.write(writer, subject, fact)
     if fact.exported is not None:
         writer.text(subject, v.EXPORTED_AT, chain_text((fact.exported,)))
-    for alias in fact.aliases:
-        writer.text(subject, v.ALIAS, alias)
     for bound in fact.bounds:
         writer.text(subject, v.BOUND, f"{bound.limit} {chain_text((bound.location,))}")
     scope.evidence(subject, fact.location)
@@ -88,14 +80,6 @@ def _parameter(scope: Scope, owner: str, fact: Parameter) -> str:
     writer, part = scope.writer, scope.part(owner, "parameter", fact.name)
     writer.add(f"<{owner}>", v.HAS_PARAMETER, part)
     writer.add(part, v.TYPE, v.PARAMETER)
-    writer.text(part, v.NAME, fact.name)
-    writer.text(part, v.PARAMETER_TYPE, fact.type)
-    writer.text(part, v.DEFAULT_VALUE, fact.default)
-    writer.text(part, v.DESCRIPTION, fact.description)
-    writer.add(part, v.ACCESS, v.rnkg(fact.access))
-    writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
-    writer.add(part, v.IMPLICIT, boolean(fact.implicit))
-    writer.text(part, v.ORIGIN, fact.origin)
-    writer.text(part, v.REASON, fact.reason)
+    PARAMETER.write(writer, part, fact)
     scope.evidence(part, fact.location, fact.via)
     return part[1:-1]

@@ -95,11 +95,6 @@ class Writer:
         if value is not None:
             self.lines.append(f"{subject} {predicate} {integer(value)} .\n")
 
-    def measure(self, subject: str, predicate: str, value: float | None) -> None:
-        """Add an `xsd:double` literal unless `value` is None."""
-        if value is not None:
-            self.lines.append(f"{subject} {predicate} {double(value)} .\n")
-
     def encoded(self) -> bytes:
         """Return all triples as N-Triples."""
         return "".join(self.lines).encode()

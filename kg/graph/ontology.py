@@ -62,7 +62,7 @@ def _entailed(files: tuple[Path, ...], java: str, archive: Path) -> frozenset[Tr
     if found is None:
         raise GraphError(
             "KG602",
-            "the axioms contradict each other, so that everything follows from them",
+            "the axioms contradict each other, so everything follows from them",
             hint="`kg ontology check FILE` says which file does.",
         )
     return found

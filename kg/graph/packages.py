@@ -2,22 +2,44 @@
 
 from __future__ import annotations
 
+import tomllib
+from functools import cache
 from typing import TYPE_CHECKING, Final
 
 from kg.graph import vocabulary as v
 from kg.graph.definitions import definition
-from kg.graph.licenses import spdx
 from kg.graph.nodes import Stated, node
 from kg.graph.ntriples import integer, literal
 from kg.graph.scope import Scope
 from kg.graph.snippets import snippets
 from kg.graph.texts import descriptions
+from kg.resources import folder
 
 if TYPE_CHECKING:
     from kg.facts import Dependency, Package, PackageFacts, Person, Problem, SourceFile
     from kg.graph.iris import Iris
 
-__all__ = ["package_parts", "package_triples", "problem"]
+__all__ = ["package_parts", "package_triples", "problem", "spdx"]
+
+
+@cache
+def _table() -> dict[str, str]:
+    listed = tomllib.loads((folder("ontology") / "licenses.toml").read_text("utf-8"))
+    known = {
+        key(name): f"{listed['base']}{identifier}" for identifier, names in listed["names"].items() for name in names
+    }
+    return known | {key(identifier): f"{listed['base']}{identifier}" for identifier in listed["names"]}
+
+
+def key(name: str) -> str:
+    """Return `name` without what spellings of the same licence differ in: case, punctuation and spaces."""
+    return "".join(character for character in name.casefold() if character.isalnum() or character == "+")
+
+
+def spdx(name: str) -> str | None:
+    """Return the IRI of the SPDX licence that `name` stands for, None when it does not say which (`BSD`)."""
+    return _table().get(key(name))
+
 
 _ADDRESSES: Final = {"website": v.WEBSITE, "repository": v.CODE_REPOSITORY, "bugtracker": v.BUG_TRACKER}
 _ROLES: Final = {"maintainer": v.MAINTAINER, "author": v.AUTHOR}

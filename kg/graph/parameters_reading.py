@@ -10,9 +10,10 @@ from pyoxigraph import NamedNode
 
 from kg.facts import Location, Parameter
 from kg.graph import vocabulary as v
+from kg.graph.fields import one
 from kg.graph.ntriples import literal
 from kg.graph.queries import select
-from kg.graph.reading import facts, grouped, one
+from kg.graph.reading import facts, grouped
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import NodeReference, PluginDefault, PluginSlot
 from kg.graph import vocabulary as v
-from kg.graph.ntriples import boolean
+from kg.graph.fields import SLOT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -42,11 +42,7 @@ def plugin_slot(scope: Scope, owner: str, fact: PluginSlot) -> None:
     writer, part = scope.writer, scope.part(owner, "slot", fact.base_class)
     writer.add(f"<{owner}>", v.HAS_PLUGIN_SLOT, part)
     writer.add(part, v.TYPE, v.PLUGIN_SLOT)
-    writer.text(part, v.LOADS_AS, fact.base_class)
-    writer.text(part, v.NAMES_PARAMETER, fact.names)
-    writer.text(part, v.CLASS_PARAMETER, fact.parameter)
-    writer.add(part, v.CLASS_FIXED, boolean(fact.fixed))
-    writer.text(part, v.REASON, fact.reason)
+    SLOT.write(writer, part, fact)
     for one in fact.defaults:
         default = scope.part(part[1:-1], "default", one.name or one.class_name)
         writer.add(part, v.HAS_DEFAULT_PLUGIN, default)
@@ -71,7 +67,9 @@ def slots_by_node(
             properties[slot.value][predicate.value].append(value.value)
     found: defaultdict[str, list[PluginSlot]] = defaultdict(list)
     for iri, node in owners.items():
-        found[node].append(_slot(properties[iri], defaults[iri], *place_of(properties[iri])))
+        place, via = place_of(properties[iri])
+        ordered = tuple(sorted(defaults[iri], key=lambda one: (one.name or "", one.class_name)))
+        found[node].append(PluginSlot(location=place, via=via, defaults=ordered, **SLOT.read(properties[iri])))
     return {node: tuple(sorted(slots, key=_order)) for node, slots in found.items()}
 
 
@@ -86,15 +84,6 @@ def plugins_by_class(rows: Iterable[Any]) -> dict[str, list[tuple[NodeReference,
     for node, name, package, repository, kind in rows:
         found[class_key(kind.value)].append((NodeReference(repository.value, package.value, name.value), node.value))
     return {key: sorted(set(nodes)) for key, nodes in found.items()}
-
-
-def _slot(
-    properties: Mapping[str, list[str]], defaults: set[PluginDefault], place: Location, via: tuple[Location, ...]
-) -> PluginSlot:
-    terms = (v.LOADS_AS, v.NAMES_PARAMETER, v.CLASS_PARAMETER, v.CLASS_FIXED, v.REASON)
-    base, names, parameter, fixed, reason = (next(iter(properties.get(v.bare(term), ())), None) for term in terms)
-    ordered = tuple(sorted(defaults, key=lambda one: (one.name or "", one.class_name)))
-    return PluginSlot(base, place, names, parameter, ordered, fixed == "true", reason, via)
 
 
 def _order(slot: PluginSlot) -> tuple[str, str, int, str, str]:

@@ -1,6 +1,6 @@
-"""The way back: node types are read from the graph as the facts they were written from.
+"""Reads node types from the graph, as the facts that `kg.graph.nodes` and `kg.graph.interfaces` wrote.
 
-`kg.graph.nodes` and `kg.graph.interfaces` write what this module reads; a test holds the two together.
+`kg.graph.fields` declares the plain values for both ways. A test compares the facts written with those read.
 """
 
 from __future__ import annotations
@@ -11,36 +11,24 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 
 from pyoxigraph import NamedNode
 
-from kg.facts import (
-    Access,
-    Bound,
-    DataFile,
-    Interface,
-    Location,
-    NodeKind,
-    NodeReference,
-    NodeType,
-    Parameter,
-    Qos,
-    Resolution,
-    Role,
-)
+from kg.facts import Bound, DataFile, Interface, Location, NodeReference, NodeType, Parameter, Qos
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
+from kg.graph.fields import INTERFACE, NODE, PARAMETER, QOS, Properties, one
+from kg.graph.interfaces import SHAPES
 from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
 from kg.graph.queries import select
-from kg.graph.texts_reading import DESCRIPTIONS, descriptions_of
+from kg.graph.texts import DESCRIPTIONS, descriptions_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
 
-    from kg.facts import Description
+    from kg.facts import Description, Role
 
 __all__ = [
     "NodeRecord",
-    "Properties",
     "Queryable",
     "data_files",
     "end_of",
@@ -49,38 +37,24 @@ __all__ = [
     "loaded_as",
     "node_names",
     "node_records",
-    "one",
     "programs",
     "qualities",
     "references",
     "type_of",
     "which",
-    "word",
 ]
 
-Properties: TypeAlias = "Mapping[str, list[str]]"
 _Ends: TypeAlias = "list[tuple[Interface, str]]"
 _Settable: TypeAlias = "list[tuple[Parameter, str]]"
 
-_ROLES: Final = {
-    v.bare(v.PUBLISHER): Role.PUBLISHES,
-    v.bare(v.SUBSCRIBER): Role.SUBSCRIBES,
-    v.bare(v.SERVICE_SERVER): Role.SERVICES,
-    v.bare(v.SERVICE_CLIENT): Role.CLIENTS,
-    v.bare(v.ACTION_SERVER): Role.ACTION_SERVERS,
-    v.bare(v.ACTION_CLIENT): Role.ACTION_CLIENTS,
-}
+_ROLES: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
 _ANY: Final = "?node a rnkg:NodeType ."
-_OF_NODES: Final = (
-    *(v.NAME, v.KIND, v.LANGUAGE, v.ROS_VERSION, v.PATH, v.LINE, v.IN_REPOSITORY),
-    *(v.PLUGIN_NAME, v.NODE_NAME, v.BASE_CLASS, v.ALIAS, v.BOUND, v.EXPORTED_AT),
-)
+_PLACE: Final = (v.PATH, v.LINE, v.IN_REPOSITORY)
+_OF_NODES: Final = (*NODE.terms, *_PLACE, v.BOUND, v.EXPORTED_AT)
 """The properties of node types that facts have."""
-_OF_PARTS: Final = (
-    *(v.TYPE, v.NAME, v.RESOLUTION, v.PATH, v.LINE, v.IN_REPOSITORY, v.IMPLICIT, v.ORIGIN, v.REASON),
-    *(v.ROS_HAS_MESSAGE, v.HAS_SERVICE_TYPE, v.HAS_ACTION_TYPE, v.RESOLVED_NAME, v.WRITTEN, v.PARAMETER_NAME),
-    *(v.HAS_QOS, v.LEAST_ARGUMENTS, v.SWITCHED_BY, v.PARAMETER_TYPE, v.DEFAULT_VALUE, v.ACCESS, v.DESCRIPTION, v.VIA),
-)
+_TYPE_OF: Final = tuple(dict.fromkeys(shape.has_type for shape in SHAPES.values()))
+"""The properties that hold the type of an end."""
+_OF_PARTS: Final = dict.fromkeys((v.TYPE, *_TYPE_OF, v.HAS_QOS, *INTERFACE.terms, *PARAMETER.terms, *_PLACE, v.VIA))
 """The properties of interfaces and parameters that facts have."""
 _OWNERS: Final = """
 SELECT ?node ?package ?repository ?commit WHERE {
@@ -320,8 +294,7 @@ def end_of(properties: Properties, types: Mapping[str, str]) -> Interface | None
 
 def type_of(properties: Properties) -> str | None:
     """Return the IRI of the type of an end."""
-    terms = (v.ROS_HAS_MESSAGE, v.HAS_SERVICE_TYPE, v.HAS_ACTION_TYPE)
-    return next((iri for term in terms if (iri := one(properties, term))), None)
+    return next((iri for term in _TYPE_OF if (iri := one(properties, term))), None)
 
 
 def _listed(rows: Iterable[Any]) -> dict[str, list[str]]:
@@ -365,7 +338,7 @@ def _types(graph: Queryable, wanted: Collection[str]) -> dict[str, str]:
 def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[str, Qos]:
     """Return the combinations of policies of the store by their IRIs, those `wanted` at least."""
     few = f"VALUES ?subject {{ {_listing(wanted)} }}" if wanted is not None and len(wanted) <= _FEW else ""
-    return {iri: _qos(properties) for iri, properties in grouped(select(graph, _QOS % few)).items()}
+    return {iri: Qos(**QOS.read(properties)) for iri, properties in grouped(select(graph, _QOS % few)).items()}
 
 
 def _listing(iris: Iterable[str]) -> str:
@@ -381,17 +354,6 @@ def _owner(part: str, nodes: Mapping[str, list[str]]) -> str:
     return max((one for one in nodes.get(whole, ()) if part.startswith(one)), key=len, default=whole)
 
 
-def one(properties: Properties, term: str) -> str | None:
-    """Return the value of a term that has one; the least where it has several."""
-    values = properties.get(v.bare(term))
-    return min(values) if values else None
-
-
-def word(properties: Properties, term: str) -> str:
-    """Return the local name of a term of RNKG."""
-    return (one(properties, term) or "").removeprefix(v.RNKG)
-
-
 def _location(properties: Properties) -> Location:
     path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
     return Location(path or "", int(line or 0), repository)
@@ -404,21 +366,14 @@ def _node(
     parts: tuple[list[Interface], list[Parameter]],
 ) -> NodeType:
     return NodeType(
-        name=one(properties, v.NAME) or "",
-        kind=NodeKind(word(properties, v.KIND)),
-        language=one(properties, v.LANGUAGE) or "",
-        ros=int(one(properties, v.ROS_VERSION) or 0),
         location=_location(properties),
         executable=executables[0] if executables else None,
-        plugin=one(properties, v.PLUGIN_NAME),
-        node_name=one(properties, v.NODE_NAME),
-        base_class=one(properties, v.BASE_CLASS),
-        aliases=tuple(sorted(properties.get(v.bare(v.ALIAS), ()))),
         sources=tuple(sources),
         interfaces=tuple(sorted(parts[0], key=order)),
         parameters=tuple(sorted(parts[1], key=order)),
         bounds=tuple(map(_bound, sorted(properties.get(v.bare(v.BOUND), ())))),
         exported=next(iter(chain_of(one(properties, v.EXPORTED_AT))), None),
+        **NODE.read(properties),
     )
 
 
@@ -431,51 +386,14 @@ def _interface(role: Role, properties: Properties, types: Mapping[str, str], qua
     type_iri = type_of(properties)
     return Interface(
         role=role,
-        name=one(properties, v.NAME),
         type=types.get(type_iri) if type_iri else None,
-        resolution=Resolution(word(properties, v.RESOLUTION)),
         location=_location(properties),
-        resolved=one(properties, v.RESOLVED_NAME),
-        written=one(properties, v.WRITTEN),
-        parameter=one(properties, v.PARAMETER_NAME),
-        implicit=one(properties, v.IMPLICIT) == "true",
-        origin=one(properties, v.ORIGIN),
         qos=qualities.get(one(properties, v.HAS_QOS) or ""),
-        reason=one(properties, v.REASON),
-        arguments=int(one(properties, v.LEAST_ARGUMENTS) or 0),
-        switches=tuple(sorted(properties.get(v.bare(v.SWITCHED_BY), ()))),
         via=chain_of(one(properties, v.VIA)),
-    )
-
-
-def _qos(properties: Properties) -> Qos:
-    reliability, durability, history, depth = (
-        one(properties, term) for term in (v.RELIABILITY, v.DURABILITY, v.HISTORY, v.DEPTH)
-    )
-    deadline, lifespan, lease = (one(properties, term) for term in (v.DEADLINE, v.LIFESPAN, v.LEASE_DURATION))
-    return Qos(
-        reliability,
-        durability,
-        history,
-        None if depth is None else int(depth),
-        deadline=None if deadline is None else float(deadline),
-        lifespan=None if lifespan is None else float(lifespan),
-        liveliness=one(properties, v.LIVELINESS),
-        lease_duration=None if lease is None else float(lease),
+        **INTERFACE.read(properties),
     )
 
 
 def _parameter(properties: Properties) -> Parameter:
-    return Parameter(
-        name=one(properties, v.NAME),
-        type=one(properties, v.PARAMETER_TYPE),
-        default=one(properties, v.DEFAULT_VALUE),
-        access=Access(word(properties, v.ACCESS)),
-        location=_location(properties),
-        resolution=Resolution(word(properties, v.RESOLUTION)),
-        implicit=one(properties, v.IMPLICIT) == "true",
-        origin=one(properties, v.ORIGIN),
-        reason=one(properties, v.REASON),
-        description=one(properties, v.DESCRIPTION),
-        via=chain_of(one(properties, v.VIA)),
-    )
+    via = chain_of(one(properties, v.VIA))
+    return Parameter(location=_location(properties), via=via, **PARAMETER.read(properties))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from kg.facts import NodeKind, Role
 from kg.graph.chains import chain_text
-from kg.graph.texts_reading import summary
+from kg.graph.texts import summary
 
 if TYPE_CHECKING:
     from kg.facts import InstanceInterface, Interface, Location, NodeInstance, Parameter, PluginSlot, Qos, System

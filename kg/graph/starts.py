@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_text, likely_chain
+from kg.graph.fields import SETTING
 from kg.graph.iris import fragment
 from kg.graph.ntriples import integer, literal
 
@@ -93,9 +94,8 @@ class Start:
     def _set(self, part: str, name: str, fact: LaunchParameter) -> None:
         self._add(part, v.TYPE, v.SETTING)
         self._add(part, v.NAME, literal(name))
-        for term, text in {v.VALUE: fact.value, v.PARAMETER_TYPE: fact.type, v.REASON: fact.reason}.items():
-            if text is not None:
-                self._add(part, term, literal(text))
+        for term, value in SETTING.rows(fact):
+            self._add(part, term, value)
 
     def write(self, writer: Writer) -> str:
         """Add all triples, once for each start; return its IRI."""

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 from kg.facts import Role
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_text
+from kg.graph.fields import ARGUMENT, PROBLEM, SETTING
 from kg.graph.interfaces import SHAPES, interface_type, quality
 from kg.graph.iris import fragment
 from kg.graph.ntriples import boolean, integer, literal, moment
@@ -165,22 +166,14 @@ class _Writing:
         part, writer = self._scope.part(self._iri, "argument", fact.name), self._writer
         writer.add(self._subject, v.HAS_ARGUMENT, part)
         writer.add(part, v.TYPE, v.ARGUMENT)
-        writer.text(part, v.NAME, fact.name)
-        writer.text(part, v.DEFAULT_VALUE, fact.default)
-        writer.text(part, v.VALUE, fact.value)
-        writer.text(part, v.DESCRIPTION, fact.description)
-        writer.add(part, v.FIXED, boolean(fact.fixed))
-        for choice in dict.fromkeys(fact.choices):
-            writer.text(part, v.CHOICE, choice)
+        ARGUMENT.write(writer, part, fact)
         self._evidence(part, fact.location)
 
     def _problem(self, fact: LaunchProblem, since: str | None = None) -> None:
         part, writer = self._scope.part(self._iri, "problem", fact.subject or fact.kind), self._writer
         writer.add(self._subject, v.HAS_LAUNCH_PROBLEM, part)
         writer.add(part, v.TYPE, v.LAUNCH_PROBLEM)
-        writer.text(part, v.PROBLEM_KIND, fact.kind)
-        writer.text(part, v.TEXT, fact.message)
-        writer.text(part, v.SUBJECT, fact.subject)
+        PROBLEM.write(writer, part, fact)
         self._evidence(part, fact.location, fact.chain, since)
 
     def _instance(self, iri: str, fact: NodeInstance, names: Mapping[str, str], order: int) -> None:
@@ -259,9 +252,7 @@ class _Writing:
         writer.add(part, v.TYPE, v.SETTING)
         writer.add(part, v.NAME, literal(fact.name))
         writer.add(part, v.ORDER, integer(order))
-        writer.text(part, v.VALUE, fact.value)
-        writer.text(part, v.PARAMETER_TYPE, fact.type)
-        writer.text(part, v.REASON, fact.reason)
+        SETTING.write(writer, part, fact)
         self._evidence(part, fact.location, fact.chain)
         return part
 

@@ -23,7 +23,6 @@ from kg.facts import (
     LaunchInclude,
     LaunchParameter,
     LaunchProblem,
-    LaunchProblemKind,
     Location,
     MissingType,
     NodeInstance,
@@ -38,10 +37,11 @@ from kg.facts import (
 )
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, likely_chain
+from kg.graph.fields import ARGUMENT, PROBLEM, SETTING, Properties, one, word
 from kg.graph.iris import RUNNING, Iris
 from kg.graph.ntriples import literal
 from kg.graph.queries import select
-from kg.graph.reading import Queryable, end_of, facts, grouped, one, qualities, references, type_of, word
+from kg.graph.reading import Queryable, end_of, facts, grouped, qualities, references, type_of
 from kg.graph.starts import STARTS
 from kg.graph.usual_ends import namespace_of, usual_ends, usual_resolution
 
@@ -49,7 +49,6 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
     from kg.facts import Qos
-    from kg.graph.reading import Properties
     from kg.graph.usual_ends import UsualEnd
 
 __all__ = ["SystemName", "included", "partial_systems", "started_names", "system_names", "systems"]
@@ -340,36 +339,18 @@ class _Reading:
 
     def _problem(self, iri: str) -> LaunchProblem:
         properties = self._content[iri]
-        return LaunchProblem(
-            LaunchProblemKind(one(properties, v.PROBLEM_KIND) or ""),
-            one(properties, v.TEXT) or "",
-            *_place(properties),
-            one(properties, v.SUBJECT),
-        )
+        location, chain = _place(properties)
+        return LaunchProblem(location=location, chain=chain, **PROBLEM.read(properties))
 
     def _argument(self, iri: str) -> LaunchArgument:
         properties = self._content[iri]
-        return LaunchArgument(
-            name=one(properties, v.NAME) or "",
-            default=one(properties, v.DEFAULT_VALUE),
-            value=one(properties, v.VALUE),
-            location=_place(properties)[0],
-            description=one(properties, v.DESCRIPTION),
-            fixed=one(properties, v.FIXED) == "true",
-            choices=tuple(sorted(properties.get(v.bare(v.CHOICE), ()))),
-        )
+        return LaunchArgument(location=_place(properties)[0], **ARGUMENT.read(properties))
 
     def _setting(self, iri: str, led: tuple[Location, ...] = ()) -> LaunchParameter:
         properties = self._content[iri]
         location, chain = _place(properties, led)
-        return LaunchParameter(
-            name=one(properties, v.NAME) or "",
-            value=one(properties, v.VALUE),
-            location=location,
-            chain=chain,
-            type=one(properties, v.PARAMETER_TYPE),
-            reason=one(properties, v.REASON),
-        )
+        name = one(properties, v.NAME) or ""
+        return LaunchParameter(name, location=location, chain=chain, **SETTING.read(properties))
 
     def _instance(self, iri: str) -> NodeInstance:
         own, records = self._content[iri], self._records

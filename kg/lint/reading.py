@@ -10,14 +10,16 @@ from pyoxigraph import NamedNode
 from kg.codes.severities import SEVERITIES
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, chain_text, likely_chain
+from kg.graph.fields import one
 from kg.graph.iris import Iris
-from kg.graph.reading import grouped, one
+from kg.graph.reading import grouped
 from kg.lint.finding import Evidence, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
-    from kg.graph.reading import Properties, Queryable
+    from kg.graph.fields import Properties
+    from kg.graph.reading import Queryable
 
 __all__ = ["read_findings"]
 

@@ -26,8 +26,9 @@ from kg.graph.iris import Iris
 from kg.graph.shared import SHARED
 from kg.pipeline import cache
 from kg.pipeline.calls import checked_calls
-from kg.pipeline.inferring import Inference, digest
+from kg.pipeline.inferring import Inference
 from kg.pipeline.plan import code_version, entries_by_name, listing, make_plan, stamp, version
+from kg.pipeline.reasoning import digest
 from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import BuildReport, Silent, SourceReport, totals
 from kg.pipeline.sources import folders, gather, installed_folders

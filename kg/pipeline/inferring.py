@@ -1,4 +1,6 @@
-"""Rules inside the transactions of the pipeline: inferences change together with the asserted triples.
+"""Runs the rules in force: inside the transactions of the pipeline, over a store, a SPARQL server or files.
+
+Inferences change together with the asserted triples, in one transaction.
 
 The ontologies belong to the rules: their graph is patched where a file of theirs changed, and the rules follow.
 
@@ -10,35 +12,36 @@ triples always follows from the rules that ran, and never holds triples from an 
 from __future__ import annotations
 
 import json
+import os
 import zlib
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
-from functools import lru_cache
-from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
 import msgspec
-from pyoxigraph import NamedNode
+from pyoxigraph import NamedNode, RdfFormat, parse
 
-from kg import resources
-from kg.errors import GraphError, RuleError
+from kg.errors import GraphError, Place, RuleError, SourceError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.vocabulary import RNKG
-from kg.pipeline.kept import installations, kept, settled, states
+from kg.pipeline.reasoning import digest, ontology_digest, rules_in_force, rules_over, schema_of
 from kg.pipeline.report import Inferred
-from kg.rules.folders import families_in_force, user_folders
-from kg.rules.reading import packs, rule_files
+from kg.rules.recording import Names
+from kg.rules.specialise import is_schema, specialised
 from kg.store.failure import translated
 from kg.store.layout import write_atomically
+from kg.store.opening import existing
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from pyoxigraph import Triple
+
     from kg.errors import KgError
-    from kg.pipeline.kept import State
-    from kg.rules.reading import Pack
+    from kg.rules.engine.limits import Limits
+    from kg.rules.remote.running import RemoteReport
     from kg.rules.reports import RunReport
     from kg.rules.running import Runner
     from kg.settings import Settings
@@ -46,79 +49,11 @@ if TYPE_CHECKING:
     from kg.store.layout import Layout
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = [
-    "Inference",
-    "LastRun",
-    "costs",
-    "digest",
-    "installed_packs",
-    "last_run",
-    "note_run",
-    "unchanged",
-]
+__all__ = ["Inference", "LastRun", "last_run", "run_on_files", "run_on_server", "run_on_store", "unchanged"]
 
 _LAST: Final = "rules"
-_DIGEST: Final = "rules-digest"
-"""The file of the cache in which the digest of the rules is kept, and the next one for whether there are packs."""
-_PACKS: Final = "packs"
+"""The file of the cache with the record of the last run; the next one: the ontologies that the store was given."""
 _ONTOLOGIES: Final = "ontologies"
-"""The file with the ontologies that the store was given and their digest, and the one in which that digest is kept."""
-_ONTOLOGY_DIGEST: Final = "ontologies-digest"
-
-
-def digest(settings: Settings, cache: Path | None = None) -> str:
-    """Return a digest of all files of rules and ontologies in force.
-
-    It is kept in the folder `cache` for the next process, if given.
-
-    Raises:
-        RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
-        UsageError: KG002 for a folder or a family of the settings that does not exist.
-    """
-    folders = (resources.folder("rules"), *(pack.folder for pack in installed_packs(cache)), *user_folders(settings))
-    seen, families = tuple(state for folder in folders for state in states(folder)), families_in_force(settings)
-    made = _digest if settled(seen) else _digest.__wrapped__
-    rules = kept(cache and cache / _DIGEST, seen, (families, folders), lambda: made(families, folders, seen))
-    return f"{rules} {_ontology_digest(settings, cache)}"
-
-
-def _ontology_digest(settings: Settings, cache: Path | None) -> str:
-    """Return a digest of the ontologies in force; raises as `ontologies_in_force`."""
-    files = ontologies_in_force(settings)
-    seen = tuple(state for file in files for state in states(file))
-    made = _digest_of if settled(seen) else _digest_of.__wrapped__
-    return kept(cache and cache / _ONTOLOGY_DIGEST, seen, files, lambda: made(files, seen))
-
-
-@lru_cache(maxsize=4)
-def _digest_of(files: tuple[Path, ...], _seen: tuple[State, ...]) -> str:
-    found = blake2b(digest_size=16)
-    for file in files:
-        found.update(f"{file.name}\0".encode())
-        found.update(_content(file))
-    return found.hexdigest()
-
-
-def installed_packs(cache: Path | None = None) -> tuple[Pack, ...]:
-    """Return the installed packs of rules; with a folder `cache`, without a search where the last one found none.
-
-    Raises RuleError KG208 for a pack that cannot be loaded.
-    """
-    if cache is None:
-        return packs()
-    found = kept(cache / _PACKS, tuple(installations()), "", lambda: str(bool(packs())))
-    return packs() if found == str(True) else ()
-
-
-@lru_cache(maxsize=4)
-def _digest(families: tuple[str, ...], folders: tuple[Path, ...], _seen: tuple[State, ...]) -> str:
-    """Return the digest of the rules, read again only where the state of a file is another."""
-    found = blake2b(repr(families).encode(), digest_size=16)
-    for folder in folders:
-        for path, name in rule_files(folder, families):
-            found.update(f"{name}{path.suffix}\0".encode())
-            found.update(_content(path))
-    return found.hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +74,7 @@ class LastRun:
     costs: Mapping[str, tuple[float, int, int]] = field(default_factory=dict)
 
 
-def costs(report: RunReport, cache: Path) -> Mapping[str, tuple[float, int, int]]:
+def _costs(report: RunReport, cache: Path) -> Mapping[str, tuple[float, int, int]]:
     """Return the cost of each rule: in this run if it was full, else in the last full one."""
     if not report.rules:
         last = last_run(cache)
@@ -160,7 +95,7 @@ def last_run(cache: Path) -> LastRun | None:
         return None
 
 
-def note_run(cache: Path, run: LastRun) -> None:
+def _note_run(cache: Path, run: LastRun) -> None:
     """Save the record of a run for the next one; StoreError KG304 when the disk is full."""
     with translated(str(cache)):
         cache.mkdir(parents=True, exist_ok=True)
@@ -176,13 +111,6 @@ def unchanged(settings: Settings, layout: Layout) -> LastRun | None:
     if found is None or found.generation != layout.current() or found.base != settings.base:
         return None
     return found if found.digest == digest(settings, layout.cache) else None
-
-
-def _content(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:  # reported where the file is read
-        return str(error).encode()
 
 
 class _Ontologies(msgspec.Struct, frozen=True):
@@ -234,11 +162,9 @@ class Inference:
 
         Raises as `run`, and StoreError as `EmbeddedStore.read`.
         """
-        from kg.pipeline.reasoning import rules_over  # noqa: PLC0415 - numbers are loaded here
-
         with self._store.read() as snapshot:
             rules = rules_over(self._settings, snapshot, [], cache=self._store.layout.cache)
-        self._runner = self._new_runner()
+        self._runner = _new_runner(self._store, self._settings)
         self._runner.prepare(rules)
 
     def watch(self, transaction: EmbeddedTransaction) -> None:
@@ -252,7 +178,7 @@ class Inference:
         """Return whether the ontologies in force are others than those that the store was given; raises KG002."""
         cache = self._store.layout.cache
         given = _given(cache)
-        return given is not None and given.digest != _ontology_digest(self._settings, cache)
+        return given is not None and given.digest != ontology_digest(self._settings, cache)
 
     def update_ontologies(
         self, transaction: EmbeddedTransaction, problems: list[KgError] | None = None, *, anew: bool = False
@@ -268,7 +194,7 @@ class Inference:
         """
         cache, graph = self._store.layout.cache, NamedNode(Iris(self._settings.base).graph("ontology"))
         given, present = _given(cache), graph in transaction.graphs()
-        digest_now = _ontology_digest(self._settings, cache)
+        digest_now = ontology_digest(self._settings, cache)
         if present and not anew and (given is None or given.digest == digest_now):
             return
         wanted = _in_force(self._settings, problems)
@@ -280,12 +206,6 @@ class Inference:
         old, new = (set(content.splitlines(keepends=True)) for content in (held, wanted))
         if old != new:
             transaction.patch_graph(graph, b"".join(old - new), b"".join(new - old))
-
-    def _new_runner(self) -> Runner:
-        from kg.rules.recording import Names  # noqa: PLC0415 - the same
-        from kg.rules.running import Runner  # noqa: PLC0415 - the same
-
-        return Runner(Names.of(self._settings.base, RNKG), self._store.layout.cache)
 
     def run(self, transaction: EmbeddedTransaction) -> Inferred:
         """Make what is inferred follow from what the transaction has written by now; what cannot run is left out.
@@ -314,10 +234,7 @@ class Inference:
 
         Return None, and add the error to `problems`, where they cannot run.
         """
-        # Numbers are loaded here, not where a build without changes ends.
-        from kg.pipeline.reasoning import rules_over  # noqa: PLC0415 - see above
-
-        runner = self._runner or self._new_runner()
+        runner = self._runner or _new_runner(self._store, self._settings)
         self._runner = None
         try:
             cache = self._store.layout.cache
@@ -327,7 +244,7 @@ class Inference:
             problems.append(error)
             return None
         self._runner = runner
-        spent = costs(found, self._store.layout.cache)
+        spent = _costs(found, self._store.layout.cache)
         self._last = LastRun("", self._settings.base, None, found.asserted, found.inferred, found.strata, spent)
         return Inferred(found.inferred, found.added, found.removed, found.seconds.total, found.mode)
 
@@ -355,9 +272,120 @@ class Inference:
             self._ontologies = None
         if self._last is not None:
             current = generation or self._store.layout.current()
-            note_run(self._store.layout.cache, replace(self._last, generation=current))
+            _note_run(self._store.layout.cache, replace(self._last, generation=current))
 
     def save(self) -> None:
         """Write the memory to the cache."""
         if self._runner is not None:
             self._runner.save()
+
+
+def _new_runner(store: EmbeddedStore, settings: Settings) -> Runner:
+    from kg.rules.running import Runner  # noqa: PLC0415 - numbers are loaded here, not where nothing has changed
+
+    return Runner(Names.of(settings.base, RNKG), store.layout.cache)
+
+
+def run_on_store(
+    settings: Settings, *, full: bool = False, dry_run: bool = False, limits: Limits | None = None
+) -> RunReport:
+    """Update the inferred triples of the store in force from its other graphs; only with `full` from scratch.
+
+    Ontologies whose files have changed are updated first. Raises:
+        GraphError: KG601 for an ontology that cannot be read; the store is as it was.
+        RuleError: KG2xx for rules that cannot be read or run, KG205 at a limit; the store is as it was.
+        StoreError: KG301 without a store, KG302 while another process writes.
+    """
+    store, mark = existing(settings), digest(settings)
+    inference = Inference(store, settings)
+    if inference.outdated():
+        report = _run_with_ontologies(store, settings, inference, full=full, dry_run=dry_run, limits=limits)
+        base = report.generation
+    else:
+        with store.read() as snapshot:
+            rules, base = rules_over(settings, snapshot), snapshot.generation
+        runner = _new_runner(store, settings)
+        report = runner.run(store, rules, limits=limits, incremental=not full, dry_run=dry_run)
+    if not dry_run:
+        base = report.generation or base
+        spent = _costs(report, store.layout.cache)
+        last = LastRun(mark, settings.base, base, report.asserted, report.inferred, report.strata, spent)
+        _note_run(store.layout.cache, last)
+    return report
+
+
+def _run_with_ontologies(  # noqa: PLR0913 - what `run_on_store` was asked, and on what
+    store: EmbeddedStore, settings: Settings, inference: Inference, *, full: bool, dry_run: bool, limits: Limits | None
+) -> RunReport:
+    """Update the ontologies and run the rules in one transaction."""
+    runner = _new_runner(store, settings)
+    with store.write("kg rules run") as transaction:
+        inference.update_ontologies(transaction)
+        rules = rules_over(settings, transaction)
+        report = runner.run_within(transaction, rules, limits=limits, incremental=not full)
+        if dry_run:
+            transaction.roll_back()
+            return replace(report, dry_run=True)
+        generation = transaction.commit()
+    runner.remember(generation)
+    inference.remember(generation)
+    return replace(report, generation=generation)
+
+
+def run_on_server(
+    settings: Settings, query_address: str, update_address: str | None = None, *, limits: Limits | None = None
+) -> RemoteReport:
+    """Run the rules on a SPARQL 1.1 server; raises as `run_on_store`, and KG225 when the server fails."""
+    from kg.rules.remote.running import run as run_remotely  # noqa: PLC0415 - HTTP is loaded here
+    from kg.store.remote import RemoteStore  # noqa: PLC0415 - the same
+
+    store = RemoteStore(query_address, update_address)
+    rules = specialised(rules_in_force(settings), schema_of(store.read()))
+    return run_remotely(store, rules, inferred_graph=Names.of(settings.base, RNKG).inferred, limits=limits)
+
+
+def run_on_files(
+    settings: Settings, files: Sequence[Path], output: Path | None, *, limits: Limits | None = None
+) -> RunReport:
+    """Write what the rules infer from files of RDF to `output`, or nowhere.
+
+    Raises as `run_files`, and UsageError KG003 before anything is inferred where `output` cannot be written.
+    """
+    from kg.rules.running import run_files  # noqa: PLC0415 - numbers are loaded here
+
+    if output is not None:
+        _check_output(output)
+    schema = [triple for file in files for triple in _schema(file)]
+    return run_files(files, output, specialised(rules_in_force(settings), schema), limits=limits)
+
+
+def _check_output(output: Path) -> None:
+    folder = output.absolute().parent
+    problem = None
+    if not os.path.isdir(folder):  # noqa: PTH112 - False for what is closed, where Path raises
+        problem = f"the folder {folder} does not exist"
+    elif os.path.isdir(output):  # noqa: PTH112 - the same
+        problem = "it is a folder"
+    elif not os.access(folder, os.W_OK | os.X_OK):
+        problem = f"the folder {folder} may not be written"
+    if problem:
+        raise UsageError("KG003", f"cannot be written: {problem}", place=Place(str(output)), hint="Name another file.")
+
+
+def _schema(file: Path) -> Iterator[Triple]:
+    """Yield the axioms of a file; of N-Triples only candidate lines are parsed. Other errors are reported later."""
+    from kg.rules.running import rdf_format  # noqa: PLC0415 - numbers are loaded here
+
+    kind = rdf_format(file)
+    plain = kind == RdfFormat.N_TRIPLES
+    try:
+        with file.open("rb") as lines:
+            found = [line for line in lines if not plain or b"/owl#" in line or b"/rdf-schema#" in line]
+    except OSError as error:
+        raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(file))) from error
+    address = file.absolute().as_uri()
+    try:
+        triples = [quad.triple for quad in parse(b"".join(found), kind, base_iri=address, lenient=True)]
+    except SyntaxError:
+        return
+    yield from (triple for triple in triples if is_schema(triple.predicate, triple.object))

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 from kg.corpus.sources import is_address
 from kg.corpus.workspace import Workspace
 from kg.errors import SourceError
-from kg.pipeline.inferring import digest, last_run
+from kg.pipeline.inferring import last_run
 from kg.pipeline.plan import make_plan, version
+from kg.pipeline.reasoning import digest
 from kg.pipeline.report import Silent
 from kg.pipeline.sources import gather, installed_folders
 from kg.pipeline.state import load
@@ -45,7 +46,7 @@ def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | N
 def rules_changed(layout: Layout, settings: Settings) -> bool:
     """Return whether the rules in force are not those that ran last; False where none ran.
 
-    Raises as `kg.pipeline.inferring.digest`.
+    Raises as `kg.pipeline.reasoning.digest`.
     """
     last = last_run(layout.cache)
     return last is not None and last.digest != digest(settings, layout.cache)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import lru_cache, partial
+from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -16,11 +17,11 @@ from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.shared import SHARED
 from kg.graph.vocabulary import RNKG
-from kg.pipeline.inferring import digest, installed_packs
+from kg.pipeline.kept import installations, kept, settled, states
 from kg.rules import compiled
 from kg.rules.files import RuleSet
 from kg.rules.folders import families_in_force, user_folders
-from kg.rules.reading import discover
+from kg.rules.reading import discover, packs, rule_files
 from kg.rules.recording import Names
 from kg.rules.specialise import schema_pattern, schema_query, specialised
 from kg.store.failure import translated
@@ -30,6 +31,7 @@ from kg.syntax.names import PREFIXES
 if TYPE_CHECKING:
     from pyoxigraph import Triple
 
+    from kg.pipeline.kept import State
     from kg.rules.checks.finding import Context
     from kg.rules.columns import Tables
     from kg.rules.documents import Statement
@@ -42,8 +44,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "check_context",
+    "digest",
     "division",
     "explained_vocabulary",
+    "installed_packs",
+    "ontology_digest",
     "ontology_schema",
     "rule_folders",
     "rules_in_force",
@@ -65,8 +70,75 @@ SELECT DISTINCT ?term WHERE {
 }"""
 
 
+_DIGEST: Final = "rules-digest"
+"""The file of the cache with the digest of the rules; the next two: whether there are packs, digest of ontologies."""
+_PACKS: Final = "packs"
+_ONTOLOGY_DIGEST: Final = "ontologies-digest"
+
 _Found = tuple[RuleSet, tuple[RuleError, ...]]
 """Rules, and the errors of the files that cannot be used."""
+
+
+def digest(settings: Settings, cache: Path | None = None) -> str:
+    """Return a digest of all files of rules and ontologies in force.
+
+    It is kept in the folder `cache` for the next process, if given.
+
+    Raises:
+        RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
+        UsageError: KG002 for a folder or a family of the settings that does not exist.
+    """
+    folders = (resources.folder("rules"), *(pack.folder for pack in installed_packs(cache)), *user_folders(settings))
+    seen, families = tuple(state for folder in folders for state in states(folder)), families_in_force(settings)
+    made = _digest if settled(seen) else _digest.__wrapped__
+    rules = kept(cache and cache / _DIGEST, seen, (families, folders), lambda: made(families, folders, seen))
+    return f"{rules} {ontology_digest(settings, cache)}"
+
+
+def ontology_digest(settings: Settings, cache: Path | None) -> str:
+    """Return a digest of the ontologies in force; raises as `ontologies_in_force`."""
+    files = ontologies_in_force(settings)
+    seen = tuple(state for file in files for state in states(file))
+    made = _digest_of if settled(seen) else _digest_of.__wrapped__
+    return kept(cache and cache / _ONTOLOGY_DIGEST, seen, files, lambda: made(files, seen))
+
+
+@lru_cache(maxsize=4)
+def _digest_of(files: tuple[Path, ...], _seen: tuple[State, ...]) -> str:
+    found = blake2b(digest_size=16)
+    for file in files:
+        found.update(f"{file.name}\0".encode())
+        found.update(_content(file))
+    return found.hexdigest()
+
+
+def installed_packs(cache: Path | None = None) -> tuple[Pack, ...]:
+    """Return the installed packs of rules; with a folder `cache`, without a search where the last one found none.
+
+    Raises RuleError KG208 for a pack that cannot be loaded.
+    """
+    if cache is None:
+        return packs()
+    found = kept(cache / _PACKS, tuple(installations()), "", lambda: str(bool(packs())))
+    return packs() if found == str(True) else ()
+
+
+@lru_cache(maxsize=4)
+def _digest(families: tuple[str, ...], folders: tuple[Path, ...], _seen: tuple[State, ...]) -> str:
+    """Return the digest of the rules, read again only where the state of a file is another."""
+    found = blake2b(repr(families).encode(), digest_size=16)
+    for folder in folders:
+        for path, name in rule_files(folder, families):
+            found.update(f"{name}{path.suffix}\0".encode())
+            found.update(_content(path))
+    return found.hexdigest()
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:  # reported where the file is read
+        return str(error).encode()
 
 
 def rules_in_force(settings: Settings, broken: list[RuleError] | None = None, *, cache: Path | None = None) -> RuleSet:
@@ -89,9 +161,9 @@ def _read_before(
 ) -> _Found:
     """Return rules as `_read` has them, from the folder `cache` where they are kept there."""
     whole = f"{_code()} {folders} {installed} {families} {mark}"
-    kept = compiled.load(cache, whole, cut=False)
-    if kept is not None:
-        return kept, ()
+    before = compiled.load(cache, whole, cut=False)
+    if before is not None:
+        return before, ()
     found, broken = _read(folders, installed, families, mark)
     if not broken:
         with suppress(OSError):  # a store that can only be read
@@ -197,9 +269,9 @@ def _kept(  # noqa: PLR0913, PLR0917 - what rules are made of
 ) -> _Found:
     """Return what evaluation needs of rules as `_cut` has them, from the folder `cache` where they are kept there."""
     whole = f"{_code()} {folders} {installed} {families} {mark} {axioms!r}"
-    kept = compiled.load(cache, whole)
-    if kept is not None:
-        return kept, ()
+    before = compiled.load(cache, whole)
+    if before is not None:
+        return before, ()
     found, broken = _cut(folders, installed, families, mark, axioms)
     if broken:
         return found, broken

@@ -21,8 +21,8 @@ from kg.corpus.git import describe, run_git
 from kg.corpus.sources import is_address
 from kg.errors import Place, SourceError
 from kg.pipeline.build import build
-from kg.pipeline.inferring import digest
 from kg.pipeline.plan import version
+from kg.pipeline.reasoning import digest
 from kg.pipeline.state import load
 from kg.store.backups import back_up
 from kg.store.embedded import EmbeddedStore

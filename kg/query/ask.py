@@ -83,5 +83,5 @@ def suggestion(
         wanted = query.bind({name: values[name]})[name].value
         if wanted not in known:
             hint = did_you_mean(wanted, known)
-            return f"there is no {name} `{wanted}`" + (f". {hint}" if hint else "")
+            return f"unknown {name} `{wanted}`" + (f". {hint}" if hint else "")
     return None

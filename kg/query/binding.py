@@ -45,7 +45,7 @@ def bind(text: str, values: Mapping[str, NamedNode | Literal]) -> str:
             start = _first_group(found)
             edits.append((start, start, f" VALUES ?{name} {{ {term} }} "))
         else:
-            raise QueryError("KG505", f"the query has no variable ?{name} to give a value to")
+            raise QueryError("KG505", f"the query does not use the variable ?{name}")
     for start, end, replacement in sorted(edits, reverse=True):
         text = text[:start] + replacement + text[end:]
     return text

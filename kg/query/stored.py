@@ -56,7 +56,7 @@ class QueryParameter:
         try:
             return _TERMS[self.type](value)
         except ValueError as error:
-            message = f"`{value}` is no {self.type}, which the parameter {self.name} needs"
+            message = f"`{value}` is not a valid {self.type} for the parameter {self.name}"
             raise QueryError("KG505", message, hint=f'For example {self.name}="{self.example}".') from error
 
 

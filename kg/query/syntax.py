@@ -147,7 +147,7 @@ def _no_query(found: list[Token], text: str, path: str) -> QueryError | None:
     """Return the error about a text that begins with no form of query."""
     token = _behind_prologue(found)
     if token is None:
-        return QueryError("KG501", "there is no query", place=_behind(text, path), hint=_forms())
+        return QueryError("KG501", "the query is empty", place=_behind(text, path), hint=_forms())
     if token.text.upper() in _FORMS:
         return None
     place = place_at(text, token.start, path, token.end)

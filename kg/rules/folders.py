@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from kg.settings import Origin, Settings
+    from kg.settings import Settings
 
 __all__ = ["families_in_force", "known_families", "own_folder", "user_folders"]
 
@@ -53,7 +53,7 @@ def families_in_force(settings: Settings) -> tuple[str, ...]:
         plain = name.removeprefix("+")
         if plain not in known:
             origin = settings.origin("rule_families")
-            message = f"{_setting(origin, 'rule_families')} names `{plain}`, which is no family of rules"
+            message = f"{origin.name or 'the setting `rule_families`'} names an unknown family of rules, `{plain}`"
             hint = did_you_mean(plain, known) or f"The families are {', '.join(known)}."
             raise UsageError("KG002", message, place=origin.place, hint=hint)
     return settings.rule_families
@@ -68,7 +68,3 @@ def _families(settings: Settings) -> Iterator[str]:
     """Yield the family of each rule at hand."""
     for folder in (shipped(_NAME), *(pack.folder for pack in packs()), *user_folders(settings)):
         yield from (family_of(name) for _, name in rule_files(folder, every=True))
-
-
-def _setting(origin: Origin, name: str) -> str:
-    return origin.name or f"the setting `{name}`"

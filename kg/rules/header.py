@@ -22,7 +22,7 @@ _KEY: Final = re.compile(r"(since|severity):\s*(\S*)\s*")
 def parse_header(text: str, path: str) -> Documentation:
     """Return the documentation in the comments that a text begins with; an empty one when it begins with none.
 
-    Raises RuleError: KG206 for a heading that is unknown or stands twice, and for a severity that there is not.
+    Raises RuleError: KG206 for a heading that is unknown or appears twice, and for a severity that there is not.
     """
     title = ""
     sections: dict[str, list[str]] = {}
@@ -62,7 +62,7 @@ def _heading(heading: str, before: dict[str, list[str]], place: Place) -> str:
             "KG206", f"unknown heading `{heading}`", place=place, hint=hint, fixes=_fixes(heading, near, place)
         )
     if heading in before:
-        raise RuleError("KG206", f"the heading `{heading}` stands twice", place=place, hint="Join the two parts.")
+        raise RuleError("KG206", f"the heading `{heading}` appears twice", place=place, hint="Join the two parts.")
     return heading
 
 

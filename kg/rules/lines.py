@@ -8,7 +8,7 @@ from kg.rules.engine.facts import Facts, difference, unpack
 from kg.rules.form import AUXILIARY
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from kg.rules.engine.facts import Keys
     from kg.rules.engine.terms import Dictionary
@@ -39,9 +39,9 @@ def lacking(facts: Facts, others: Facts) -> Facts:
     return found
 
 
-def lines(facts: Facts, dictionary: Dictionary) -> Iterator[bytes]:
-    """Yield the triples as chunks of N-Triples, predicate by predicate in the order of their spellings."""
-    for predicate in sorted(facts.predicates, key=dictionary.spelling):
+def lines(facts: Facts, dictionary: Dictionary, predicates: Iterable[int] | None = None) -> Iterator[bytes]:
+    """Yield the triples, or those of some predicates, as chunks of N-Triples, in the order of predicates."""
+    for predicate in sorted(facts.predicates if predicates is None else predicates, key=dictionary.spelling):
         keys = facts.keys(predicate)
         middle = b" " + dictionary.spelling(predicate) + b" "
         for begin in range(0, keys.size, _ROWS):

@@ -118,12 +118,8 @@ def _read(content: memoryview, generation: int, digest: str) -> Memory | None:
         Facts({predicate: keys[begin : begin + size] for predicate, begin, size in section})
         for section in header["sections"]
     )
-    graphs = dict(zip(map(_graph, header["graphs"]), parts, strict=True))
+    graphs = dict(zip((NamedNode(name) if name else None for name in header["graphs"]), parts, strict=True))
     return Memory(generation, digest, dictionary, graphs, asserted, inferred)
-
-
-def _graph(name: str) -> NamedNode | None:
-    return NamedNode(name) if name else None
 
 
 def _digest(content: bytes | memoryview) -> bytes:

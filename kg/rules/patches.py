@@ -10,30 +10,16 @@ from pyoxigraph import Quad, RdfFormat, Store, parse
 
 from kg.rules.columns import EVERYTHING, Wanted, read_columns
 from kg.rules.engine.facts import Facts
-from kg.store import bulk
+from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from pyoxigraph import NamedNode, Triple
+    from pyoxigraph import Triple
 
     from kg.rules.engine.terms import Dictionary
 
 __all__ = ["patched", "stated"]
-
-
-class _Loose:
-    """Some triples in a store of their own, which spells them as any store does."""
-
-    def __init__(self, quads: Iterable[Quad]) -> None:
-        self._db = Store()
-        self._db.bulk_extend(quads)
-
-    def table(self, select: str, graph: NamedNode | None) -> bytes:
-        return bulk.table(lambda: self._db, select, graph)
-
-    def graphs(self) -> list[NamedNode]:
-        return []
 
 
 def stated(triples: Iterable[Triple], dictionary: Dictionary, what: Wanted = EVERYTHING) -> Facts:
@@ -41,7 +27,9 @@ def stated(triples: Iterable[Triple], dictionary: Dictionary, what: Wanted = EVE
     quads = [Quad(triple.subject, triple.predicate, triple.object) for triple in triples]
     if not quads:
         return Facts()
-    return read_columns(_Loose(quads), what, [None], dictionary)[1]
+    store = Store()
+    store.bulk_extend(quads)
+    return read_columns(MemorySnapshot(store), what, [None], dictionary)[1]
 
 
 def patched(

@@ -182,7 +182,7 @@ def rule_files(folder: Path, families: Collection[str] = (), *, every: bool = Fa
         return
     if not folder.is_dir():
         hint = "Folders of rules are named by the setting `rules`."
-        raise RuleError("KG231", "there is no such folder of rules", place=Place(str(folder)), hint=hint)
+        raise RuleError("KG231", "the folder of rules does not exist", place=Place(str(folder)), hint=hint)
     for path in sorted(_visible(folder)):
         name = path.relative_to(folder).with_suffix("").as_posix()
         if path.suffix in NOTATIONS and (every or _in_force(path, family_of(name), families)):

@@ -1,6 +1,6 @@
-"""Runs a set of rules over a store and writes the difference to the triples inferred now.
+"""Runs rules over a store, or over files of RDF, and writes the difference to the triples inferred before.
 
-    report = run(store, rule_set, names)                     # `kg rules run`
+    report = Runner(names, store.layout.cache).run(store, rule_set)     # `kg rules run`
 
     runner = Runner(names, store.layout.cache)               # several runs in one process, or inside a transaction
     with store.write("kg build") as transaction:
@@ -8,39 +8,61 @@
         report = runner.run_within(transaction, rule_set)
     runner.remember(store.layout.current())
 
+    report = run_files(files, output, rule_set)              # without a store
+
 A limit that is reached (KG205) leaves the store as it is. A run that changes nothing makes no generation.
+
+The triples read and inferred last are kept (`kg.rules.memory`). Of the graphs that changed since, patches are applied
+or the graph is read again; the inferences are maintained (`kg.rules.maintain`), unless much changed.
 """
 
 from __future__ import annotations
 
 import time
 from collections import Counter
-from dataclasses import replace
-from datetime import UTC, datetime
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime, timedelta
+from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+from pyoxigraph import RdfFormat, parse
+
+from kg.errors import GraphError, Place, SourceError, UsageError
 from kg.rules import memory as memories
+from kg.rules.columns import EVERYTHING, by_predicate, read, read_columns, union_of, wanted
 from kg.rules.dependencies import volatile
-from kg.rules.engine.evaluate import Limits
-from kg.rules.filing import run_files
-from kg.rules.inferring import Reasoner
-from kg.rules.lines import lacking, lines
-from kg.rules.recording import Names, activity
+from kg.rules.engine.evaluate import Limits, Program, evaluate
+from kg.rules.engine.facts import Facts, distinct
+from kg.rules.engine.terms import Dictionary
+from kg.rules.lines import lacking, lines, stored
+from kg.rules.maintain import Maintained
+from kg.rules.memory import Memory
+from kg.rules.patches import patched, stated
+from kg.rules.recording import activity
 from kg.rules.reports import Difference, RunReport, Seconds
 from kg.rules.written import Written
 from kg.store import changes
 from kg.store.changes import Changes
 from kg.store.failure import translated
+from kg.store.layout import write_atomically
+from kg.store.terms import parts_of_lines, spell
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
+    from numpy.typing import NDArray
+    from pyoxigraph import NamedNode
+
+    from kg.rules.columns import Tables, Wanted
+    from kg.rules.engine.evaluate import RuleReport
     from kg.rules.files import RuleSet
-    from kg.rules.inferring import Outcome
+    from kg.rules.recording import Names
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["Names", "RunReport", "Runner", "run", "run_files"]
+__all__ = ["Outcome", "Reasoner", "Runner", "rdf_format", "run_files"]
 
 _FEW: Final = 2500
 """So many triples are added one by one; a bulk load costs as much before it begins."""
@@ -51,25 +73,8 @@ _AHEAD: Final = 16
 _REMOVAL: Final = 3
 """Where more than one in so many inferred triples goes, the graph is written anew."""
 
-
-def run(  # noqa: PLR0913 - each is a decision of the caller
-    store: EmbeddedStore,
-    rule_set: RuleSet,
-    names: Names,
-    *,
-    limits: Limits | None = None,
-    incremental: bool = True,
-    dry_run: bool = False,
-    command: str = "kg rules run",
-) -> RunReport:
-    """Make the graph `names.inferred` what the rules infer from the other graphs, but for `names.builds`.
-
-    Raises:
-        RuleError: KG202, KG203, KG204 for rules that cannot run, KG205 at a limit; the store is as it was.
-        StoreError: KG301 without data, KG302 while another process writes, KG304 when the disk is full.
-    """
-    runner = Runner(names, store.layout.cache)
-    return runner.run(store, rule_set, limits=limits, incremental=incremental, dry_run=dry_run, command=command)
+_LARGE: Final = 4
+"""Where more than one in so many asserted triples changed, everything is evaluated anew."""
 
 
 class Runner:
@@ -82,7 +87,7 @@ class Runner:
         self._saved: int | None = None
         """The generation of what was saved, if the same is inferred since; None where it is to be saved again."""
 
-    def run(  # noqa: PLR0913 - each is a decision of the caller
+    def run(
         self,
         store: EmbeddedStore,
         rule_set: RuleSet,
@@ -90,14 +95,20 @@ class Runner:
         limits: Limits | None = None,
         incremental: bool = True,
         dry_run: bool = False,
-        command: str = "kg rules run",
     ) -> RunReport:
-        """Run the rules in a transaction of their own, or with `dry_run` without writing; errors as `run`."""
+        """Make the graph `names.inferred` what the rules infer from the other graphs, but for `names.builds`.
+
+        The rules run in a transaction of their own, or with `dry_run` without writing.
+
+        Raises:
+            RuleError: KG202, KG203, KG204 for rules that cannot run, KG205 at a limit; the store is as it was.
+            StoreError: KG301 without data, KG302 while another process writes, KG304 when the disk is full.
+        """
         if dry_run:
             outcome, _ = self._infer(store, rule_set, limits, incremental=incremental)
             self._reasoner.forget()
             return replace(_report(outcome, self._reasoner), dry_run=True)
-        with store.write(command) as transaction:
+        with store.write("kg rules run") as transaction:
             outcome, base = self._infer(store, rule_set, limits, incremental=incremental)
             report = self._write(transaction, outcome)
             generation = transaction.commit()
@@ -191,10 +202,11 @@ class Runner:
 
     def _record(self, transaction: EmbeddedTransaction, outcome: Outcome) -> None:
         ended = datetime.now(UTC)
+        started = ended - timedelta(seconds=outcome.read + outcome.evaluate)
         derived: Counter[str] = Counter()
         for one in outcome.reports:
             derived[one.rule.name] += one.derived
-        found = activity(self._names, _started(outcome, ended), ended, len(outcome.then), +derived)
+        found = activity(self._names, started, ended, len(outcome.then), +derived)
         transaction.append(self._names.builds, found)
 
 
@@ -202,10 +214,6 @@ def _lasting(report: RunReport) -> bool:
     """Return whether a run should not be done again: it took long, or would not give the same."""
     changed = report.added + report.removed
     return changed > _FEW or (changed > 0 and any(map(volatile, report.applied)))
-
-
-def _started(outcome: Outcome, ended: datetime) -> datetime:
-    return datetime.fromtimestamp(ended.timestamp() - outcome.read - outcome.evaluate, UTC)
 
 
 def _report(outcome: Outcome, reasoner: Reasoner) -> RunReport:
@@ -216,9 +224,277 @@ def _report(outcome: Outcome, reasoner: Reasoner) -> RunReport:
         added=len(change.added),
         removed=len(change.removed),
         seconds=Seconds(outcome.read, outcome.evaluate),
-        strata=reasoner.strata,
+        strata=reasoner.program.levels,
         mode=outcome.mode,
         rules=outcome.reports,
         change=change,
-        applied=reasoner.rules,
+        applied=reasoner.program.rules,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """Result of inference: `now` is the content of the graph, `then` the content to write; wall time in seconds."""
+
+    dictionary: Dictionary
+    asserted: Facts
+    now: Facts
+    then: Facts
+    mode: str
+    reports: tuple[RuleReport, ...]
+    read: float
+    evaluate: float
+
+
+class Reasoner:
+    """Infers with one set of rules at a time (`program`) over one store; `memory` is its state, with its generation."""
+
+    def __init__(self, names: Names, cache: Path | None) -> None:
+        self.memory: Memory | None = None
+        self.program = Program(())
+        self._names = names
+        self._cache = cache
+        self._taken: RuleSet | None = None
+        self._digest = ""
+        self._what = EVERYTHING
+        self._maintained: Maintained | None = None
+
+    def take(self, rule_set: RuleSet) -> None:
+        """Set the rules, and load the memory of their last run; KG202, KG203 for rules that cannot run."""
+        digest = self._digest if rule_set is self._taken else _digest(rule_set, self._names)
+        self._taken = rule_set
+        if digest != self._digest:
+            self.program = Program(rule_set.rules, rule_set.strata)
+            self._what = wanted(rule_set.rules)
+            self._digest = digest
+            self.forget()
+        if self.memory is not None and self.memory.generation is None:
+            self.forget()
+        if self.memory is None and self._cache is not None:
+            self.memory = memories.load(self._cache, digest)
+
+    def forget(self) -> None:
+        """Drop the memory of the last run."""
+        self.memory, self._maintained = None, None
+
+    def infer(
+        self, source: Tables, changes: Changes, rule_set: RuleSet, limits: Limits, written: Written | None = None
+    ) -> Outcome:
+        """Return the inferences of the rules set; `changes` are those since the generation of the memory.
+
+        `written` is what was written since the store was empty, where that is known.
+        The memory is then of this outcome, and of no generation until it is given one. Raises RuleError: KG204, KG205.
+        """
+        excluded = {self._names.inferred, self._names.builds}
+        graphs = [*(graph for graph in source.graphs() if graph not in excluded), None]
+        if self.memory is None or changes.graphs is None:
+            return self._anew(source, graphs, rule_set, limits, written)
+        return self._evaluate_again(self.memory, source, graphs, changes, rule_set, limits)
+
+    def _anew(
+        self,
+        source: Tables,
+        graphs: list[NamedNode | None],
+        rule_set: RuleSet,
+        limits: Limits,
+        written: Written | None,
+    ) -> Outcome:
+        begin = time.perf_counter()
+        self.forget()
+        dictionary, parts = written.take(self._what, graphs) if written is not None else (Dictionary(), {})
+        parts |= read(source, self._what, [graph for graph in graphs if graph not in parts], dictionary)
+        data = stated(rule_set.data, dictionary)
+        asserted = union_of([*parts.values(), data])
+        now = self._read_inferred(source, dictionary)
+        return self._full(Memory(None, self._digest, dictionary, parts, asserted), data, now, begin, limits)
+
+    def _full(self, memory: Memory, data: Facts, now: Facts, begin: float, limits: Limits) -> Outcome:
+        middle = time.perf_counter()
+        found = evaluate(self.program, memory.dictionary, memory.asserted, limits=limits)
+        memory.inferred = found.inferred
+        then = _shown(memory, data)
+        self.memory, self._maintained = memory, None
+        seconds = (middle - begin, time.perf_counter() - middle)
+        return Outcome(memory.dictionary, memory.asserted, now, then, "full", tuple(found.reports), *seconds)
+
+    def _evaluate_again(  # noqa: PLR0913, PLR0917 - all that evaluation depends on
+        self,
+        memory: Memory,
+        source: Tables,
+        graphs: list[NamedNode | None],
+        changes: Changes,
+        rule_set: RuleSet,
+        limits: Limits,
+    ) -> Outcome:
+        begin = time.perf_counter()
+        data = stated(rule_set.data, memory.dictionary)
+        now = self._held_since(memory, data, source, changes)
+        parts, touched = _Rereading(memory, source, self._what).graphs(graphs, changes)
+        asserted = memory.asserted.copy()
+        for predicate in touched:
+            columns = [part.keys(predicate) for part in (*parts.values(), data)]
+            asserted.replace(predicate, distinct(np.concatenate(columns)))
+        inserted, deleted = lacking(asserted, memory.asserted), lacking(memory.asserted, asserted)
+        following = Memory(None, self._digest, memory.dictionary, parts, asserted, memory.inferred)
+        if (len(inserted) + len(deleted)) * _LARGE > len(asserted):
+            return self._full(following, data, now, begin, limits)
+        middle = time.perf_counter()
+        if len(inserted) or len(deleted):
+            following.inferred = self._maintain(memory, inserted, deleted, limits)
+        then = _shown(following, data)
+        self.memory = following
+        seconds = (middle - begin, time.perf_counter() - middle)
+        return Outcome(memory.dictionary, asserted, now, then, "incremental", (), *seconds)
+
+    def _maintain(self, memory: Memory, inserted: Facts, deleted: Facts, limits: Limits) -> Facts:
+        if self._maintained is None:
+            self._maintained = Maintained(self.program, memory.dictionary, memory.asserted, memory.inferred)
+        self._maintained.apply(inserted, deleted, limits=limits)
+        return self._maintained.inferred
+
+    def _held_since(self, memory: Memory, data: Facts, source: Tables, changes: Changes) -> Facts:
+        """Return the content of the graph of inferred triples, updated from that of the memory."""
+        known = _shown(memory, data)
+        patches = (changes.graphs or {}).get(self._names.inferred.value, [])
+        if patches is None:
+            return self._read_inferred(source, memory.dictionary)
+        return patched(known, patches, EVERYTHING, memory.dictionary)[0] if patches else known
+
+    def _read_inferred(self, source: Tables, dictionary: Dictionary) -> Facts:
+        """Return what the graph of inferred triples holds: usually what these rules may infer and nothing else."""
+        graph = self._names.inferred
+        if graph not in source.graphs():
+            return Facts()
+        found = read_columns(source, self._what, [graph], dictionary)[1]
+        if len(found) == int(source.table("SELECT (COUNT(*) AS ?n) { ?s ?p ?o }", graph)):
+            return found
+        return read_columns(source, EVERYTHING, [graph], dictionary)[1]
+
+
+@dataclass(frozen=True, slots=True)
+class _Rereading:
+    """Reads what changed of the graphs of a memory."""
+
+    memory: Memory
+    source: Tables
+    what: Wanted
+
+    def graphs(
+        self, graphs: list[NamedNode | None], changes: Changes
+    ) -> tuple[dict[NamedNode | None, Facts], set[int]]:
+        """Return the columns of all graphs, and the predicates of which triples may have come or gone."""
+        parts: dict[NamedNode | None, Facts] = {}
+        touched: set[int] = set()
+        known = changes.graphs or {}
+        again = [graph for graph in graphs if graph not in self.memory.graphs or known.get(_name(graph), ()) is None]
+        fresh = read(self.source, self.what, again, self.memory.dictionary)
+        for graph in graphs:
+            before = self.memory.graphs.get(graph, Facts())
+            if graph in fresh:
+                parts[graph] = fresh[graph]
+                touched |= _differing(before, fresh[graph])
+            elif known.get(_name(graph)):
+                patches = known[_name(graph)] or []
+                parts[graph], named = patched(before, patches, self.what, self.memory.dictionary)
+                touched |= named
+            else:
+                parts[graph] = before
+        for gone in self.memory.graphs.keys() - parts.keys():
+            touched.update(self.memory.graphs[gone].predicates)
+        return parts, touched
+
+
+def _name(graph: NamedNode | None) -> str:
+    return "" if graph is None else graph.value
+
+
+def _differing(before: Facts, after: Facts) -> set[int]:
+    predicates = {*before.predicates, *after.predicates}
+    return {one for one in predicates if not np.array_equal(before.keys(one), after.keys(one))}
+
+
+def _shown(memory: Memory, data: Facts) -> Facts:
+    """Return the triples for the graph: those inferred, and those of rule files that no graph states."""
+    found = stored(memory.inferred, memory.dictionary)
+    for predicate, keys in lacking(data, union_of(memory.graphs.values())) if len(data) else ():
+        found.add(predicate, keys)
+    return found
+
+
+def _digest(rule_set: RuleSet, names: Names) -> str:
+    """Return the digest of a set of rules and of the graphs that it leaves out."""
+    return blake2b(f"{names} {rule_set.digest}".encode(), digest_size=16).hexdigest()
+
+
+def run_files(
+    files: Sequence[Path], output: Path | None, rule_set: RuleSet, *, limits: Limits | None = None
+) -> RunReport:
+    """Write what the rules infer from files of RDF to `output`, sorted by predicate; None writes nothing.
+
+    The ending of a file names its format; N-Triples are read fastest. Of quads the graph is left out.
+
+    Terms are what they would be in a store (`kg.store.terms`). Blank nodes of a single file keep their labels; those
+    of several files get new ones, since each file has labels of its own.
+
+    Raises:
+        RuleError: KG202, KG203, KG204 for rules that cannot run, KG205 at a limit; `output` is as it was.
+        UsageError: KG003 for a file whose ending names no format.
+        SourceError: KG101 when a file cannot be opened.
+        GraphError: KG601 with the line when it is not valid.
+    """
+    begin = time.perf_counter()
+    program = Program(rule_set.rules)
+    dictionary = Dictionary()
+    columns: dict[int, list[NDArray[np.int64]]] = {}
+    for file in files:
+        for predicate, keys in by_predicate(_rows(file, dictionary, rename=len(files) > 1)):
+            columns.setdefault(predicate, []).append(keys)
+    given, asserted = Facts(), stated(rule_set.data, dictionary)
+    for predicate, parts in columns.items():
+        given.replace(predicate, distinct(np.concatenate(parts)))
+    data = lacking(asserted, given)
+    for predicate, keys in given:
+        asserted.add(predicate, keys)
+    read = time.perf_counter()
+    found = evaluate(program, dictionary, asserted, limits=limits or Limits())
+    inferred = stored(found.inferred, dictionary)
+    for predicate, keys in data:
+        inferred.add(predicate, keys)
+    evaluated = time.perf_counter()
+    if output is not None:
+        with translated(str(output)):
+            write_atomically(output, b"".join(lines(inferred, dictionary)), durable=False)
+    seconds = Seconds(read - begin, evaluated - read, time.perf_counter() - evaluated)
+    change = Difference(dictionary, inferred, Facts())
+    size = len(inferred)
+    reports = tuple(found.reports)
+    return RunReport(len(asserted), size, size, 0, seconds, program.levels, "full", reports, change, program.rules)
+
+
+def _rows(file: Path, dictionary: Dictionary, *, rename: bool) -> NDArray[np.int64]:
+    """Return the triples of a file as rows of identifiers."""
+    try:
+        text = file.read_bytes()
+    except OSError as error:
+        raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(file))) from error
+    kind = rdf_format(file)
+    found = parts_of_lines(text) if kind == RdfFormat.N_TRIPLES else None
+    return dictionary.intern_all(found or _parsed(file, text, kind, rename=rename)).reshape(-1, 3)
+
+
+def rdf_format(file: Path) -> RdfFormat:
+    """Return the format that the ending of a file names; UsageError KG003 for one that names none."""
+    found = RdfFormat.from_extension(file.suffix.removeprefix("."))
+    if found is None:
+        hint = "The endings are .nt, .ttl, .nq, .trig, .n3, .rdf, .xml and .jsonld."
+        raise UsageError("KG003", f"the ending of {file} names no format of RDF", hint=hint)
+    return found
+
+
+def _parsed(file: Path, text: bytes, kind: RdfFormat, *, rename: bool) -> Iterator[bytes]:
+    """Yield the terms of a text as a store spells them."""
+    try:
+        for triple in parse(text, kind, base_iri=file.absolute().as_uri(), rename_blank_nodes=rename):
+            yield from (spell(triple.subject), spell(triple.predicate), spell(triple.object))
+    except SyntaxError as error:
+        raise GraphError("KG601", error.msg, place=Place(str(file), error.lineno, error.offset)) from error

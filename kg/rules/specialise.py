@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import replace
 from itertools import count
-from typing import TYPE_CHECKING, Final, TypeGuard
+from typing import TYPE_CHECKING, Any, Final, TypeGuard
 
 from pyoxigraph import BlankNode, NamedNode, Quad, Store
 
@@ -173,15 +173,12 @@ def _close(store: Store, rules: Sequence[Rule]) -> None:
     while before != len(store):
         before = len(store)
         for query in queries:
-            store.extend([_quad(triple) for triple in _triples(store, query)])
+            derived: Any = store.query(query)  # a CONSTRUCT gives triples
+            store.extend([_quad(triple) for triple in derived])
 
 
 def _quad(triple: Triple) -> Quad:
     return Quad(triple.subject, triple.predicate, triple.object)
-
-
-def _triples(store: Store, query: str) -> list[Triple]:
-    return list(store.query(query))  # type: ignore[arg-type]  # a CONSTRUCT gives triples
 
 
 def _instances(rule: Rule, stated: Store, closed: Store, hidden: AbstractSet[NamedNode]) -> Iterator[Rule]:

@@ -264,12 +264,9 @@ def _cycle_in_words(rules: Sequence[Rule], needs: list[dict[int, Read]], cycle: 
         read = needs[reader][writer]
         how = "negates or counts" if read.negated else "reads"
         where = f" ({read.atom.place})" if read.atom.place else ""
-        steps.append(f"{rules[reader]} {how} {_shown(read.atom)}{where}, which {rules[writer]} derives")
+        atom = " ".join(map(str, read.atom.positions))
+        steps.append(f"{rules[reader]} {how} {atom}{where}, which {rules[writer]} derives")
     return "the rules cannot be stratified: " + "; ".join(steps)
-
-
-def _shown(atom: Atom) -> str:
-    return " ".join(str(position) for position in atom.positions)
 
 
 def _mintings(

@@ -61,7 +61,9 @@ def back_up(layout: Layout, target: Path) -> Backup:
             KG566 if the target exists already.
     """
     if target.exists():
-        raise StoreError("KG566", "there is something of this name", place=Place(str(target)), hint="Name another one.")
+        raise StoreError(
+            "KG566", "the file or folder already exists", place=Place(str(target)), hint="Name another one."
+        )
     temporary = target.with_name(f"{target.name}.{os.getpid()}.tmp")
     try:
         with translated(str(target)), EmbeddedSnapshot(layout) as snapshot:

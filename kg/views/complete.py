@@ -57,4 +57,4 @@ def _whole(position: str | int) -> int:
     try:
         return int(position)
     except ValueError:
-        raise UsageError("KG003", f"the position `{position}` is no number") from None
+        raise UsageError("KG003", f"the position `{position}` is not a number") from None

@@ -46,7 +46,11 @@ def impact(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, kind: s
 def impact_of(snapshot: EmbeddedSnapshot, settings: Settings, name: str, kind: str = "") -> Impact:
     """Return the impact of a change to the one thing that `name` means; raises as `impact`."""
     if kind and kind not in {str(one) for one in Kind}:
-        raise UsageError("KG003", f"unknown kind `{kind}`", hint=did_you_mean(kind, map(str, Kind)) or _kinds())
+        raise UsageError(
+            "KG003",
+            f"unknown kind `{kind}`",
+            hint=did_you_mean(kind, map(str, Kind)) or f"The kinds are {', '.join(Kind)}.",
+        )
     world = StoredWorld(snapshot, settings)
     found = [one for one in subjects(snapshot, world, name) if kind in {"", str(one.kind)}]
     if not found:
@@ -159,7 +163,3 @@ def _known(snapshot: EmbeddedSnapshot, world: StoredWorld, kind: str) -> set[str
     }
     found = {name for one, names in known.items() if kind in {"", one} for name in names()}
     return found if kind else found.union(*world.channels.values())
-
-
-def _kinds() -> str:
-    return f"The kinds are {', '.join(map(str, Kind))}."

@@ -10,8 +10,9 @@ from pyoxigraph import BlankNode, Literal, NamedNode
 from kg.errors import UnknownNameError
 from kg.facts import Location
 from kg.graph import vocabulary as v
+from kg.graph.fields import one
 from kg.graph.iris import Iris
-from kg.graph.reading import grouped, one
+from kg.graph.reading import grouped
 from kg.query.rows import rows
 from kg.similar import did_you_mean
 from kg.syntax.names import PREFIXES, shorten

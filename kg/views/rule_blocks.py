@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import msgspec
 
 from kg.errors import Place, RuleError, UsageError
-from kg.pipeline.inferring import digest
-from kg.pipeline.reasoning import check_context, explained_vocabulary, rules_in_force, schema_of
+from kg.pipeline.reasoning import check_context, digest, explained_vocabulary, rules_in_force, schema_of
 from kg.rules.authoring.library import Library
 from kg.rules.authoring.naming import find_rule
 from kg.rules.blocks.read import read
@@ -123,7 +122,7 @@ def blocks_try(  # noqa: PLR0913 - a rule in one of two forms, and how much is t
     begin = time.perf_counter()
     shown, written, _ = _given(rule, text, name)
     file = _read(written.text if written else text, shown.name if shown else name or f"{FAMILY}/rule")
-    view = View(snapshot, explained_vocabulary(settings), file.rules, prefixes=_prefixes(file))
+    view = View(snapshot, explained_vocabulary(settings), file.rules, prefixes=dict(file.prefixes or {}))
     most = min(max(whole(str(limit), 50), 1), _MOST)
     found = trial(view, file, most)
     telling = Telling(view, RuleSet((file,)), places(snapshot), settings.base)
@@ -160,10 +159,6 @@ def _path(name: str) -> Path:
 
 def _read(text: str, name: str) -> RuleFile:
     return read_text(text, _path(name), name)
-
-
-def _prefixes(file: RuleFile) -> dict[str, str]:
-    return dict(file.prefixes or {})
 
 
 def _findings(snapshot: EmbeddedSnapshot, settings: Settings, text: str, name: str) -> list[Finding]:

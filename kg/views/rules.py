@@ -10,8 +10,8 @@ from pyoxigraph import NamedNode
 
 from kg.errors import RuleError
 from kg.graph.vocabulary import RNKG
-from kg.pipeline.inferring import digest, last_run
-from kg.pipeline.reasoning import explained_vocabulary, ontology_schema
+from kg.pipeline.inferring import last_run
+from kg.pipeline.reasoning import digest, explained_vocabulary, ontology_schema
 from kg.rules.authoring.graph import RuleGraph, rule_graph
 from kg.rules.authoring.library import Library
 from kg.rules.authoring.manual import documentation, entry_object, manual, manual_object

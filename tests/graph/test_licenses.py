@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from kg.graph.licenses import spdx
+from kg.graph.packages import spdx
 
 
 @pytest.mark.parametrize(

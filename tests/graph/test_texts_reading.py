@@ -10,7 +10,7 @@ from kg.graph.iris import Iris
 from kg.graph.reading import node_records
 from kg.graph.records import node_object
 from kg.graph.sources import source_triples
-from kg.graph.texts_reading import summary
+from kg.graph.texts import summary
 
 NODE = NodeType("arm", NodeKind.EXECUTABLE, "cpp", 1, Location("src/arm.cpp", 3), executable="arm")
 COMMENT = Description("Moves the arm. Slowly.", DescriptionKind.COMMENT, Location("src/arm.cpp", 1), "arm")

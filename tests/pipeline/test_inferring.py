@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 from pyoxigraph import NamedNode, RdfFormat
 
 from kg.errors import RuleError
-from kg.pipeline import inferring
+from kg.pipeline import inferring, reasoning
 from kg.pipeline.build import build
 from kg.pipeline.forgetting import forget
-from kg.pipeline.inferring import LastRun, digest, last_run
+from kg.pipeline.inferring import LastRun, last_run
+from kg.pipeline.reasoning import digest
 from kg.rules.running import Runner
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
@@ -120,7 +121,7 @@ def test_rules_are_read_again_only_when_a_file_changed(tmp_path: Path, monkeypat
         reads.append(path)
         return path.read_bytes()
 
-    monkeypatch.setattr(inferring, "_content", reading)
+    monkeypatch.setattr(reasoning, "_content", reading)
     monkeypatch.setattr("kg.pipeline.kept._SETTLED", -1)
     before, once = digest(chosen), len(reads)
     assert digest(chosen) == before

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from kg import resources
-from kg.pipeline import inferring, kept, plan
+from kg.pipeline import kept, plan, reasoning
 from kg.settings import load
 
 
@@ -97,9 +97,9 @@ def test_installing_a_package_changes_the_states(tmp_path: Path, monkeypatch: py
 def test_kept_digests_are_those_that_are_computed(tmp_path: Path) -> None:
     """The first call keeps them, the second takes them."""
     settings = load({}, environment={})
-    computed = plan.version(settings), inferring.digest(settings)
+    computed = plan.version(settings), reasoning.digest(settings)
     for _ in range(2):
-        assert (plan.version(settings, tmp_path), inferring.digest(settings, tmp_path)) == computed
+        assert (plan.version(settings, tmp_path), reasoning.digest(settings, tmp_path)) == computed
 
 
 @pytest.mark.usefixtures("settled")
@@ -112,6 +112,6 @@ def test_an_edited_rule_has_another_digest_for_the_next_process(
     rule.write_text("CONSTRUCT { ?a ?b ?c } WHERE { ?c ?b ?a }")
     monkeypatch.setattr(resources, "folder", tmp_path.joinpath)
     settings = load({}, environment={})
-    before = inferring.digest(settings, tmp_path / "cache")
+    before = reasoning.digest(settings, tmp_path / "cache")
     rule.write_text("CONSTRUCT { ?c ?b ?a } WHERE { ?a ?b ?c }  # other")
-    assert inferring.digest(settings, tmp_path / "cache") != before
+    assert reasoning.digest(settings, tmp_path / "cache") != before

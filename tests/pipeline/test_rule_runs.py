@@ -10,8 +10,8 @@ from cli.rover import build
 from kg.errors import GraphError, RuleError, SourceError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.vocabulary import RNKG
-from kg.pipeline.inferring import Inference, digest, last_run, unchanged
-from kg.pipeline.rule_runs import run_on_files, run_on_store
+from kg.pipeline.inferring import Inference, last_run, run_on_files, run_on_store, unchanged
+from kg.pipeline.reasoning import digest
 from kg.pipeline.updating.applying import apply
 from kg.pipeline.updating.changes import Update
 from kg.rules.authoring.runs import rule_runs, run_objects

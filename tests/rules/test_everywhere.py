@@ -8,7 +8,7 @@ import pytest
 from pyoxigraph import NamedNode, RdfFormat
 from store.servers import oxigraph_server
 
-from kg.pipeline.rule_runs import run_on_files, run_on_server, run_on_store
+from kg.pipeline.inferring import run_on_files, run_on_server, run_on_store
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 from kg.store.remote import RemoteStore

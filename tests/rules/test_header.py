@@ -48,7 +48,7 @@ def test_a_rule_without_comments_before_it_has_no_documentation(text: str) -> No
     [
         ("# T\n# ## Wy", "2:3", "unknown heading `Wy`", "Did you mean `Why`?"),
         ("# T\n# ## Author", "2:3", "unknown heading `Author`", "The headings are"),
-        ("# T\n# ## Why\n# a\n# ## Why", "4:3", "the heading `Why` stands twice", "Join"),
+        ("# T\n# ## Why\n# a\n# ## Why", "4:3", "the heading `Why` appears twice", "Join"),
         ("# T\n# severity: warn", "2:3", "unknown severity `warn`", "Did you mean `warning`?"),
         ("# T\n# severity: catastrophe!", "2:3", "unknown severity `catastrophe!`", "The severities are"),
         ("# T\n# since:", "2:3", "`since:` has no value", "0.2"),

@@ -13,11 +13,13 @@ from kg.rules.engine.evaluate import Limits
 from kg.rules.files import Documentation, RuleFile, RuleSet
 from kg.rules.form import Atom, Exists, Rule, Variable
 from kg.rules.lines import lines
-from kg.rules.running import Names, Runner, RunReport, run
+from kg.rules.recording import Names
+from kg.rules.running import Runner
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
     from kg.rules.form import Element
+    from kg.rules.reports import RunReport
 
 NAMES = Names.of("http://example.org/", "http://example.org/ns#")
 A, B = NamedNode("http://example.org/graph/a"), NamedNode("http://example.org/graph/b")
@@ -67,22 +69,22 @@ def figures(report: RunReport) -> tuple[str, int, int, int]:
 
 def test_a_run_writes_what_follows_from_all_graphs_and_the_next_one_changes_nothing(store: EmbeddedStore) -> None:
     """The union of the graphs is read, each triple once; without a change no generation is made."""
-    report = run(store, FAMILY, NAMES)
+    report = Runner(NAMES, store.layout.cache).run(store, FAMILY)
     assert figures(report) == ("full", 7, 7, 0)
     assert report.asserted == 3
     assert report.strata == 1
     assert b"<urn:1> <urn:ancestor> <urn:4> ." in inferred(store)
-    again = run(store, FAMILY, NAMES)
+    again = Runner(NAMES, store.layout.cache).run(store, FAMILY)
     assert figures(again) == ("incremental", 7, 0, 0)
     assert again.generation is None
-    anew = run(store, FAMILY, NAMES, incremental=False)
+    anew = Runner(NAMES, store.layout.cache).run(store, FAMILY, incremental=False)
     assert figures(anew) == ("full", 7, 0, 0)
     assert store.layout.current() == report.generation
 
 
 def test_a_change_of_one_graph_is_maintained_in_the_transaction_that_makes_it(store: EmbeddedStore) -> None:
     """A graph that is written anew is read again; what only it stated goes, with what followed from it."""
-    run(store, FAMILY, NAMES)
+    Runner(NAMES, store.layout.cache).run(store, FAMILY)
     runner = Runner(NAMES, store.layout.cache)
     with store.write("test") as transaction:
         transaction.replace_graphs({B: [parents((2, 3), (3, 5), (8, 9))]})
@@ -91,12 +93,12 @@ def test_a_change_of_one_graph_is_maintained_in_the_transaction_that_makes_it(st
     assert figures(report)[2:] == (6, 4)
     assert b"<urn:1> <urn:ancestor> <urn:5> ." in inferred(store)
     assert b"<urn:1> <urn:ancestor> <urn:4> ." not in inferred(store)
-    assert figures(run(store, FAMILY, NAMES)) == ("incremental", 9, 0, 0)
+    assert figures(Runner(NAMES, store.layout.cache).run(store, FAMILY)) == ("incremental", 9, 0, 0)
 
 
 def test_a_dry_run_tells_the_difference_and_writes_nothing(store: EmbeddedStore) -> None:
     """The lines that would come are in the report; the store has no new generation."""
-    report = run(store, FAMILY, NAMES, dry_run=True)
+    report = Runner(NAMES, store.layout.cache).run(store, FAMILY, dry_run=True)
     assert report.dry_run
     added = b"".join(lines(report.change.added, report.change.dictionary)).splitlines()
     assert b"<urn:1> <urn:ancestor> <urn:2> ." in added
@@ -107,7 +109,7 @@ def test_a_dry_run_tells_the_difference_and_writes_nothing(store: EmbeddedStore)
 def test_a_limit_leaves_the_store_as_it_is(store: EmbeddedStore) -> None:
     """KG205 ends a run before anything is written."""
     with pytest.raises(RuleError) as caught:
-        run(store, FAMILY, NAMES, limits=Limits(max_triples=2))
+        Runner(NAMES, store.layout.cache).run(store, FAMILY, limits=Limits(max_triples=2))
     assert caught.value.code == "KG205"
     assert store.layout.current() == 1
     assert store.layout.numbers() == [1]
@@ -115,41 +117,41 @@ def test_a_limit_leaves_the_store_as_it_is(store: EmbeddedStore) -> None:
 
 def test_changes_of_any_kind_are_noticed(store: EmbeddedStore) -> None:
     """Updates in SPARQL, patches, graphs that go, and a graph of inferred triples that somebody dropped."""
-    run(store, FAMILY, NAMES)
+    Runner(NAMES, store.layout.cache).run(store, FAMILY)
     with store.write("test") as transaction:
         transaction.update(f"DELETE DATA {{ GRAPH {A} {{ <urn:1> <urn:parent> <urn:2> }} }}")
-    assert figures(run(store, FAMILY, NAMES))[1:] == (4, 0, 3)
+    assert figures(Runner(NAMES, store.layout.cache).run(store, FAMILY))[1:] == (4, 0, 3)
     with store.write("test") as transaction:
         transaction.append(A, parents((0, 2)))
-    assert figures(run(store, FAMILY, NAMES))[1:] == (7, 3, 0)
+    assert figures(Runner(NAMES, store.layout.cache).run(store, FAMILY))[1:] == (7, 3, 0)
     with store.write("test") as transaction:
         transaction.drop_graph(NAMES.inferred)
-    assert figures(run(store, FAMILY, NAMES))[1:] == (7, 7, 0)
+    assert figures(Runner(NAMES, store.layout.cache).run(store, FAMILY))[1:] == (7, 7, 0)
     with store.write("test") as transaction:
         transaction.drop_graph(B)
-    assert figures(run(store, FAMILY, NAMES))[1:] == (4, 1, 4)
+    assert figures(Runner(NAMES, store.layout.cache).run(store, FAMILY))[1:] == (4, 1, 4)
 
 
 def test_a_damaged_cache_is_not_used(store: EmbeddedStore) -> None:
     """A file whose digest does not fit is as none."""
-    run(store, FAMILY, NAMES)
+    Runner(NAMES, store.layout.cache).run(store, FAMILY)
     for path in (store.layout.cache / "columns").iterdir():
         content = path.read_bytes()
         path.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
-    assert figures(run(store, FAMILY, NAMES)) == ("full", 7, 0, 0)
+    assert figures(Runner(NAMES, store.layout.cache).run(store, FAMILY)) == ("full", 7, 0, 0)
 
 
 def test_small_changes_are_done_again_by_later_processes_until_there_are_many(store: EmbeddedStore) -> None:
     """What a run left is not written anew for each change; what is inferred is right all the same."""
     with store.write("test") as transaction:
         transaction.patch_graph(B, b"", parents(*((number, number + 1) for number in range(100, 300, 2))))
-    run(store, FAMILY, NAMES)
+    Runner(NAMES, store.layout.cache).run(store, FAMILY)
     left = {change: _changed_by_another_process(store, change) for change in range(5, 25)}
     assert left[5] == left[6] == left[7] != left[24]
     kept = inferred(store)
     with store.write("test") as transaction:
         transaction.drop_graph(NAMES.inferred)
-    run(store, FAMILY, NAMES)
+    Runner(NAMES, store.layout.cache).run(store, FAMILY)
     assert inferred(store) == kept
 
 
@@ -167,12 +169,12 @@ def _changed_by_another_process(store: EmbeddedStore, number: int) -> str:
 def test_blank_nodes_of_heads_keep_their_labels(store: EmbeddedStore) -> None:
     """A rule that makes blank nodes gives the same ones in every run, and the store has them under these names."""
     rules = rule_set(("family/knows", Atom(X, KNOWS, BlankNode("one")), (Atom(X, PARENT, Y),)))
-    assert figures(run(store, rules, NAMES)) == ("full", 3, 3, 0)
+    assert figures(Runner(NAMES, store.layout.cache).run(store, rules)) == ("full", 3, 3, 0)
     first = inferred(store)
-    assert figures(run(store, rules, NAMES, incremental=False)) == ("full", 3, 0, 0)
+    assert figures(Runner(NAMES, store.layout.cache).run(store, rules, incremental=False)) == ("full", 3, 0, 0)
     with store.write("test") as transaction:
         transaction.patch_graph(A, parents((1, 2)), b"")
-    assert figures(run(store, rules, NAMES)) == ("full", 2, 0, 1)
+    assert figures(Runner(NAMES, store.layout.cache).run(store, rules)) == ("full", 2, 0, 1)
     assert set(inferred(store)) < set(first)
 
 
@@ -181,15 +183,15 @@ def test_what_rule_files_state_is_inferred_unless_a_graph_states_it(store: Embed
     rules = rule_set(
         ("family/base", Atom(X, ANCESTOR, Y), (Atom(X, PARENT, Y),)), data=parents((1, 2), (7, 8)).decode()
     )
-    assert figures(run(store, rules, NAMES)) == ("full", 5, 5, 0)
+    assert figures(Runner(NAMES, store.layout.cache).run(store, rules)) == ("full", 5, 5, 0)
     assert b"<urn:7> <urn:parent> <urn:8> ." in inferred(store)
     assert b"<urn:1> <urn:parent> <urn:2> ." not in inferred(store)
 
 
 def test_the_graph_of_builds_has_one_activity_a_run_with_its_rules(store: EmbeddedStore) -> None:
     """Rules that inferred something are named with what they were the first to derive; a run without changes is not."""
-    run(store, FAMILY, NAMES)
-    run(store, FAMILY, NAMES, incremental=False)
+    Runner(NAMES, store.layout.cache).run(store, FAMILY)
+    Runner(NAMES, store.layout.cache).run(store, FAMILY, incremental=False)
     with store.read() as snapshot:
         text = snapshot.dump(RdfFormat.N_TRIPLES, graph=NAMES.builds).decode()
     assert text.count("http://www.w3.org/ns/prov#Activity>") == 1

@@ -66,7 +66,7 @@ def test_an_unknown_package_gets_the_nearest(rover: EmbeddedSnapshot) -> None:
     """Known ones pass, with or without their source."""
     known_package(rover, "nav")
     known_package(rover, "local/ws:nav")
-    with pytest.raises(UnknownNameError, match="no package `navi`"):
+    with pytest.raises(UnknownNameError, match="unknown package `navi`"):
         known_package(rover, "navi")
 
 

@@ -132,7 +132,7 @@ def test_completion_counts_once_and_keeps_it(snapshot: EmbeddedSnapshot, setting
     assert complete(snapshot, settings, text) == found
     assert isinstance(settings.store, Path)
     assert list(settings.store.glob("cache/completion-*/*/statistics.json"))
-    with pytest.raises(UsageError, match="no number"):
+    with pytest.raises(UsageError, match="not a number"):
         complete(snapshot, settings, text, "here")
 
 

@@ -98,16 +98,16 @@ def run(  # noqa: PLR0913 - the options of a command
     if settings.memory:
         supervise(settings.memory)
     from kg.cli.progress import waiting  # noqa: PLC0415 - start-up time
-    from kg.pipeline import rule_runs  # noqa: PLC0415 - start-up time
+    from kg.pipeline import inferring  # noqa: PLC0415 - start-up time
 
     with waiting("running the rules"):
         if remote:
-            answer = rule_runs.run_on_server(settings, remote, update_url, limits=limits)
+            answer = inferring.run_on_server(settings, remote, update_url, limits=limits)
         elif data:
             target = Path(output) if output and not dry_run else None
-            report = rule_runs.run_on_files(settings, [Path(file) for file in data], target, limits=limits)
+            report = inferring.run_on_files(settings, [Path(file) for file in data], target, limits=limits)
         else:
-            report = rule_runs.run_on_store(settings, full=full, dry_run=dry_run, limits=limits)
+            report = inferring.run_on_store(settings, full=full, dry_run=dry_run, limits=limits)
     if remote:
         _show_remote(answer, json=json)
     else:

@@ -64,8 +64,8 @@ class Side:
 class Change:
     """One difference: `owner` is the node type or instance, `system` the launch file; `role` what an end does.
 
-    `before` is None for what is new, `after` for what is gone. `owner_before` is the name that an instance had where it
-    has another now.
+    `before` is None for an added thing, `after` for a removed one. `owner_before` is the former name of a renamed
+    instance.
     """
 
     level: Level
@@ -79,12 +79,12 @@ class Change:
 
     @property
     def name(self) -> str:
-        """The name that it has, or had."""
+        """The current name, or the last one."""
         side = self.after or self.before
         return side.name if side else ""
 
     def mirrored(self) -> Change:
-        """Return the change of the way back."""
+        """Return the inverse change."""
         owners = (self.owner_before, self.owner) if self.owner_before else (self.owner, "")
         kind = _MIRRORED.get(self.kind, self.kind)
         return replace(self, kind=kind, before=self.after, after=self.before, owner=owners[0], owner_before=owners[1])
@@ -117,13 +117,13 @@ class Record(Protocol):
 
     @property
     def node(self) -> NodeType:
-        """The declarations of its code."""
+        """The node type as declared in code."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Sources:
-    """One side of a comparison: all that is known of a state of sources."""
+    """One side of a comparison: a state of sources."""
 
     nodes: Sequence[Record] = ()
     systems: Sequence[System] = ()
@@ -142,7 +142,7 @@ class Difference:
         return cls(tuple(sorted(set(changes), key=_order)))
 
     def mirrored(self) -> Difference:
-        """Return the difference of the way back."""
+        """Return the inverse difference."""
         return Difference.of(change.mirrored() for change in self.changes)
 
     def at(self, *levels: Level) -> tuple[Change, ...]:

@@ -71,7 +71,7 @@ class Instances:
         yield from self._values(Level.SETTING, owner, *known)
 
     def sign(self, number: int, instance: NodeInstance, end: InstanceInterface) -> Hashable | None:
-        """Return what stands for an end of one side, the same for both states of an end; None where it is left out."""
+        """Return the identity of an end of one side, equal for both states of an end; None for an end left out."""
         key = number, id(instance), id(end)
         return self._signs.get(key, key) if self._shown(end) else None
 
@@ -104,7 +104,7 @@ class Instances:
         return self._every or not end.declared.implicit
 
     def _paired(self, one: NodeInstance, other: NodeInstance) -> Iterator[_Ends]:
-        """Yield the ends of both sides; those that surely are one end get one sign."""
+        """Yield the ends of both sides; certainly renamed ends share a sign."""
         before, after = (sorted(filter(self._shown, each.interfaces), key=_end_order) for each in (one, other))
         lone: list[_Ends] = []
         pairs: list[tuple[InstanceInterface, InstanceInterface]] = []
@@ -152,7 +152,7 @@ class Instances:
         return (f"{end.owner.package}/{end.owner.node}", kind, str(end.declared.role), *names) in self._code
 
     def _end_side(self, number: int, end: InstanceInterface, value: str) -> Side:
-        """Return an end with the line that gave it its name: of the remapping or parameter, else of the code."""
+        """Return an end with the line that determined its name: a remapping, a parameter, or the code."""
         cause = end.remap or end.parameter
         location = cause.location if cause else end.declared.location
         repository = self._systems[number].configuration.repository if cause else end.owner.repository
@@ -187,7 +187,7 @@ _END_TOLD: Final[Mapping[Kind, Callable[[InstanceInterface], str]]] = {
 
 
 def _another_name(lone: Iterable[_Ends]) -> list[tuple[InstanceInterface, InstanceInterface]]:
-    """Return the pairs that surely are one end under another name in the code, as for interfaces of node types."""
+    """Return the pairs that are certainly one end renamed in the code, as for interfaces of node types."""
     groups: defaultdict[Hashable, tuple[list[InstanceInterface], list[InstanceInterface]]] = defaultdict(
         lambda: ([], [])
     )

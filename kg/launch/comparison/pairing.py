@@ -18,7 +18,7 @@ _Thing = TypeVar("_Thing")
 def paired(
     before: Iterable[_Thing], after: Iterable[_Thing], key: Callable[[_Thing], Hashable]
 ) -> Iterator[tuple[_Thing | None, _Thing | None]]:
-    """Yield pairs with the same key at both sides, None for a side without it; the n-th with the n-th."""
+    """Yield pairs with the same key at both sides, in order; None for a side without a partner."""
     one, other = _numbered(before, key), _numbered(after, key)
     for name in sorted({*one, *other}, key=str):
         yield one.get(name), other.get(name)
@@ -37,7 +37,7 @@ def _numbered(things: Iterable[_Thing], key: Callable[[_Thing], Hashable]) -> Ma
 def relabelled(
     one: Iterable[_Thing], other: Iterable[_Thing], key: Callable[[_Thing], tuple[str, ...]]
 ) -> Iterator[tuple[_Thing, _Thing]]:
-    """Yield the pairs whose names are equal but for the labels of unknown parts: those may change with the code."""
+    """Yield the pairs whose names are equal apart from the labels of unknown parts, which may change with the code."""
     for before, after in paired(one, other, lambda thing: tuple(map(anonymous, key(thing)))):
         if before is not None and after is not None:
             yield before, after

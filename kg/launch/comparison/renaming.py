@@ -1,7 +1,7 @@
 """Renamed nodes of a launch file: their pairs, and the changes that only follow from the renaming.
 
 Nodes are first paired by their names. Those that remain are paired by the place that starts them: the file with the
-includes that lead to it, what is started, and then the last part of the name, the line, or that there is just one.
+includes that lead to it, the program, and then the last part of the name, the line, or being the only candidate.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _Pair = tuple["NodeInstance | None", "NodeInstance | None"]
 
 
 class Renames:
-    """The beginnings of names that are others now: `/rover1` and `/rover2`, with how many nodes each took along."""
+    """Changed prefixes of names, as `/rover1` to `/rover2`, with the number of nodes below each."""
 
     def __init__(self, pairs: Iterable[_Pair] = ()) -> None:
         found: defaultdict[tuple[str, str], list[tuple[NodeInstance, NodeInstance]]] = defaultdict(list)
@@ -35,7 +35,7 @@ class Renames:
         self.names: Counter[tuple[str, str]] = Counter()
 
     def neutral(self, text: str) -> str:
-        """Return a text that is the same for both names of a renamed node."""
+        """Return a text that is equal for both names of a renamed node."""
         if self._pattern is None:
             return text
         return self._pattern.sub(lambda match: self._signs[match[0]], text)
@@ -65,7 +65,7 @@ class Renames:
 
 
 def instance_pairs(before: Iterable[NodeInstance], after: Iterable[NodeInstance]) -> Iterator[_Pair]:
-    """Yield the nodes of both sides, and None for the side that has it not."""
+    """Yield the pairs of nodes, None for a side without the node."""
     gone: list[NodeInstance] = []
     new: list[NodeInstance] = []
     for one, other in paired(sorted(before, key=_place), sorted(after, key=_place), lambda instance: instance.name):
@@ -87,7 +87,7 @@ def instance_pairs(before: Iterable[NodeInstance], after: Iterable[NodeInstance]
 def _alike(
     gone: Iterable[NodeInstance], new: Iterable[NodeInstance], key: Callable[[NodeInstance], Hashable], most: int
 ) -> list[tuple[NodeInstance, NodeInstance]]:
-    """Return pairs of one key, where both sides have as many and not more than `most`."""
+    """Return pairs of one key, where both sides have equally many, at most `most`."""
     groups: defaultdict[Hashable, tuple[list[NodeInstance], list[NodeInstance]]] = defaultdict(lambda: ([], []))
     for side, instances in enumerate((gone, new)):
         for instance in sorted(instances, key=_place):
@@ -127,7 +127,7 @@ def _place(instance: NodeInstance) -> tuple[object, ...]:
 
 
 def _beginnings(before: str, after: str) -> tuple[str, str]:
-    """Return two names without the parts at their ends that are the same."""
+    """Return two names without their common suffix."""
     one, other = before.split("/"), after.split("/")
     while one and other and one[-1] == other[-1]:
         one.pop()

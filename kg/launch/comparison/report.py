@@ -38,7 +38,7 @@ def difference_lines(difference: Difference) -> list[str]:
 def difference_markdown(difference: Difference, title: str, link: Link | None = None, *, most: int = 200) -> str:
     """Return Markdown: the line that counts, then a table for code and for each launch file.
 
-    `link` gives addresses of lines; a table has at most `most` rows, and says how many are left out.
+    `link` returns addresses of lines; a table has at most `most` rows, and the number of omitted ones.
     """
     parts = [f"### {_code(title)}", "", f"**{summary(difference)}**", ""]
     for heading, changes in _groups(difference):
@@ -116,7 +116,7 @@ def _same_line(change: Change) -> bool:
 
 
 def _code(text: str) -> str:
-    """Return text as code in a cell: nothing in it is Markdown, HTML or the name of a user."""
+    """Return text as code in a cell, escaped from Markdown, HTML and mentions of users."""
     safe = printable(text).replace("`", "'").replace("|", "\\|")
     return f"`{safe}`"
 

@@ -1,9 +1,9 @@
 """The comparison of two states of sources; `compare(b, a)` is the mirror of `compare(a, b)`.
 
-Things are paired by what names them: node types by package and name, interfaces by what they do and their name,
-instances by their absolute name, or by the place that starts them. A thing without a partner is new or gone. An
-interface is renamed only where that is sure: where of one node just one of a role and type went and just one came, in
-the same file. Consequences of a reported change are not reported again.
+Things are paired by their keys: node types by package and name, interfaces by role and name, instances by their
+absolute name or the place that starts them. A thing without a partner is added or removed. An interface counts as
+renamed only if that is certain: exactly one interface of a role and type was removed from a node and exactly one
+added, in the same file. Consequences of a reported change are not reported again.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def _sorted(records: Iterable[Record]) -> list[Record]:
 
 
 class _Node:
-    """A node type that is at both sides."""
+    """A node type of both sides."""
 
     def __init__(self, before: Record, after: Record, *, every: bool) -> None:
         self._before, self._after = before, after
@@ -138,7 +138,7 @@ def _shown(end: Interface) -> str:
 
 
 def _renamed(gone: list[Interface], new: list[Interface]) -> list[tuple[Interface, Interface]]:
-    """Return the pairs that surely are one interface under another name."""
+    """Return the pairs that are certainly one renamed interface."""
     groups: defaultdict[tuple[object, ...], tuple[list[Interface], list[Interface]]] = defaultdict(lambda: ([], []))
     for side, ends in enumerate((gone, new)):
         for end in ends:
@@ -158,7 +158,7 @@ def _parameters(node: NodeType, *, every: bool) -> dict[str, list[Parameter]]:
 
 
 def _parameter_detail(accesses: list[Parameter]) -> str:
-    """Return type and defaults of a parameter, of all lines that give them."""
+    """Return type and defaults of a parameter, from all lines that declare them."""
     types = sorted({one.type for one in accesses if one.type})
     defaults = sorted({canonical(one.default) for one in accesses if one.default is not None})
     return " ".join(filter(None, ["|".join(types), f"= {' or '.join(defaults)}" if defaults else ""]))
@@ -167,7 +167,7 @@ def _parameter_detail(accesses: list[Parameter]) -> str:
 def _finding_changes(
     before: Iterable[Finding], after: Iterable[Finding], renames: Mapping[str, Renames]
 ) -> Iterator[Change]:
-    """Yield the findings that came or went; one whose names were renamed is the same."""
+    """Yield the findings added or removed; a finding about renamed things is the same finding."""
 
     def known(finding: Finding) -> tuple[str, str, str, str]:
         neutral = renames.get(finding.system, Renames()).neutral

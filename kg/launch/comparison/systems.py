@@ -29,7 +29,7 @@ _Joined: TypeAlias = "dict[Connection, set[tuple[Hashable, Hashable]]]"
 
 
 class Wiring:
-    """Compares the systems of two states; `code` are the changes of node types, which are reported already."""
+    """Compares the systems of two states; `code` are the changes of node types, which are reported elsewhere."""
 
     def __init__(self, code: Iterable[Change], *, every: bool) -> None:
         self._code = frozenset(
@@ -43,7 +43,7 @@ class Wiring:
     def changes(self, before: Iterable[System], after: Iterable[System]) -> Iterator[Change]:
         """Yield the differences between systems of one name; a whole one added or removed is one change.
 
-        `renames` then has the names that are others now, by the name of the system.
+        `renames` then contains the renamed nodes by the name of the system.
         """
         for one, other in paired(sorted(before, key=_order), sorted(after, key=_order), _name):
             if one and other:
@@ -150,7 +150,7 @@ class _Systems:
 def joined(system: System, known: Callable[[NodeInstance, InstanceInterface], Hashable | None]) -> _Joined:
     """Return the connections of a system, each with the pairs of ends that make it.
 
-    `known` returns the sign of an end, the same for both states of it; None for an end that is left out.
+    `known` returns the identity of an end, equal for both its states; None for an end left out.
     """
     givers: defaultdict[tuple[Role, str], list[tuple[str, Hashable]]] = defaultdict(list)
     takers: defaultdict[tuple[Role, str], list[tuple[str, Hashable]]] = defaultdict(list)
@@ -174,7 +174,7 @@ def joined(system: System, known: Callable[[NodeInstance, InstanceInterface], Ha
 
 
 def came_apart(one: _Joined, other: _Joined) -> Iterator[Connection]:
-    """Yield the connections of one system whose ends do not meet in the other, under whatever name; sorted."""
+    """Yield the connections of one system whose ends are not connected in the other under any name; sorted."""
     still = {ends for pairs in other.values() for ends in pairs}
     for connection in sorted(one):
         if connection not in other and not (one[connection] & still):

@@ -1,4 +1,4 @@
-"""Values of parameters and arguments as they are compared: `30.` and `30.0` are one number."""
+"""Canonical values of parameters and arguments: `30.` and `30.0` are one number."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _LONGEST: Final = 10_000
 
 
 def canonical(text: str) -> str:
-    """Return a value written as YAML in the one spelling of all texts that mean it; others are returned as they are.
+    """Return the canonical spelling of a value written as YAML; other texts are returned unchanged.
 
-    An integer is another value than the same floating point number: a parameter of ROS 2 has a type.
+    An integer differs from the equal floating point number, because parameters of ROS 2 are typed.
     """
     if len(text) > _LONGEST:
         return text

@@ -91,7 +91,7 @@ def _unbound(text: str, known: Outline) -> Iterator[dict[str, Any]]:
 def _product(text: str, known: Outline) -> Iterator[dict[str, Any]]:
     second = product(known)
     if second is not None:
-        message = "nothing joins this with what stands before it: every match of one goes with every match of the other"
+        message = "nothing joins this with the part before it: every match of one goes with every match of the other"
         hint = "Join them by a variable, or by a FILTER that compares them."
         yield _problem("warning", QueryError("KG515", message, hint=hint), (text, second.start, second.end), [])
 

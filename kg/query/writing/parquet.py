@@ -9,10 +9,8 @@ import io
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Final
 
-from pyoxigraph import Literal, NamedNode
-
 from kg.errors import QueryError
-from kg.query.writing.values import plain, turtle
+from kg.query.writing.values import bare, plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -57,8 +55,4 @@ def _column(terms: Sequence[Term | None], pa: Any) -> Any:
         return pa.array(values, pa.int64())
     if float in kinds and kinds <= {int, float}:
         return pa.array([None if value is None else float(value) for value in values], pa.float64())
-    return pa.array([None if term is None else _text(term) for term in terms], pa.string())
-
-
-def _text(term: Term) -> str:
-    return term.value if isinstance(term, NamedNode | Literal) else turtle(term)
+    return pa.array([None if term is None else bare(term) for term in terms], pa.string())

@@ -16,7 +16,7 @@ import msgspec
 from pyoxigraph import Literal, NamedNode, Triple
 
 from kg.query.writing import xml
-from kg.query.writing.values import XSD, display, plain, quoted_and_mark, turtle
+from kg.query.writing.values import XSD, bare, display, plain, quoted_and_mark, turtle
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -88,11 +88,7 @@ def _csv_lines(lines: Sequence[Sequence[str]]) -> bytes:
 
 
 def _csv_rows(_variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
-    return _csv_lines([["" if term is None else _bare(term) for term in row] for row in found])
-
-
-def _bare(term: Term) -> str:
-    return term.value if isinstance(term, (NamedNode, Literal)) else turtle(term)
+    return _csv_lines([["" if term is None else bare(term) for term in row] for row in found])
 
 
 def _tsv_head(variables: tuple[str, ...]) -> bytes:

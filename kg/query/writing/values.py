@@ -13,7 +13,7 @@ from kg.syntax.names import shorten
 if TYPE_CHECKING:
     from kg.store.terms import Term
 
-__all__ = ["STRING", "XSD", "display", "plain", "quoted_and_mark", "turtle"]
+__all__ = ["STRING", "XSD", "bare", "display", "plain", "quoted_and_mark", "turtle"]
 
 XSD: Final = "http://www.w3.org/2001/XMLSchema#"
 STRING: Final = XSD + "string"
@@ -28,7 +28,7 @@ def plain(term: Term | None) -> str | int | float | bool | None:
     A number that JSON does not have, as infinity, or that is not written as one, is text too.
     """
     if not isinstance(term, Literal):
-        return None if term is None else term.value if isinstance(term, NamedNode) else turtle(term)
+        return None if term is None else bare(term)
     datatype = term.datatype.value
     try:
         if datatype in _INTEGERS and _WHOLE.fullmatch(term.value):
@@ -47,6 +47,11 @@ def display(term: Term | None) -> str:
     if isinstance(term, Literal):
         return term.value
     return "" if term is None else turtle(term)
+
+
+def bare(term: Term) -> str:
+    """Return the IRI or the text of a literal; other terms as `turtle` writes them."""
+    return term.value if isinstance(term, NamedNode | Literal) else turtle(term)
 
 
 def turtle(term: Term) -> str:

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from kg.graph import vocabulary as v
-from kg.graph.reading import grouped, one
+from kg.graph.fields import one
+from kg.graph.reading import grouped
 from kg.query.stored import internal
 from kg.robot.capability import Capability, Parameter
 from kg.syntax.names import PREFIXES
@@ -16,7 +17,7 @@ from kg.syntax.names import PREFIXES
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.graph.reading import Properties
+    from kg.graph.fields import Properties
     from kg.robot.capability import Way
 
 __all__ = ["Askable", "Definition", "definitions"]

@@ -18,13 +18,11 @@ from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.systems import system_triples
-from kg.pipeline.inferring import digest
-from kg.pipeline.reasoning import rule_folders, schema_of
+from kg.pipeline.reasoning import digest, rule_folders, schema_of
 from kg.robot.capabilities import definitions, read
 from kg.robot.lifecycle import available
 from kg.robot.live.remembering import key, remembered
 from kg.robot.live.systems import Seen, name_of, system_of
-from kg.robot.live.whole import Whole
 from kg.rules.columns import read_columns, union_of, wanted
 from kg.rules.engine.evaluate import Program, evaluate
 from kg.rules.engine.terms import Dictionary
@@ -34,6 +32,7 @@ from kg.rules.patches import stated
 from kg.rules.reading import discover, packs
 from kg.rules.specialise import specialised
 from kg.store import bulk
+from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -75,7 +74,7 @@ class Knowledge:
     inferred: NamedNode
     """The graph that holds what was inferred, as in a store."""
 
-    def world(self, content: bytes, *, whole: bool = False) -> Whole:
+    def world(self, content: bytes, *, whole: bool = False) -> MemorySnapshot:
         """Return some triples (N-Triples), and in a graph of its own what follows from these, to be asked.
 
         The ontologies are among them as a `whole`, else as far as capabilities are read by them. Raises what
@@ -83,33 +82,18 @@ class Knowledge:
         """
         store = Store()
         bulk.load(lambda: store, DefaultGraph(), [content])
-        _, own = read_columns(_Tables(store), wanted(self.program.rules), [None], self.dictionary)
+        _, own = read_columns(MemorySnapshot(store), wanted(self.program.rules), [None], self.dictionary)
         found = evaluate(self.program, self.dictionary, union_of([self.ontology, own])).inferred
         shown = stored(found, self.dictionary)
         bulk.load(lambda: store, self.inferred, lines(shown, self.dictionary))
         bulk.load(lambda: store, DefaultGraph(), [self.told if whole else self.short])
-        return Whole(store)
-
-
-class _Tables:
-    """A store in memory as columns are read from it."""
-
-    def __init__(self, store: Store) -> None:
-        self._store = store
-
-    def table(self, select: str, graph: NamedNode | None) -> bytes:
-        """Return the rows of a SELECT as TSV."""
-        return bulk.table(lambda: self._store, select, graph)
-
-    def graphs(self) -> list[NamedNode]:
-        """Return none: there is the default graph only."""
-        return []
+        return MemorySnapshot(store)
 
 
 def knowledge(settings: Settings) -> Knowledge:
     """Return what is known beforehand, read once for settings and rules that are the same.
 
-    Files of rules that cannot be used are left out. Raises as `kg.pipeline.inferring.digest`.
+    Files of rules that cannot be used are left out. Raises as `kg.pipeline.reasoning.digest`.
     """
     return _known(_Same(settings, f"{settings.base} {rule_folders(settings)} {digest(settings)}"))
 
@@ -145,7 +129,9 @@ def _known(same: _Same) -> Knowledge:
     ]
     program = Program(rules.rules)
     inferred = NamedNode(Iris(same.settings.base).graph("inferred"))
-    return Knowledge(program, dictionary, ontology, content, b"".join(told), definitions(Whole(store)), rules, inferred)
+    return Knowledge(
+        program, dictionary, ontology, content, b"".join(told), definitions(MemorySnapshot(store)), rules, inferred
+    )
 
 
 def _families(settings: Settings) -> tuple[str, ...]:
@@ -204,7 +190,7 @@ def world_of(
     records: Mapping[NodeReference, NodeRecord] | None = None,
     *,
     whole: bool = False,
-) -> Whole:
+) -> MemorySnapshot:
     """Return a system, and what follows from it, to be asked; `whole` as `Knowledge.world`."""
     content = system_triples(system, records or {}, Iris(settings.base), whole=True)
     return known.world(content, whole=whole)

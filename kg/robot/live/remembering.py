@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from kg.pipeline.inferring import digest
 from kg.pipeline.kept import installations, states
-from kg.pipeline.reasoning import rule_folders
+from kg.pipeline.reasoning import digest, rule_folders
 from kg.robot.capability import Capabilities
 from kg.store.layout import user_cache, write_atomically
 
@@ -40,7 +39,7 @@ def folder() -> Path:
 def key(graph: ComputationGraph, settings: Settings, names: tuple[str, ...]) -> str:
     """Return a digest of what capabilities follow from: graph, names, rules, ontologies, and the code of kg.
 
-    The addresses of nodes do not count, which are others after each start. Raises as `kg.pipeline.inferring.digest`.
+    The addresses of nodes do not count, which are others after each start. Raises as `kg.pipeline.reasoning.digest`.
     """
     nodes = [(node.name, node.problem) for node in graph.nodes]
     seen = [graph.ros, nodes, graph.ends, graph.problems, graph.complete, names]

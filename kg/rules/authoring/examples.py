@@ -180,7 +180,12 @@ def _drafts(text: str, path: str) -> Iterator[_Draft]:
         elif draft:
             draft.add(part, place)
         elif _kind(part, place)[0]:
-            raise RuleError("KG221", "the block stands under no example", place=place, hint="Begin it with `## TITLE`.")
+            raise RuleError(
+                "KG221",
+                "the block is not below the heading of an example",
+                place=place,
+                hint="Begin it with `## TITLE`.",
+            )
     if draft and _has_blocks(draft):
         yield draft
 
@@ -200,7 +205,7 @@ def _kind(fence: Fence, place: Place) -> tuple[str, list[str]]:
     if kind not in known:
         near = did_you_mean(kind, known)
         hint = f"{near} {_HINT}" if near else _HINT
-        raise RuleError("KG221", f"there is no block `{language} {kind}` in examples", place=place, hint=hint)
+        raise RuleError("KG221", f"unknown block `{language} {kind}` in examples", place=place, hint=hint)
     return kind, rest
 
 

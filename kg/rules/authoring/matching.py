@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import islice
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 from pyoxigraph import BlankNode, Triple
+
+from kg.rules.authoring.memory import VOCABULARY
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+    from pyoxigraph import QuerySolutions
+
     from kg.rules.authoring.examples import Example
-    from kg.rules.authoring.memory import World
     from kg.rules.form import Term
+    from kg.store.snapshot import MemorySnapshot
 
 __all__ = ["Difference", "compare"]
 
@@ -33,7 +37,7 @@ class Difference:
         return bool(self.missing or self.unexpected)
 
 
-def compare(example: Example, inferred: Sequence[Triple], world: World) -> Difference:
+def compare(example: Example, inferred: Sequence[Triple], world: MemorySnapshot) -> Difference:
     """Compare inferred triples with all that an example expects."""
     missing: list[Triple] = []
     unexpected: list[Triple] = []
@@ -54,7 +58,7 @@ def compare(example: Example, inferred: Sequence[Triple], world: World) -> Diffe
     return Difference(*(tuple(dict.fromkeys(each)) for each in (missing, unexpected, facts)))
 
 
-def _images(triples: Sequence[Triple], inferred: Sequence[Triple], world: World) -> list[Triple]:
+def _images(triples: Sequence[Triple], inferred: Sequence[Triple], world: MemorySnapshot) -> list[Triple]:
     """Return inferred triples that a block, read as a whole, may match; none if it does not hold.
 
     Of several matches, that of the most triples is chosen.
@@ -64,12 +68,20 @@ def _images(triples: Sequence[Triple], inferred: Sequence[Triple], world: World)
         known = set(inferred)
         return list(triples) if known.issuperset(triples) else []
     patterns = " . ".join(_pattern(triple, names) for triple in triples)
-    ways = islice(world.matches(patterns, names.values()), _WAYS)
+    ways = islice(_matches(world, patterns, list(names.values())), _WAYS)
     readings = [list(dict.fromkeys(_image(triple, names, way) for triple in triples)) for way in ways]
     return max(readings, key=len, default=[])
 
 
-def _lacking(triples: Sequence[Triple], inferred: Sequence[Triple], world: World) -> list[Triple]:
+def _matches(world: MemorySnapshot, patterns: str, names: Sequence[str]) -> Iterator[dict[str, Term]]:
+    """Yield the matches of triple patterns in the inferred triples."""
+    columns = " ".join(f"?{name}" for name in names) or "(1 AS ?one)"
+    text = f"SELECT DISTINCT {columns} WHERE {{ GRAPH {VOCABULARY.inferred} {{ {patterns} }} }}"
+    for row in cast("QuerySolutions", world.query(text)):
+        yield {name: cast("Term", row[name]) for name in names}
+
+
+def _lacking(triples: Sequence[Triple], inferred: Sequence[Triple], world: MemorySnapshot) -> list[Triple]:
     """Return those triples of a block that do not hold by themselves, or all with a blank node where each does."""
     alone = [triple for triple in triples if not _images([triple], inferred, world)]
     return alone or [triple for triple in triples if any(_labels([triple]))]

@@ -1,40 +1,37 @@
-"""A small graph in memory, its inferences, and queries about both."""
+"""A small graph in memory and its inferences."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import NamedNode, Quad, QuerySolutions, RdfFormat, Store, Triple, parse
+from pyoxigraph import NamedNode, Quad, RdfFormat, Store, parse
 
-from kg.rules.engine.blocks import lines
 from kg.rules.engine.evaluate import evaluate
 from kg.rules.engine.terms import Dictionary
 from kg.rules.explain.view import Vocabulary
-from kg.rules.form import AUXILIARY
+from kg.rules.lines import lines, stored
 from kg.rules.patches import stated
+from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator
 
-    import pyoxigraph
-    from pyoxigraph import QueryBoolean, QueryTriples
+    from pyoxigraph import Triple
 
     from kg.rules.engine.evaluate import Program, RuleReport
     from kg.rules.engine.facts import Facts
     from kg.rules.engine.limits import Limits
-    from kg.rules.form import Term
 
-__all__ = ["VOCABULARY", "World", "infer", "triples_of"]
+__all__ = ["VOCABULARY", "infer", "triples_of", "world_of"]
 
 VOCABULARY: Final = Vocabulary(NamedNode("urn:kg:inferred"))
-"""Where the inferred triples of a world stand."""
+"""The graph of the inferred triples of a world."""
 
 
 def triples_of(facts: Facts, dictionary: Dictionary) -> Iterator[Triple]:
     """Yield the triples of columns, sorted as text, without those that decomposition introduced."""
-    hidden = b"<" + AUXILIARY.encode()
-    shown = [each for each in facts.predicates if not dictionary.spelling(each).startswith(hidden)]
-    for quad in parse(b"".join(sorted(lines(dictionary, facts, shown))), RdfFormat.N_TRIPLES):
+    text = b"".join(lines(stored(facts, dictionary), dictionary))
+    for quad in parse(b"".join(sorted(text.splitlines(keepends=True))), RdfFormat.N_TRIPLES):
         yield quad.triple
 
 
@@ -47,35 +44,9 @@ def infer(
     return list(triples_of(outcome.inferred, dictionary)), outcome.reports
 
 
-class World:
-    """Asserted and inferred triples, to be queried as a snapshot of a store is."""
-
-    def __init__(self, asserted: Iterable[Triple], inferred: Iterable[Triple]) -> None:
-        self._store = Store()
-        self._store.extend(Quad(one.subject, one.predicate, one.object) for one in asserted)
-        graph = VOCABULARY.inferred
-        self._store.extend(Quad(one.subject, one.predicate, one.object, graph) for one in inferred)
-
-    def query(
-        self,
-        text: str,
-        *,
-        prefixes: Mapping[str, str] | None = None,
-        union: bool = True,
-        substitutions: Mapping[pyoxigraph.Variable, Term] | None = None,
-    ) -> QuerySolutions | QueryBoolean | QueryTriples:
-        """Run a SPARQL query; with `union` its default graph is the union of all."""
-        return self._store.query(
-            text,
-            prefixes=dict(prefixes or {}),
-            use_default_graph_as_union=union,
-            substitutions=dict(substitutions) if substitutions else None,
-        )
-
-    def matches(self, patterns: str, names: Iterable[str]) -> Iterator[dict[str, Term]]:
-        """Yield the matches of triple patterns in the inferred triples."""
-        names = list(names)
-        columns = " ".join(f"?{name}" for name in names) or "(1 AS ?one)"
-        text = f"SELECT DISTINCT {columns} WHERE {{ GRAPH {VOCABULARY.inferred} {{ {patterns} }} }}"
-        for row in cast("QuerySolutions", self.query(text)):
-            yield {name: cast("Term", row[name]) for name in names}
+def world_of(asserted: Iterable[Triple], inferred: Iterable[Triple]) -> MemorySnapshot:
+    """Return asserted and inferred triples, the latter in the graph of `VOCABULARY`."""
+    store = Store()
+    store.extend(Quad(one.subject, one.predicate, one.object) for one in asserted)
+    store.extend(Quad(one.subject, one.predicate, one.object, VOCABULARY.inferred) for one in inferred)
+    return MemorySnapshot(store)

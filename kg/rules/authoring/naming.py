@@ -54,13 +54,9 @@ def _named(rules: Library, name: str) -> list[Entry]:
         return [rules.entries[name]]
     path = Path(name)
     if path.is_file():
-        return [file for file in rules.entries.values() if _same(path, file)]
+        whole = path.resolve()
+        return [one for one in rules.entries.values() if whole in {one.path.resolve(), one.examples.resolve()}]
     return [file for file in rules.entries.values() if file.name.rpartition("/")[2] == name]
-
-
-def _same(path: Path, entry: Entry) -> bool:
-    """Return whether a path is that of a rule or of its examples."""
-    return path.resolve() in {entry.path.resolve(), entry.examples.resolve()}
 
 
 def _below(rules: Library, name: str) -> list[Entry]:
@@ -76,4 +72,4 @@ def _unknown(rules: Library, name: str) -> UnknownNameError:
     known = list(rules.entries)
     lasts = (one.rpartition("/")[2] for one in known)
     hint = did_you_mean(name, [*known, *lasts, *(one.family for one in rules.entries.values())])
-    return UnknownNameError("KG001", f"there is no rule `{name}`", hint=hint or "`kg rules list` lists them.")
+    return UnknownNameError("KG001", f"unknown rule `{name}`", hint=hint or "`kg rules list` lists them.")

@@ -30,13 +30,15 @@ def start(name: str, folder: Path, notation: str = "rq") -> tuple[Path, Path]:
         hint = (
             f"Did you mean `{near}`?" if _NAME.fullmatch(near := _corrected(name)) else "For example wiring/listens-to."
         )
-        message = f"`{name}` is no name of a rule: a family and a name, of a-z, 0-9, - and _, joined by slashes"
+        message = (
+            f"`{name}` is not a valid name of a rule; use a family and a name, of a-z, 0-9, - and _, joined by slashes"
+        )
         raise UsageError("KG003", message, hint=hint)
     targets = folder / f"{name}{ending}", folder / f"{name}.md"
     existing = [path for path in (*(folder / f"{name}{each}" for each in NOTATIONS), targets[1]) if path.exists()]
     if existing:
         hint = "Choose another name, or edit that file."
-        raise UsageError("KG003", f"there is a file {existing[0]} already", hint=hint)
+        raise UsageError("KG003", f"the file {existing[0]} already exists", hint=hint)
     try:
         targets[0].parent.mkdir(parents=True, exist_ok=True)
         for path, template in zip(targets, (f"rule{ending}", "examples.md"), strict=True):
@@ -52,7 +54,7 @@ def _ending(notation: str) -> str:
     if ending not in NOTATIONS:
         names = [each.lstrip(".") for each in NOTATIONS]
         hint = did_you_mean(notation, names) or f"The notations are {', '.join(names)}."
-        raise UsageError("KG003", f"there is no notation `{notation}` of rules", hint=hint)
+        raise UsageError("KG003", f"unknown notation of rules `{notation}`", hint=hint)
     return ending
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.errors import KgError, Place, RuleError, UnknownNameError
 from kg.rules.authoring.examples import read_examples
 from kg.rules.authoring.matching import compare
-from kg.rules.authoring.memory import VOCABULARY, World, infer
+from kg.rules.authoring.memory import VOCABULARY, infer, world_of
 from kg.rules.authoring.naming import find_rule
 from kg.rules.authoring.spelling import spell_term, spell_triple
 from kg.rules.engine.evaluate import Program
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from kg.rules.explain.proof import Premise
     from kg.rules.files import RuleFile
     from kg.rules.form import Rule
+    from kg.store.snapshot import MemorySnapshot
 
 __all__ = ["Result", "failure", "parted", "result_object", "run_example", "run_examples"]
 
@@ -110,7 +111,7 @@ def _other(library: Library, name: str, place: Place) -> RuleFile:
     try:
         return library.read(find_rule(library, name).name)
     except UnknownNameError as error:
-        message = f"the example names the rule `{name}`, which there is not"
+        message = f"the example names an unknown rule, `{name}`"
         raise RuleError("KG221", message, place=place, hint=error.hint) from None
 
 
@@ -118,7 +119,7 @@ def _judged(file: RuleFile, example: Example, program: Program, data: tuple[Trip
     prefixes = {**(file.prefixes or {}), **example.prefixes}
     given = (*example.given, *data)
     inferred, _ = infer(program, given, _LIMITS)
-    world = World(given, inferred)
+    world = world_of(given, inferred)
     found = compare(example, inferred, world)
     lacking, proof = ((), ()) if found.missing else _unexplained(example, program.rules, found.facts, world)
     return Result(
@@ -135,7 +136,7 @@ def _judged(file: RuleFile, example: Example, program: Program, data: tuple[Trip
 
 
 def _unexplained(
-    example: Example, rules: tuple[Rule, ...], facts: Sequence[Triple], world: World
+    example: Example, rules: tuple[Rule, ...], facts: Sequence[Triple], world: MemorySnapshot
 ) -> tuple[tuple[WhyLine, ...], tuple[str, ...]]:
     """Return the lines under `why` that are in no proof of the expected facts, and the shortest proofs then."""
     if not example.why:

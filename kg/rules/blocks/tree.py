@@ -261,7 +261,7 @@ class Rule(_Part, frozen=True):
     def __post_init__(self) -> None:
         """Raise ValueError for an unknown severity, and for a namespace that is not an IRI."""
         if self.severity is not None and self.severity not in SEVERITIES:
-            raise ValueError(f"`{self.severity}` is no severity")
+            raise ValueError(f"`{self.severity}` is not a severity")
         for namespace in self.prefixes.values():
             if re.search(r"[\x00-\x20<>\"{}|^`\\]", namespace):
-                raise ValueError(f"`{namespace}` is no namespace")
+                raise ValueError(f"`{namespace}` is not a valid namespace")

@@ -38,4 +38,4 @@ def orphan(path: Path, name: str) -> Finding | None:
     except RuleError:
         return None
     hint = f"Name the rule {path.stem}.rq, {path.stem}.srl or {path.stem}.ttl, or remove the page."
-    return Finding(CODE, "note", name, "these examples have no rule", Place(str(path), 1, 1), hint)
+    return Finding(CODE, "note", name, "no rule belongs to these examples", Place(str(path), 1, 1), hint)

@@ -9,14 +9,11 @@ import pyoxigraph
 
 from kg.rules.explain.derivations import bound_by
 from kg.rules.explain.view import View
+from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples
-
     from kg.rules.explain.view import Vocabulary
-    from kg.rules.form import Element, Term
+    from kg.rules.form import Element
 
 __all__ = ["StoreOf", "nothing"]
 
@@ -36,26 +33,6 @@ class StoreOf:
         return next((part for index, part in enumerate(body) if not self.matches(body[: index + 1])), None)
 
 
-class _Empty:
-    """A store without data."""
-
-    def __init__(self) -> None:
-        self._store = pyoxigraph.Store()
-
-    def query(
-        self,
-        text: str,
-        *,
-        prefixes: Mapping[str, str] | None = None,
-        union: bool = True,
-        substitutions: Mapping[pyoxigraph.Variable, Term] | None = None,
-    ) -> QuerySolutions | QueryBoolean | QueryTriples:
-        """Run a query; see `kg.rules.explain.view.Queryable`."""
-        given = dict(substitutions) if substitutions else None
-        known = dict(prefixes or {})
-        return self._store.query(text, prefixes=known, use_default_graph_as_union=union, substitutions=given)
-
-
 def nothing(vocabulary: Vocabulary) -> StoreOf:
     """Return a store without data."""
-    return StoreOf(View(_Empty(), vocabulary))
+    return StoreOf(View(MemorySnapshot(pyoxigraph.Store()), vocabulary))

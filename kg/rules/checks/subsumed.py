@@ -38,7 +38,7 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     same = any(subsumes(rule, by) for rule in file.rules)
     if same and by.name > file.name:
         return
-    words = "says the same as" if same else "derives only what this derives anyway:"
+    words = "has the same meaning as" if same else "derives nothing that is not derived by"
     hint = "Remove one of the two."
     yield Finding(CODE, "warning", file.name, f"the rule {words} {by.name} ({by.place})", at_rule(file), hint)
 

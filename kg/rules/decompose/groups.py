@@ -2,17 +2,17 @@
 
 Each rewriting keeps the set of solutions:
 
-* UNION: a union of joins is a join with the union, so each branch goes on as a part of its own.
+* UNION: a union of joins is a join with the union, so each branch becomes a part of its own.
 * A group in braces is evaluated by itself and joined. Its variables that it does not bind are unbound in its filters,
-  whatever is bound outside: `expressions.resolved` puts that into the expression.
+  whatever is bound outside: `expressions.resolved` rewrites the expression accordingly.
 * OPTIONAL {G}: the solutions joined with G where its filters hold, and those for which there is no such join. The
   second part leaves out its negation where what only G binds is mentioned nowhere but in the head: a solution that
   does have a match then derives triples of the head that the first part derives too.
 * MINUS {G}: no solution of G that agrees on the shared variables; without shared variables nothing is removed.
 * FILTER EXISTS {G}: a test for each solution, which everything in G sees.
-* FILTER: tests all of the group, wherever it is, so it comes behind what binds its variables.
+* FILTER: tests the whole group, wherever it is written, so it is placed after what binds its variables.
 * BIND: the solutions in which the expression has a value; and those in which it is in error, with the variable
-  unbound, left out where nothing comes of a solution without the variable.
+  unbound, left out where solutions without the variable derive nothing.
 * VALUES: a join with rows; rows with UNDEF at the same places are a table of their own.
 """
 
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 __all__ = ["MOST_PARTS", "Groups"]
 
 MOST_PARTS: Final = 64
-"""More than these and the store's engine evaluates the rule as it is written."""
+"""With more parts than this, the store's engine evaluates the rule as written."""
 
 
 class Groups:
@@ -73,7 +73,7 @@ class Groups:
         return [new for part in parts for new in basic(self._work, patterns, part, scope)]
 
     def _counted(self, parts: list[Part], scope: Scope) -> list[Part]:
-        """Return parts without those that are there already; refuse too many of them."""
+        """Return the parts without duplicates; IndivisibleError for too many."""
         parts = list(dict.fromkeys(parts))
         if len(parts) > MOST_PARTS or (scope.single and len(parts) != 1):
             raise IndivisibleError
@@ -114,7 +114,7 @@ class Groups:
             yield rest
 
     def _comes_to_nothing(self, names: frozenset[str], node: tree.Node, scope: Scope) -> bool:
-        """Return whether solutions in which a node did not bind these names derive nothing."""
+        """Return whether solutions without a value for one of these names derive nothing."""
         return any(not self._work.bound_elsewhere(name, node) for name in names & scope.required)
 
     def _without(self, part: Part, matches: list[Part], shared: frozenset[Variable], node: tree.Node) -> Part | None:
@@ -126,7 +126,7 @@ class Groups:
         return part
 
     def _inner(self, match: Part, shared: frozenset[Variable], node: tree.Node) -> tuple[Element, ...]:
-        """Return the body of an EXISTS for a node: what it does not share has names that nothing outside has."""
+        """Return the body of an EXISTS for a node, with its own variables renamed apart."""
         elements = tuple(attached(match.elements, shared, self._work.names))
         own = sorted((v for v in everywhere(elements) - shared if self._work.mentioned[v.name]), key=str)
         names = {v: self._work.names.like(v) for v in own if self._work.used_elsewhere(frozenset((v.name,)), node)}
@@ -139,7 +139,7 @@ class Groups:
             if match.bound & bound:
                 removed.append(match)
             elif match.bound & scope.outer:
-                # With variables that an EXISTS around gives their values, engines disagree on what is shared.
+                # With variables from an EXISTS around, engines disagree on what is shared.
                 raise IndivisibleError
         return self._without(part, removed, bound | scope.outer, node) or part
 
@@ -185,7 +185,7 @@ class Groups:
             yield self._blocked(node, f"{{ {node.text} }}", part, scope)
 
     def _blocked(self, node: tree.Node, text: str, part: Part, scope: Scope) -> Part:
-        """Leave a node to the store's engine, which evaluates it by itself, as SPARQL does unless in an EXISTS."""
+        """Return a node as a block for the store's engine, evaluated by itself as in SPARQL outside of EXISTS."""
         inner = uses([node]).keys() - certain([node])
         if scope.single and not isinstance(node, tree.SubSelect):
             raise IndivisibleError
@@ -194,7 +194,7 @@ class Groups:
         return part.then(block(text, (node,), self._work.place(node.span)))
 
     def _filtered(self, part: Part, tests: list[Condition], scope: Scope) -> list[Part]:
-        """Return the parts of a part with the filters of its group."""
+        """Return a part with the filters of its group, as one or more parts."""
         parts = [part]
         for test in tests:
             parts = [new for old in parts for new in self._tested(old, test, scope)]

@@ -1,4 +1,4 @@
-"""Bodies in the making: a group of SPARQL is a union of parts, each a body in which all is bound or nothing."""
+"""Parts of bodies: a group of SPARQL becomes a union of parts, each of which binds all of its variables or none."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["EMPTY", "IndivisibleError", "Part", "Scope", "attached", "joined", "
 
 
 class IndivisibleError(Exception):
-    """A group has no exact decomposition; one around it is left to the store's engine."""
+    """A group has no exact decomposition; the store's engine evaluates a group around it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class Part:
     subjects: frozenset[Variable] = frozenset()
     given: frozenset[Variable] = frozenset()
     bound: frozenset[Variable] = field(default=frozenset(), compare=False)
-    """The variables that solutions bind: those of the elements, and those given. Asked for at each step, so kept."""
+    """The variables that solutions bind: those of the elements, and `given`. Cached, since each step reads it."""
 
     @classmethod
     def of(
@@ -47,7 +47,7 @@ class Part:
         subjects: frozenset[Variable] = frozenset(),
         given: frozenset[Variable] = frozenset(),
     ) -> Part:
-        """Return the part of some elements, with the knowledge of this part."""
+        """Return a part with other elements and the same properties."""
         elements = tuple(elements)
         return cls(elements, nodes, subjects, given, bound_in(elements) | given)
 
@@ -58,7 +58,7 @@ class Part:
         return self.bound.difference(*open_ends)
 
     def then(self, *elements: Element) -> Part:
-        """Return the part with more elements behind."""
+        """Return the part with more elements at its end."""
         atoms = [element for element in elements if isinstance(element, Atom)]
         subjects = frozenset(atom.subject for atom in atoms if isinstance(atom.subject, Variable))
         objects = frozenset(atom.object for atom in atoms if isinstance(atom.object, Variable))
@@ -67,7 +67,7 @@ class Part:
         return Part((*self.elements, *elements), nodes, self.subjects | subjects, self.given, bound)
 
     def same_node(self, variable: Variable, other: Variable) -> Part:
-        """Return the part, knowing that one variable has the value of another."""
+        """Return the part, given that two variables have the same value."""
         nodes = self.nodes | ({variable} if other in self.nodes else set())
         subjects = self.subjects | ({variable} if other in self.subjects else set())
         given = self.given | ({other} - self.bound)
@@ -82,10 +82,10 @@ EMPTY: Final = Part()
 class Scope:
     """Context of a group under decomposition.
 
-    `outer`: variables bound around an EXISTS, which everything inside sees. `seen`: those that only the group's own
-    filters see, for OPTIONAL. `near`: those that are subjects or objects in the graph and bound before the group where
-    it will be; `subjects` those of them that are subjects. `required`: solutions without one of these come to
-    nothing. `single`: it matters how often a solution comes.
+    `outer`: variables bound around an EXISTS, visible everywhere inside. `seen`: variables visible only to the filters
+    of the group itself, for OPTIONAL. `near`: subjects or objects of the graph that are bound before the group;
+    `subjects`: those of them that are subjects. `required`: solutions without one of these derive nothing. `single`:
+    whether the number of equal solutions matters.
     """
 
     outer: frozenset[Variable] = frozenset()
@@ -96,11 +96,11 @@ class Scope:
     single: bool = False
 
     def behind(self, part: Part) -> Scope:
-        """Return the scope of a group that is joined with `part`, which its filters do not see."""
+        """Return the scope of a group joined with `part`; its filters do not see the variables of `part`."""
         return replace(self, seen=frozenset(), near=self.near | part.nodes, subjects=self.subjects | part.subjects)
 
     def optional(self, part: Part) -> Scope:
-        """Return the scope of the group of an OPTIONAL behind `part`: its own filters see what is before it."""
+        """Return the scope of the group of an OPTIONAL after `part`: its own filters see the variables of `part`."""
         return replace(self._kept(part, self.outer | part.bound), seen=part.bound, required=frozenset())
 
     def inside(self, part: Part) -> Scope:
@@ -110,28 +110,27 @@ class Scope:
         return Scope(outer, near=kept.near, subjects=kept.subjects)
 
     def removing(self, part: Part) -> Scope:
-        """Return the scope of the group of a MINUS behind `part`: it sees nothing of it."""
+        """Return the scope of the group of a MINUS after `part`: it sees no variable of it."""
         kept = self._kept(part, self.outer | part.bound)
         return Scope(self.outer, near=kept.near, subjects=kept.subjects)
 
     def _kept(self, part: Part, shared: frozenset[Variable]) -> Scope:
-        """Return what is known after `part` of the variables that a negation there shares with its surroundings."""
+        """Return the scope of a negation after `part`, limited to the variables shared with its surroundings."""
         behind = self.behind(part)
         return replace(behind, near=behind.near & shared, subjects=behind.subjects & shared)
 
 
 def joined(left: Part, right: Part, names: Names) -> Part:
-    """Return the join of two parts that know nothing of each other.
+    """Return the join of two independent parts.
 
-    Putting the elements of one behind those of the other is exact, for each tests and binds by its own variables,
-    which `attached` sees to.
+    Concatenating their elements is exact: each part tests and binds only its own variables, which `attached` ensures.
     """
     elements = (*left.elements, *attached(right.elements, left.bound, names))
     return Part.of(elements, left.nodes | right.nodes, left.subjects | right.subjects, left.given | right.given)
 
 
 def attached(elements: Iterable[Element], bound: frozenset[Variable], names: Names) -> Iterator[Element]:
-    """Yield elements as they are after `bound` is bound: an assignment to a bound variable becomes a comparison.
+    """Yield elements for a position where `bound` is bound: an assignment to a bound variable becomes a comparison.
 
     SPARQL joins solutions whose terms are the same, so `sameTerm` is the comparison. The expression compared is in
     error where the assignment is, and both take the solution away.
@@ -155,15 +154,15 @@ def _grouped(element: Aggregate, bound: frozenset[Variable], names: Names) -> It
 
 
 def same(variable: Variable, expression: Expression) -> Expression:
-    """Return the test that a variable is the value of an expression."""
+    """Return the test that a variable equals the value of an expression."""
     text = f"sameTerm({sparql.spelling(variable)}, {expression.text})"
     return expressions.expression(text, expression.place)
 
 
 def placed(part: Part, element: Filter, known: frozenset[Variable]) -> Part:
-    """Put a filter right behind what binds its variables; `known` are bound before the part.
+    """Insert a filter as soon as its variables are bound; `known` are bound before the part.
 
-    Elements only join, bind or drop solutions one by one, so a filter does the same anywhere behind that.
+    Elements join, bind or drop solutions one by one, so a filter has the same effect anywhere after that.
     """
     needed = frozenset(map(Variable, element.expression.variables)) - known
     elements = part.elements

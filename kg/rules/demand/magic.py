@@ -90,7 +90,6 @@ class _Rewriting:
         self._found: dict[tuple[str, int, Atom, tuple[Element, ...]], Rule] = {}
         self._demands: dict[_Demand, None] = {}
         self._recursions: dict[NamedNode, Recursion | None] = {}
-        self._exits: set[NamedNode] = set()
         self._copies: dict[NamedNode, NamedNode] = {}
 
     def rewritten(self) -> Rewritten:

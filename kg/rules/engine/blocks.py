@@ -7,31 +7,20 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import pyoxigraph as ox
 
-from kg.rules.engine.facts import unpack
 from kg.rules.engine.tables import Table
+from kg.rules.lines import lines
 from kg.rules.sparql import spelling
 from kg.store.terms import spell
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from kg.rules.engine.facts import Facts, Keys
     from kg.rules.engine.limits import Clock
     from kg.rules.engine.plan import Block
     from kg.rules.engine.terms import Dictionary
 
-__all__ = ["Blocks", "lines"]
+__all__ = ["Blocks"]
 
 _REMEMBERED: Final = 64
-
-
-def lines(dictionary: Dictionary, facts: Facts, predicates: Iterable[int]) -> Iterator[bytes]:
-    """Yield the triples of some predicates as lines of N-Triples."""
-    for predicate in predicates:
-        subjects, objects = unpack(facts.keys(predicate))
-        verb = dictionary.spelling(predicate)
-        for subject, value in zip(dictionary.spellings(subjects), dictionary.spellings(objects), strict=True):
-            yield b"%s %s %s .\n" % (subject, verb, value)
 
 
 class Blocks:
@@ -68,7 +57,7 @@ class Blocks:
     def _evaluate(self, step: Block, facts: Facts, predicates: list[int]) -> Table:
         store = ox.Store()
         # Parsed here, since the store's own loading gives blank nodes other labels.
-        text = b"".join(lines(self._dictionary, facts, predicates))
+        text = b"".join(lines(facts, self._dictionary, predicates))
         store.bulk_extend(ox.parse(text, ox.RdfFormat.N_TRIPLES))
         shown = " ".join(spelling(variable) for variable in step.block.variables)
         rows: list[list[int]] = []

@@ -169,7 +169,8 @@ class _Run:
     def stratum(self, stratum: Stratum) -> None:
         """Evaluate a stratum to its fixpoint."""
         closures = _Closures(stratum, self._shop)
-        self.reports += (reports := [_report(rule, stratum) for rule in stratum.rules])
+        reports = [RuleReport(rule, stratum.level, matched=(0,) * len(rule.body)) for rule in stratum.rules]
+        self.reports += reports
         rules = [self._active(report, stratum) for report in reports if closures.register(report)]
         delta = Facts()
         for rule in rules:
@@ -309,10 +310,6 @@ class _Active:
     plan: RulePlan
     report: RuleReport
     pivots: tuple[_Pivot, ...]
-
-
-def _report(rule: Rule, stratum: Stratum) -> RuleReport:
-    return RuleReport(rule, stratum.level, matched=(0,) * len(rule.body))
 
 
 def _pivots(plan: RulePlan, rules: Sequence[Rule], dictionary: Dictionary) -> Iterator[_Pivot]:

@@ -39,11 +39,11 @@ def derivations(view: View, rules: tuple[Rule, ...], fact: Triple, limit: int) -
             derivation = derivation_of(view, rule, solution)
             if derivation and fact not in derivation.facts:
                 found.setdefault((str(rule), derivation.facts), derivation)
-    return sorted(found.values(), key=lambda each: (_inferred(view, each), len(each.facts), str(each.rule)))
 
+    def order(one: Derivation) -> tuple[int, int, str]:
+        return sum(not view.asserted(fact) for fact in one.facts), len(one.facts), str(one.rule)
 
-def _inferred(view: View, derivation: Derivation) -> int:
-    return sum(not view.asserted(fact) for fact in derivation.facts)
+    return sorted(found.values(), key=order)
 
 
 def derivation_of(view: View, rule: Rule, solution: dict[str, Term]) -> Derivation | None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from urllib.parse import unquote, urlsplit
 
 from kg.errors import UsageError
-from kg.rules.notations.shacl.places import StringToken
+from kg.rules.notations.shacl.graph import StringToken
 from kg.syntax.lexer import Kind, Token, token_at, tokens, unescape, unescape_local
 from kg.syntax.names import PREFIXES, is_absolute, resolve
 

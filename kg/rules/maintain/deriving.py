@@ -17,7 +17,7 @@ from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, TripleTerm, Vari
 from kg.rules.maintain.joins import Join
 from kg.rules.maintain.patterns import pattern
 from kg.rules.maintain.pivots import pivots
-from kg.rules.maintain.sets import absorb
+from kg.rules.maintain.worlds import absorb
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -35,7 +35,7 @@ __all__ = ["MaintainedRule"]
 class MaintainedRule:
     """A rule with its pivots; `before` and `after` are the worlds that it is solved in.
 
-    What a change does not reach is never planned.
+    A rule is planned when a change first reaches it.
     """
 
     def __init__(self, rule: Rule, plans: Mapping[Rule, RulePlan], shop: Workshop) -> None:
@@ -50,12 +50,12 @@ class MaintainedRule:
 
     @cached_property
     def plan(self) -> RulePlan:
-        """How it is evaluated."""
+        """The plan of evaluation."""
         return self._plans[self._rule]
 
     @cached_property
     def writes(self) -> frozenset[int] | None:
-        """The predicates that it derives, None for any."""
+        """The predicates of derived triples, None for any."""
         written = {head.predicate for head in self.plan.heads}
         known = frozenset(predicate for predicate in written if isinstance(predicate, int))
         return known if len(known) == len(written) else None
@@ -66,7 +66,7 @@ class MaintainedRule:
 
     @property
     def _planned(self) -> bool:
-        """Whether its pivots exist already, so looking at its text saves nothing."""
+        """Whether the pivots are computed, so checking the text of the rule first saves nothing."""
         return "_pivots" in self.__dict__
 
     @cached_property
@@ -76,7 +76,7 @@ class MaintainedRule:
 
     @cached_property
     def _open(self) -> frozenset[str]:
-        """The columns that a solution may leave unbound: a value from elsewhere would count as one of its own there."""
+        """The columns that a solution may leave unbound; restricting them from outside would bind them."""
         steps = self.plan.body.steps
         inner = [step.names for step in steps if isinstance(step, Grouped | Block)]
         outer = [step.names for step in steps if isinstance(step, Match | Structure | Rows)]
@@ -97,12 +97,12 @@ class MaintainedRule:
         return self._derived(self._sources(world), UNIT)
 
     def grows(self, written: frozenset[int] | None) -> bool:
-        """Return whether more triples of the predicates `written` (None is any) only add to what the rule derives."""
+        """Return whether the rule is monotone in the predicates `written` (None is any)."""
         inner = [pivot for pivot in self._pivots if (pivot.chain or pivot.block) and not pivot.asserted]
         return not any(written is None or pivot.predicates is None or pivot.predicates & written for pivot in inner)
 
     def supported(self, candidates: Facts, world: World) -> Facts:
-        """Return what the rule derives in a world where a triple of its head is among the candidates; more at times."""
+        """Return the triples derived in a world, restricted to those of the candidates; sometimes a superset."""
         found = Facts()
         sources = self._sources(world)
         for head in self.plan.heads:
@@ -114,9 +114,9 @@ class MaintainedRule:
     def consequences(
         self, came: Delta | None, gone: Delta | None, worlds: tuple[World, World], *, after: bool
     ) -> Facts:
-        """Return what the rule derives, in the world before or `after` the change, from what came or went.
+        """Return what the rule derives from added or removed triples, in the world before or `after` the change.
 
-        Sources of the outer body are asked for what went in the world before, and for what came in the one after.
+        Removed triples of the outer body are joined in the world before, added ones in the world after.
         """
         found = Facts()
         if not (self._planned or self._join.possible([delta for delta in (came, gone) if delta], worlds)):
@@ -134,7 +134,7 @@ class MaintainedRule:
         return found
 
     def _reached(self, pivot: Pivot, change: Facts, reading: Reading, worlds: tuple[World, World]) -> Facts:
-        """Return what the rule derives in the reading's outer world where the chain, from inside, restricts it."""
+        """Return the triples derived in the outer world of the reading, restricted by the inner bodies of the chain."""
         outer = self._sources(worlds[reading[0]])
         if not pivot.chain:
             outer[pivot.number] = change
@@ -169,9 +169,9 @@ class MaintainedRule:
         return collector.facts()
 
     def _meets(self, number: int, sources: Sequence[Facts]) -> bool:
-        """Return whether a triple of a source may have, for each atom next to its own, one that fits.
+        """Return whether some triple of a source can join with each atom next to its own.
 
-        Most of what a small change reaches ends here, which is far cheaper than to begin a solution.
+        Most rules that a small change reaches end here, at far less cost than solving the body.
         """
         terms = len(self._shop.dictionary)
         pivot = next((step for step in self._needed if step.number == number), None)
@@ -187,9 +187,9 @@ class MaintainedRule:
         return table.rows > 0
 
     def _possible(self, sources: Sequence[Facts]) -> bool:
-        """Return whether each atom of the outer body has triples at all.
+        """Return whether each atom of the outer body has any triples.
 
-        Most rules that a small change reaches lack some; the atom that had none is asked first the next time.
+        Most rules that a small change reaches lack some. The atom without triples is checked first next time.
         """
         for place, step in enumerate(self._needed):
             subject = step.subject if isinstance(step.subject, int) else None
@@ -201,7 +201,7 @@ class MaintainedRule:
 
 
 def _patterns(elements: Iterable[Element], dictionary: Dictionary, *, head: bool = False) -> Iterator[int]:
-    """Yield the patterns of the triples that elements of a body, or the atoms of a `head`, have."""
+    """Yield the patterns of the triples in elements of a body, or in the atoms of a `head`."""
     for element in elements:
         if isinstance(element, Atom):
             predicate, value = element.predicate, element.object
@@ -243,7 +243,7 @@ def _seeds(head: Head, candidates: Facts, hidden: frozenset[int]) -> Iterator[Ta
 
 
 def _named(table: Table, columns: dict[str, str], head: Head, predicate: int) -> Table:
-    """Return the columns under the names that the head has for them, each row once."""
+    """Rename columns as in the head, and drop duplicate rows."""
     found = Table({node: table.columns[name] for node, name in columns.items()}, table.rows)
     if isinstance(head.predicate, str):
         if head.predicate in columns:

@@ -1,4 +1,4 @@
-"""Keeps what rules infer true while what is asserted changes, at a cost in proportion to the change.
+"""Maintains inferred triples under changes of the asserted ones, at a cost in proportion to the change.
 
     state = Maintained(program, dictionary, asserted, inferred)
     change = state.apply(inserted, deleted)      # as often as there are changes
@@ -18,9 +18,8 @@ from kg.rules.engine.equality import equalities
 from kg.rules.engine.evaluate import Limits, evaluate
 from kg.rules.engine.facts import Facts, merged
 from kg.rules.maintain.deriving import MaintainedRule
-from kg.rules.maintain.sets import absorb, common, lacking
 from kg.rules.maintain.strata import LargeChangeError, Progress, Strata
-from kg.rules.maintain.worlds import Delta, World
+from kg.rules.maintain.worlds import Delta, World, absorb, common, lacking
 
 if TYPE_CHECKING:
     from kg.rules.engine.evaluate import Program
@@ -41,7 +40,7 @@ class Change:
 class Maintained:
     """A program, asserted triples, and those that the program infers, kept consistent.
 
-    The sets given are not changed; `asserted` and `inferred` are those in force, not to be changed by others.
+    The arguments are not modified. `asserted` and `inferred` are the current sets; callers must not modify them.
     """
 
     def __init__(self, program: Program, dictionary: Dictionary, asserted: Facts, inferred: Facts) -> None:
@@ -61,7 +60,7 @@ class Maintained:
         )
 
     def _equal(self, stratum: Stratum) -> list[int]:
-        """Return the predicates of the equalities of a stratum; none where evaluating again would change values."""
+        """Return the equality predicates of a stratum; none if evaluating again would change values."""
         if not stratum.recursive or self._volatile:
             return []
         return [self._dictionary.intern_term(equality.predicate) for equality in equalities(stratum.rules)]
@@ -69,7 +68,7 @@ class Maintained:
     def apply(self, inserted: Facts, deleted: Facts, *, limits: Limits | None = None) -> Change:
         """Assert triples, retract others, and return the change of the inferred ones.
 
-        A triple in both sets stays asserted. What is asserted already, or was not, changes nothing.
+        A triple in both sets stays asserted. Inserting a known triple or deleting an unknown one has no effect.
 
         Raises:
             RuleError: KG204 where rules make terms in recursion and `limits` has no bound, KG205 at a limit
@@ -101,7 +100,7 @@ class Maintained:
         return change
 
     def _inferred(self, change: Change) -> Facts:
-        """Return what is inferred after a change; predicates that nothing asserts share the arrays of what is known."""
+        """Return the inferred triples after a change; predicates without asserted triples share their arrays."""
         found = self.inferred.copy()
         for predicate in {*change.removed.predicates, *change.added.predicates}:
             if self.asserted.keys(predicate).size:
@@ -112,7 +111,7 @@ class Maintained:
         return found
 
     def _asserting(self, inserted: Facts, deleted: Facts) -> Progress:
-        """Begin with the change of what is asserted; what is inferred already does not come."""
+        """Start with the change of asserted triples, without those already inferred."""
         before = World(self.asserted, self._known)
         after = before.copy()
         came = lacking(inserted, self._known)
@@ -131,7 +130,7 @@ class Maintained:
 
 
 def _change(progress: Progress) -> Change:
-    """Return the inferred triples added and removed: of the known ones, those that are not asserted."""
+    """Return the inferred triples added and removed: the change of all triples without the asserted ones."""
     added = lacking(progress.came.known, progress.after.asserted)
     absorb(added, common(progress.gone.asserted, progress.after.known))
     removed = lacking(progress.gone.known, progress.gone.asserted)
@@ -160,7 +159,7 @@ def maintain(  # noqa: PLR0913, PLR0917 - a state and a change, of two sets each
 
 
 def _together(asserted: Facts, inferred: Facts) -> Facts:
-    """Return two sets that share nothing as one; predicates that only one has keep their arrays."""
+    """Return the union of two disjoint sets; predicates of only one share its arrays."""
     found = asserted.copy()
     for predicate, keys in inferred:
         if found.keys(predicate).size:

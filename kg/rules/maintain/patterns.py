@@ -1,7 +1,7 @@
-"""Which rules a change can reach: the patterns of triples that rules read and derive, and those that a change has.
+"""Find the rules that a change can reach, by patterns of the triples that rules read and derive.
 
 A pattern is `predicate << 32 | object`, where 0 stands for any object; `ANY` is that of all triples. Of some hundred
-strata a small change reaches few: the others are excluded by disjoint sets of patterns, without a join.
+strata a small change reaches few. Disjoint sets of patterns exclude the others without a join.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _LOW: Final = 0xFFFFFFFF
 
 
 def pattern(predicate: object, value: object) -> int:
-    """Return the pattern of an atom; a position that is not an identifier of a term matches any."""
+    """Return the pattern of an atom; a position without a term matches any."""
     if not isinstance(predicate, int):
         return ANY
     return predicate << 32 | (value if isinstance(value, int) else 0)
@@ -43,7 +43,7 @@ class Patterns:
         self._objects = {predicate: np.array(sorted(named), np.int64) for predicate, named in objects.items()}
 
     def of(self, facts: Facts) -> set[int]:
-        """Return the patterns that any of the triples have, as far as rules distinguish objects."""
+        """Return the patterns of some triples, with objects only where rules distinguish them."""
         found: set[int] = set()
         for predicate, keys in facts:
             found.update((ANY, predicate << 32))

@@ -1,13 +1,13 @@
-"""Where a change enters a rule: for each of its sources, what to examine when that source changes.
+"""Pivots of a rule: for each source of triples, what to evaluate when that source changes.
 
-A source of the outer body is read from the change itself, the others from the data before (what was derived from a
-triple that goes) or after it (what can be derived from one that comes).
+A source of the outer body is read from the change itself. The others are read from the data before (consequences of
+a removed triple) or after it (consequences of an added one).
 
-A source inside NOT, or an aggregate, only selects solutions of the outer body to examine again. The bodies around
+A source inside NOT, or an aggregate, only selects solutions of the outer body to evaluate again. The bodies around
 it form a chain. The innermost is solved with the source read from the change; the values of the columns that it shares
-with the body around it (of an aggregate: its keys) restrict that one, and so on outwards. In which data each body is
-solved alternates: a triple that comes gives an inner body a new solution in the data after, which takes solutions
-away from the negation's outer body, as it was before. A group that changes had a value before and has one after.
+with the body around it (of an aggregate: its keys) restrict that one, and so on outwards. The data in which
+bodies are solved alternates: an added triple gives a negated body a new solution in the data after, which removes
+solutions of the outer body in the data before. A changed group has one value before and another after.
 """
 
 from __future__ import annotations
@@ -47,9 +47,9 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Pivot:
-    """One source of a rule; `predicates` that it reads, None for any; `block`: it is a block of SPARQL.
+    """One source of a rule; `predicates` that it reads, None for any; `block`: whether it is a block of SPARQL.
 
-    `patterns` are those of the triples that it reads. `coming` and `going` are the readings for triples that come and
+    `patterns` are those of the triples that it reads. `coming` and `going` are the readings for added and
     that go.
     """
 
@@ -102,7 +102,7 @@ def _readings(chain: Sequence[Link], *, after: bool) -> Iterator[Reading]:
 
 
 def _chain(around: Sequence[_Inner], source: Match | Block) -> tuple[Link, ...]:
-    """Return the bodies around a source, from outside."""
+    """Return the bodies around a source, the outermost first."""
     chain: list[Link] = []
     kept: tuple[Step, ...] = (source,)
     names = source.names
@@ -125,9 +125,9 @@ def _link(inner: _Inner, kept: tuple[Step, ...], names: frozenset[str]) -> Link:
 def _connected(
     steps: Sequence[Step], kept: tuple[Step, ...], names: frozenset[str]
 ) -> tuple[tuple[Step, ...], frozenset[str]]:
-    """Return the steps that are joined with those `kept`, or with the columns `names`, and all columns of these.
+    """Return the steps that join with those `kept` or with the columns `names`, and all their columns.
 
-    What meets them in a filter at most would be multiplied with what changed, however much of it there is.
+    A step that shares only a filter with them would form a Cartesian product with the change.
     """
     waiting = [step for step in steps if not any(step is other for other in kept)]
     while joined := [step for step in waiting if _binds(step) and (_needs(step) | _binds(step)) & names]:
@@ -138,9 +138,9 @@ def _connected(
 
 
 def _solvable(body: Body) -> tuple[Step, ...]:
-    """Return the steps that need nothing from outside of the body.
+    """Return the steps that need no variable from outside the body.
 
-    What is left out would only have dropped rows, or bound what no other step of these needs.
+    The other steps only drop rows, or bind columns that none of these steps needs.
     """
     names: set[str] = set()
     kept: list[Step] = []

@@ -1,12 +1,12 @@
 """One stratum after a change: delete and rederive, then insert (Gupta, Mumick and Subrahmanian 1993, section 7).
 
-1. Whatever was derived, in the data before, from a triple that went, is taken away (unless it is asserted), and so on
-   where the stratum is recursive. This takes away too much: a triple may have other derivations. So that one triple
-   does not take everything with it, what follows in one step from data that certainly stays is left where it is.
-2. What was taken away and still is derived from the data that is left is put back.
-3. What follows from triples that came, or that were put back, is added, round by round.
+1. Remove what was derived, in the data before, from a removed triple (unless it is asserted), repeatedly where the
+   stratum is recursive. This removes too much, since a triple may have other derivations. Triples that follow in one
+   step from data that certainly stays are therefore kept, which bounds the effect of one triple.
+2. Put back the removed triples that still follow from the remaining data.
+3. Add what follows from triples that were added or put back, round by round.
 
-Triples under negation and aggregates belong to strata that are finished; `kg.rules.maintain.pivots` says what they do.
+Triples under negation and aggregates belong to finished strata; `kg.rules.maintain.pivots` describes their effect.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ import numpy as np
 
 from kg.rules.engine.facts import Facts, difference, union, unpack
 from kg.rules.maintain.patterns import Patterns
-from kg.rules.maintain.sets import absorb, common, lacking, take_out
-from kg.rules.maintain.worlds import Delta, World
+from kg.rules.maintain.worlds import Delta, World, absorb, common, lacking, take_out
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["LargeChangeError", "Progress", "Strata"]
 
 _ROWS_PER_TRIPLE: Final = 4
-"""Evaluation of everything reads each triple several times: it costs less than joins of more rows than this."""
+"""Joins of more rows than this, relative to all triples, cost more than evaluating everything again."""
 
 _FEW_ROWS: Final = 1 << 16
 """Joins of fewer rows always cost less."""
@@ -61,7 +60,7 @@ class Progress:
 
     @property
     def worlds(self) -> tuple[World, World]:
-        """Before and after."""
+        """The worlds before and after."""
         return self.before, self.after
 
 
@@ -132,12 +131,12 @@ class _Work:
     strata: Strata
     stratum: _Stratum
     lost: Facts = field(default_factory=Facts)
-    """What was derived by then and has been taken away."""
+    """Derived triples removed so far."""
     _size: int = 0
-    """How much was lost in the last round: where less is lost from round to round, no triple is looked at closely."""
+    """Triples removed in the last round. While this number falls, other derivations are not searched for."""
     _base: World | None = None
     _rows: int = 0
-    """How many rows transitivity has joined."""
+    """Rows joined by transitivity so far."""
 
     @property
     def rules(self) -> Sequence[MaintainedRule]:
@@ -240,7 +239,7 @@ class _Work:
     def _record_lost(self, found: Facts) -> Facts:
         """Record the triples to remove, all but those asserted, and return them.
 
-        Triples derived in the world before are known there, which saves a search among all.
+        Triples derived in the world before are already in it, which saves a search.
         """
         going = lacking(lacking(lacking(found, self.progress.after.asserted), self.progress.gone.known), self.lost)
         if self.recursive and len(going) > self._size:
@@ -251,7 +250,7 @@ class _Work:
         return going
 
     def _removed_here(self, gone: Facts) -> Facts:
-        """Return the removed triples that this stratum may derive; others have put theirs back already."""
+        """Return the removed triples that this stratum may derive; earlier strata have put theirs back."""
         written = _written(self.rules)
         found = Facts()
         for predicate, keys in gone:
@@ -283,7 +282,7 @@ class _Work:
         return self._base
 
     def _gain(self, found: Facts) -> Facts:
-        """Add triples, those that are not there, and return them."""
+        """Add the triples that are missing, and return them."""
         progress = self.progress
         new = lacking(found, progress.after.known)
         progress.came.patterns |= progress.patterns.of(new)

@@ -44,7 +44,7 @@ def imported(unit: RuleUnit, path: Path, text: str) -> Iterator[tuple[Path, str,
 def _file(target: NamedNode, source: Path, text: str) -> Path:
     parts = urlsplit(target.value)
     if parts.scheme != "file" or parts.netloc not in {"", "localhost"}:
-        hint = "Rule sets are not fetched: save it beside this file and import it by its name."
+        hint = "Rule sets are not fetched: save it next to this file and import it by its name."
         raise _error(f"`{target.value}` is not a file of this machine", target, source, text, hint)
     return Path(unquote(parts.path))
 

@@ -83,7 +83,7 @@ def _stored(pattern: Pattern, stem: str) -> Term | None:
 
 def _literal_subject(place: Place) -> RuleError:
     hint = "RDF has IRIs and blank nodes as subjects; say it the other way round."
-    return RuleError("KG209", "a triple whose subject is no IRI or blank node cannot be stored", place=place, hint=hint)
+    return RuleError("KG209", "the subject of a triple must be an IRI or a blank node", place=place, hint=hint)
 
 
 class _Reader:

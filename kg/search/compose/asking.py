@@ -1,4 +1,4 @@
-"""The meaning of a request: the types that it names, and what a chain must go through."""
+"""Resolves a request in a network: its types, and the types and nodes that a chain must contain."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ _DESCRIBED: Final = (
 class Asked:
     """A question in terms of a network.
 
-    Each thing that a chain must go through has a bit: `types` and `parts` (places in the network) have it. `named` are
-    parts that are meant by name, so that they may be in a chain whatever they are.
+    Each required type or node has a bit: `types` and `parts` (places in the network) map to their bits. `named` are
+    parts requested by name; they are allowed in a chain whatever their cost.
     """
 
     starts: tuple[str, ...]
@@ -57,8 +57,8 @@ def asked(
     """Resolve types and names in a network.
 
     Raises:
-        UnknownNameError: KG705 for a type that no node publishes or subscribes, KG707 for what to go through and is
-            neither a type, a node, a package nor a word of any.
+        UnknownNameError: KG705 for a type that no node publishes or subscribes, KG707 for a required name that
+            matches no type, node, package or word.
     """
     known = network.published() | network.subscribed()
     starts = {name: meant_types(name, known) for name in sources}
@@ -90,7 +90,7 @@ def meant_types(name: str, known: Iterable[str]) -> tuple[str, ...]:
     """Return the types that `package/Type`, `package/msg/Type` or `Type` means, sorted.
 
     Raises:
-        UnknownNameError: KG705 with what is near.
+        UnknownNameError: KG705 with similar names.
     """
     types = set(known)
     found = _types(name, types)
@@ -114,7 +114,7 @@ def _types(name: str, known: set[str]) -> tuple[str, ...]:
 def _through(
     name: str, network: Network, snapshot: Snapshot, known: set[str]
 ) -> tuple[tuple[str, ...], list[int], bool]:
-    """Return the types and the parts that a name to go through means, and whether it is the name of parts."""
+    """Return the types and the parts that a required name matches, and whether it is the exact name of parts."""
     types = _types(name, known)
     if types and "/" in name:
         return types, [], False
@@ -131,7 +131,7 @@ def _through(
     if not types and not found:
         names = {one for part in network.parts for one in (part.name, part.package)}
         near = did_you_mean(name, [*names, *known])
-        message = f"`{name}` is no type, node or package of the store, and no word of any"
+        message = f"nothing in the store matches `{name}`: not a type, a node, a package or a word of their names"
         raise UnknownNameError("KG707", message, hint=near or "`kg nodes` lists the nodes, `kg search` finds them.")
     return types, sorted(found), False
 

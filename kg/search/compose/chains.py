@@ -1,9 +1,9 @@
-"""The best chains of steps from some types to others, the cheapest first.
+"""Finds the cheapest chains of steps from some types to others, in the order of their costs.
 
-Nodes and types are a bipartite graph; a step goes from a type through a node to a type. Backwards from the goals, what
-the rest of a chain costs at least is found for each type and number of steps left (Bellman 1957); forwards, chains grow
-in the order of what they have cost and will cost at least (A*, Hart, Nilsson and Raphael 1968), each kept as the place
-of its next step in a sorted list, so that only what is looked at is made.
+Nodes and types are a bipartite graph; a step goes from a type through a node to a type. A backward pass
+from the goals computes a lower bound of the remaining cost for each type and number of steps left (Bellman 1957). The
+forward search extends chains in the order of cost so far plus that bound (A*, Hart, Nilsson and Raphael 1968). Each
+queued chain is a place in a sorted list of next steps, so chains are built only when they are visited.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ _MOST_LOOKS: Final = 150_000
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A node in a chain: it takes `source` at the input `taken` and gives `target` at the output `given`.
+    """A node in a chain: it receives `source` at the input `taken` and publishes `target` at the output `given`.
 
-    `marks` are bits: what it has of that which a chain must have. `key` puts equally good steps in order. One that is
-    `kept` may give the type that it takes.
+    `marks` are the bits of the requirements that it meets. `key` orders steps of equal cost. A `kept` step may publish
+    the type that it receives.
     """
 
     part: int
@@ -44,14 +44,14 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Steps of which each takes what the one before gives; `cost` counts what is between two steps too."""
+    """Steps, each of which receives the output of the one before; `cost` includes the links between them."""
 
     cost: int
     steps: tuple[Step, ...]
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """Order of chains of the same cost."""
+        """The sort key among chains of the same cost."""
         return tuple(step.key for step in self.steps)
 
 
@@ -77,8 +77,8 @@ class Search:
     """A search: chains of at most `length` steps from one of `starts` to one of `goals`.
 
     `steps` are all steps by the type they take. A chain must have all bits of `wanted`; `start_marks` are those of the
-    types it may begin with. `between` is what it costs to put one step behind another, nothing at least. No family
-    comes twice in a chain, nor does a type, but for the goal of a search from a type to itself and steps that are kept.
+    types it may begin with. `between` returns the cost of linking two steps, 0 or more. No family and no
+    type occurs twice in a chain, except the goal of a search from a type to itself, and types of `kept` steps.
     """
 
     steps: Mapping[str, Sequence[Step]]
@@ -96,14 +96,14 @@ class Search:
 
     @property
     def cut_off(self) -> bool:
-        """Whether the search ended before it had seen everything."""
+        """Whether the search ended before it was complete."""
         return self.looks >= _MOST_LOOKS
 
     def best(self) -> Iterator[Chain]:
-        """Yield the chains by rising cost and, of the same cost, by their keys; those of the same nodes once.
+        """Yield the chains by rising cost, then by their keys; chains of the same nodes once.
 
-        What waits comes in that order too, and what follows from it is never before it, so that what is complete when
-        its turn comes is the next. Where the search is cut off, the complete chains that wait are all there is.
+        The queue has the same order, and an extension never precedes its chain. So a complete chain at the head of the
+        queue is the next result. If the search is cut off, the complete chains still in the queue follow.
         """
         self._bound_costs()
         waiting: _Waiting = []
@@ -141,7 +141,7 @@ class Search:
             heappush(waiting, (path.cost + rest, (*path.keys, key), next(self._numbers), place, path))
 
     def _grown(self, path: _Path, step: Step) -> _Path | None:
-        """Return a path with one more step, None where it may not follow."""
+        """Return a path with one more step, None if that step is not allowed."""
         if any(one.family == step.family for one in path.steps):
             return None
         marks = path.marks | (step.marks & self.wanted)
@@ -156,7 +156,7 @@ class Search:
         return step.target in self.goals and marks & self.wanted == self.wanted
 
     def _bound_costs(self) -> None:
-        """Find what the rest of a chain costs at least, by the type and the bits it has, for each number of steps."""
+        """Compute lower bounds of the remaining cost, by type and bits, for each number of steps."""
         edges = self._edges()
         subsets = [marks for marks in range(self.wanted + 1) if marks & self.wanted == marks]
         self._rest = [{}]
@@ -173,7 +173,7 @@ class Search:
             self._rest.append(now)
 
     def _edges(self) -> dict[tuple[str, str, int], int]:
-        """Return the cheapest step between each two types, by the bits that it has."""
+        """Return the cheapest step between each two types, by its bits."""
         found: dict[tuple[str, str, int], int] = {}
         for steps in self.steps.values():
             for step in steps:
@@ -183,7 +183,7 @@ class Search:
         return found
 
     def _follow(self, path: _Path) -> _Follow:
-        """Return the steps that may follow with what the chain costs at least from there, the cheapest first."""
+        """Return the possible next steps, each with the lower bound of the remaining cost, the cheapest first."""
         left = self.length - len(path.steps)
         key = path.type, path.marks, left
         found = self._known.get(key)

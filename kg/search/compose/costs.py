@@ -100,7 +100,7 @@ def generic(type_name: str) -> bool:
 
 
 def needs(part: Part, taken: Port) -> tuple[Port, ...]:
-    """Return what a node subscribes besides the input that a chain comes in by; what it publishes itself is no need."""
+    """Return the subscriptions of a node other than its input in a chain, without topics that it publishes itself."""
     own = {port.topic for port in part.outputs}
     return tuple(
         port
@@ -112,7 +112,7 @@ def needs(part: Part, taken: Port) -> tuple[Port, ...]:
 
 
 def demerits(part: Part) -> tuple[str, ...]:
-    """Return why a node is hardly one to reuse, in words."""
+    """Return the arguments against reusing a node, in words."""
     known = knowledge().words
     named = {*words(part.package), *words(part.name)}
     found = []
@@ -167,7 +167,7 @@ def _words(name: str) -> frozenset[str]:
 
 
 def port_cost(port: Port) -> int:
-    """Return what an end costs: one to look at, of a name unlike its type, or that only a parameter names."""
+    """Return the cost of an end, higher for side outputs, names unlike the type, and names from parameters."""
     costs, side = knowledge().costs, knowledge().words.side
     if port.name is None:
         return costs.named_by_parameter

@@ -1,4 +1,4 @@
-"""Where the ends of chosen nodes are in code, and which parameters these nodes have: one query for all of them."""
+"""Lines of the ends of chosen nodes, and the parameters of these nodes, read by one query."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ class Unset:
 
 @dataclass(slots=True)
 class Details:
-    """What was read: places by the IRI of an end, parameters by that of a node, and the nodes with a life cycle."""
+    """Places by the IRI of an end, parameters by the IRI of a node, and the nodes with a life cycle."""
 
     places: Mapping[str, Location] = field(default_factory=dict)
     unset: Mapping[str, tuple[Unset, ...]] = field(default_factory=dict)
     lifecycle: frozenset[str] = frozenset()
 
     def place(self, port: Port, part: Part) -> Location:
-        """Return the line of an end; that of its node where it is not known."""
+        """Return the line of an end, or of its node if the former is unknown."""
         return self.places.get(port.iri, Location(part.path, part.line))
 
 
@@ -70,7 +70,7 @@ def read_details(snapshot: Snapshot, parts: Iterable[Part], ports: Iterable[Port
 
 
 def _unset(found: Mapping[tuple[str, str], Mapping[str, set[str]]]) -> dict[str, tuple[Unset, ...]]:
-    """Return the parameters of each node that it reads and that have no default anywhere, each once, by name."""
+    """Return the parameters that each node reads and that never have a default, sorted by name."""
     unset: defaultdict[str, dict[str, Unset]] = defaultdict(dict)
     settled: set[tuple[str, str]] = set()
     for (node, _), known in sorted(found.items()):

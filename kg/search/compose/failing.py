@@ -1,4 +1,4 @@
-"""Why no chain exists: types without subscriber or publisher, and the reach from either side."""
+"""Explains why no chain exists: types without subscriber or publisher, and the types reachable from either side."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _SHOWN: Final = 6
 
 
 def nothing(network: Network, asked: Asked, using: Sequence[str], ros: int | None, length: int) -> UnknownNameError:
-    """Return the error KG706 about a question that has no answer, with how far one gets."""
+    """Return the error KG706 for a question without an answer, with the types that can be reached."""
     sides = (", ".join(asked.starts), ", ".join(sorted(asked.goals)))
     through = f" through {', '.join(f'`{one}`' for one in using)}" if using else ""
     version = f" of ROS {ros}" if ros else ""
@@ -40,7 +40,7 @@ def nothing(network: Network, asked: Asked, using: Sequence[str], ros: int | Non
 
 
 def _missing(network: Network, asked: Asked, ros: int | None) -> Iterator[str]:
-    """Yield which types no node takes, or gives."""
+    """Yield the types that no node subscribes to, or publishes."""
     parts = [part for part in network.parts if ros in {None, part.ros}]
     taken = {port.type for part in parts for port in part.inputs}
     given = {port.type for part in parts for port in part.outputs}
@@ -54,7 +54,7 @@ def _missing(network: Network, asked: Asked, ros: int | None) -> Iterator[str]:
 
 
 def _reached(network: Network, asked: Asked, length: int, ros: int) -> Iterator[str]:
-    """Yield which types can be made of the starts, with the longest way, and of which ones the goals can be made."""
+    """Yield the types reachable from the starts, with the longest path, and those that lead to the goals."""
     steps = steps_of(network, Asked(asked.starts, asked.goals), ros)
     forwards = _levels(steps, asked.starts, length)
     behind = {name: level for name, level in forwards.items() if level}

@@ -59,7 +59,7 @@ def remarks(chain: Composed, place: int) -> list[str]:
 
 
 def unset(chain: Composed, node: Node) -> tuple[Unset, ...]:
-    """Return the parameters of a node that may have to be set: those without a known default that nothing here sets."""
+    """Return the parameters without a known default that the launch file does not set either."""
     given = {*(name for name, _ in node.start.topics), *node.start.switches}
     found = chain.details.unset.get(node.part.iri, ())
     return tuple(one for one in found if one.name not in given)

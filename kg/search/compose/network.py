@@ -19,8 +19,8 @@ _PARAMETER: Final = re.compile(r"(~/)?[A-Za-z][\w./]*", re.ASCII)
 class Port(msgspec.Struct, array_like=True, frozen=True, gc=False):
     """A publisher or subscriber: `name` as the node gives it to ROS, `type` `package/Type`.
 
-    `parameter` is what sets a name that is not known. `switches` are those of `kg.facts.Interface`, `arguments` how
-    many the command line has to have for it.
+    `parameter` sets an unknown name. `switches` are those of `kg.facts.Interface`, `arguments` the number of
+    command-line arguments that the end requires.
     """
 
     iri: str
@@ -32,7 +32,7 @@ class Port(msgspec.Struct, array_like=True, frozen=True, gc=False):
 
     @property
     def topic(self) -> str | None:
-        """The name in one form for relative and absolute ones, which are the same for a node in no namespace."""
+        """The name without a leading slash: relative and absolute names are equal for a node in the root namespace."""
         return self.name.removeprefix("/") if self.name is not None else None
 
     @property
@@ -76,7 +76,7 @@ class Part(msgspec.Struct, frozen=True, gc=False):
 
     @property
     def full_name(self) -> str:
-        """The name that people know it by, `package/node`."""
+        """The full name, `package/node`."""
         return f"{self.package}/{self.name}"
 
 

@@ -1,4 +1,4 @@
-"""The network of a store: two large queries over the graphs of sources, two short ones, kept in the store's cache."""
+"""Reads the network of a store by two large and two short queries, and caches it with the store."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ _FOLDER: Final = "compose"
 
 
 def network(snapshot: Snapshot, cache: Path | None) -> Network:
-    """Return the network of a snapshot: from the folder `cache` where it is there, else read and kept there."""
+    """Return the network of a snapshot, from the folder `cache` if present; else read it and save it there."""
     if cache is None:
         return read(snapshot)
     body = kept(cache / _FOLDER, snapshot.identity)
     if body is not None:
         return msgspec.json.decode(body, type=Network)
     found = read(snapshot)
-    # A network that cannot be kept is read again the next time, in a store that one may only read.
+    # In a read-only store the network is read again the next time.
     with suppress(OSError):
         keep(cache / _FOLDER, snapshot.identity, [msgspec.json.encode(found)])
     return found
@@ -131,10 +131,10 @@ def _of(ports: Iterable[tuple[str, Port]], role: str) -> tuple[Port, ...]:
 
 
 def _split(iri: str) -> tuple[str, str, str | None]:
-    """Return the node, the role and the name that are in the IRI of an end (`kg.graph.iris.fragment`)."""
+    """Return the node, the role and the name in the IRI of an end (`kg.graph.iris.fragment`)."""
     whole, _, part = iri.partition("#")
     again = ""
-    if not part.startswith(_ROLES):  # one of several nodes of one name has a fragment of its own
+    if not part.startswith(_ROLES):  # several nodes of one name are distinguished by fragments
         at = min((place for role in _ROLES if (place := part.find(f"/{role}/")) >= 0), default=-1)
         if at < 0:
             return whole, part.partition("/")[0], None
@@ -156,7 +156,7 @@ def _names(iri: str) -> tuple[str, str, str]:
 
 
 def _with_families(parts: list[Part]) -> list[Part]:
-    """Return the parts with their families: nodes of one name, but for words of their form, in packages of one name."""
+    """Return the parts with their families: nodes and packages of the same names, apart from words of form."""
     first: dict[tuple[int, str, str], int] = {}
     return [
         msgspec.structs.replace(part, family=first.setdefault((part.ros, part.package, _bare(part.name)), place))
@@ -165,7 +165,7 @@ def _with_families(parts: list[Part]) -> list[Part]:
 
 
 def _bare(name: str) -> str:
-    """Return the letters and digits of a name without its namespace and the words that tell its form."""
+    """Return the letters and digits of a name without its namespace and words of form, such as `nodelet`."""
     last = name.rpartition("::")[2].rpartition("/")[2].removesuffix(".py")
     words = [word.lower() for word in _WORD.findall(last)]
     return "".join(word for word in words if word not in _FORMS) or last

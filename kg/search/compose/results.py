@@ -27,8 +27,8 @@ LAUNCH_ENDS: Final = {1: ".launch", 2: ".launch.py"}
 class Node:
     """A node of a chain.
 
-    `fed` are other inputs that nodes before it in the chain give, `needs` those that nobody gives. `others` are the
-    variants and copies that it stands for, `demerits` say why it is hardly one to reuse.
+    `fed` are other inputs published by earlier nodes of the chain, `needs` the inputs that no node publishes. `others`
+    are its variants and copies, `demerits` the arguments against reusing it.
     """
 
     part: Part
@@ -40,7 +40,7 @@ class Node:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Arguments for and against it, in words."""
+        """Arguments for and against the node, in words."""
         return (*((f"{_starting(self.part.started)} it",) if self.part.started else ()), *self.demerits)
 
     @property
@@ -55,7 +55,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """A chain, wired; `types` are what goes in, what goes from node to node, and what comes out."""
+    """A chain, wired; `types` are the types of the input, of the links, and of the output."""
 
     nodes: tuple[Node, ...]
     wiring: Wiring
@@ -88,7 +88,7 @@ class Composed:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The best chains; `more`: others exist, `cut_off`: the search ended before it had seen all."""
+    """The best chains; `more`: others exist, `cut_off`: the search ended before it was complete."""
 
     chains: tuple[Composed, ...]
     asked: Asked
@@ -101,7 +101,7 @@ def _starting(number: int) -> str:
 
 
 def grouped(ports: tuple[Port, ...]) -> list[tuple[str, list[str]]]:
-    """Return the types of ends with the names that a node has for them, as far as they are known."""
+    """Return the types of ends with their known names in the node."""
     found: dict[str, list[str]] = {}
     for port in ports:
         found.setdefault(port.type, []).extend([port.name] if port.name is not None else [])

@@ -74,7 +74,7 @@ def _below(name: str) -> str:
 
 
 def _comment(text: str) -> str:
-    """Return a text that may be in a comment of XML, which has no two hyphens in a row and none at its end."""
+    """Return a text that is valid in a comment of XML: no two hyphens in a row, and none at the end."""
     while "--" in text:
         text = text.replace("--", "- -")
     return f"{text} " if text.endswith("-") else text

@@ -1,4 +1,4 @@
-"""From a question to its answer: the best chains of all versions of ROS, wired."""
+"""Answers a question: the best chains for each version of ROS, wired."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ _VERSIONS: Final = (1, 2)
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """Which chains are asked for: from any type of `sources` to any of `targets`, through everything in `using`.
+    """A question for chains from any type of `sources` to any of `targets`, through everything in `using`.
 
-    `ros` is 1 or 2, None for both; `limit` is how many chains are returned. `length` is how many nodes a chain may
-    have; None stands for four, and for no chains that are longer than the best by more than a node.
+    `ros` is 1 or 2, None for both; `limit` is how many chains are returned. `length` is the largest number
+    of nodes; None means four, without chains longer than the best one by more than a node.
     """
 
     sources: tuple[str, ...]
@@ -57,11 +57,11 @@ class Question:
 def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -> Answer:
     """Return the best chains, the best first.
 
-    What is read of the store is kept below the folder `cache`, if that is given, for the next question.
+    The network is cached below the folder `cache`, if given.
 
     Raises:
-        UnknownNameError: KG705 for a type that no node has, KG706 when there is no chain, KG707 for a name in `using`
-            that means nothing.
+        UnknownNameError: KG705 for a type that no node has, KG706 when there is no chain, KG707 for an unknown name in
+            `using`.
     """
     known = network(snapshot, cache)
     meant = asked(known, snapshot, question.sources, question.targets, question.using)

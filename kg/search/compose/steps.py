@@ -1,4 +1,4 @@
-"""The steps that chains are made of: each way through each node, of a version of ROS, with its cost."""
+"""The steps of chains: each pair of input and output of each node for a version of ROS, with its cost."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["between", "steps_of"]
 
 
 def steps_of(network: Network, asked: Asked, ros: int) -> Mapping[str, Sequence[Step]]:
-    """Return the best step of each family between each two types, by the type that it takes."""
+    """Return the best step of each family between each two types, by input type."""
     best: dict[tuple[int, str, str], Step] = {}
     for place, part in enumerate(network.parts):
         if part.ros != ros:
@@ -35,7 +35,7 @@ def steps_of(network: Network, asked: Asked, ros: int) -> Mapping[str, Sequence[
 
 
 def _through(part: Part, place: int, asked: Asked) -> Iterator[Step]:
-    """Yield the ways through a node."""
+    """Yield the steps of a node."""
     kept = asked.names(place)
     costs, key = knowledge().costs, f"{part.full_name} {part.repository}"
     base = costs.node if kept else part_cost(part)
@@ -56,7 +56,7 @@ def _through(part: Part, place: int, asked: Asked) -> Iterator[Step]:
 
 
 def _best(ports: Sequence[Port], shared: frozenset[str | None], taken: Port | None = None) -> dict[str, int]:
-    """Return the place of the best end of each type; outputs are to go with the input `taken`."""
+    """Return the place of the best end of each type; outputs must be compatible with the input `taken`."""
     found: dict[str, int] = {}
     for place, port in enumerate(ports):
         if not port.can_be_wired or (taken is not None and not _together(taken, port)):
@@ -76,7 +76,7 @@ def _cost(port: Port, shared: frozenset[str | None]) -> int:
 
 
 def _together(taken: Port, given: Port) -> bool:
-    """Return whether a node has both ends at once, under two names."""
+    """Return whether a node can have both ends at the same time, under different names."""
     if taken.topic is not None and taken.topic == given.topic:
         return False
     if taken.name is None and taken.parameter == given.parameter and given.name is None:
@@ -94,7 +94,7 @@ def _need_cost(wanted: set[str]) -> int:
 
 
 def between(network: Network) -> Callable[[Step, Step], int]:
-    """Return what it costs to put one step behind another."""
+    """Return the cost of linking one step to the next."""
     parts = network.parts
 
     def cost(one: Step, other: Step) -> int:

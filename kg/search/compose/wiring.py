@@ -1,7 +1,7 @@
-"""Names for what a chain starts and for the topics between: valid, unique, and none by which nodes meet unintended.
+"""Names for the nodes and topics of a chain: valid, unique, and without unintended connections.
 
-A topic keeps the name that the node which publishes it gives it, unless another end of the chain has that name too, but
-for later nodes that subscribe the same type. Then it is below the name of that node.
+A topic keeps the name that its publisher uses, unless another end of the chain has that name (other than later nodes
+that subscribe to the same type). In that case the topic is named below its publisher.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Link:
 class Start:
     """A node as the launch file starts it; `remaps` are pairs of its own name for a topic and the link it becomes.
 
-    `topics` are parameters that name topics, `switches` boolean ones that make it have its ends.
+    `topics` are parameters that name topics, `switches` boolean parameters that enable its ends.
     """
 
     part: Part
@@ -54,19 +54,20 @@ class Start:
 
     @property
     def loaded(self) -> bool:
-        """Whether it is a class that a manager or container loads."""
+        """Whether a manager or container loads it as a class."""
         return self.part.executable is None
 
     def own(self, port: Port) -> str | None:
-        """Return the absolute name that an end has where nothing changes it."""
+        """Return the absolute name of an end without remapping."""
         return resolve(port.name, self.name) if port.name is not None else None
 
 
 @dataclass(frozen=True, slots=True)
 class Wiring:
-    """Content of a launch file: `links` has one topic more than nodes, the first and the last from outside.
+    """Content of a launch file.
 
-    `host` is the name of what loads classes, None where there are none.
+    `links` has one topic more than there are nodes; the first and the last connect to the outside. `host` is the
+    name of the manager or container that loads classes, None without such classes.
     """
 
     ros: int
@@ -75,7 +76,7 @@ class Wiring:
     host: str | None
 
     def said(self, place: int) -> set[tuple[str, str]]:
-        """Return the topics with their types that the node at a place publishes, as they are called then."""
+        """Return the topics that the node at a place publishes, by their final names, with types."""
         start, link = self.starts[place], self.links[place + 1]
         moved = start.own(start.given)
         found = {(start.own(port) or "", port.type) for port in start.part.outputs if start.own(port) != moved}
@@ -83,7 +84,7 @@ class Wiring:
 
 
 def wire(ways: Sequence[tuple[Part, Port, Port]]) -> Wiring:
-    """Return the names of a chain: nodes in order, each with the input it is reached by and the output that goes on."""
+    """Return the wiring of a chain: nodes in order, each with its input and output in the chain."""
     ros = ways[0][0].ros
     host = _HOSTS[ros] if any(part.executable is None for part, _, _ in ways) else None
     taken = {host} if host else set()
@@ -100,7 +101,7 @@ def wire(ways: Sequence[tuple[Part, Port, Port]]) -> Wiring:
 
 
 def _node_name(part: Part) -> str:
-    """Return the name that a node has by itself, as one that is valid."""
+    """Return the default name of a node, made valid."""
     own = (part.node_name or "").rpartition("/")[2]
     plain = own if own and not is_partial(own) else part.name.removesuffix(".py")
     last = plain.rpartition("::")[2].rpartition("/")[2]
@@ -109,7 +110,7 @@ def _node_name(part: Part) -> str:
 
 
 def _unique(name: str, taken: Iterable[str]) -> str:
-    """Return a name with a number behind it where it is taken."""
+    """Return a name, with a number appended if it is taken."""
     known = set(taken)
     return next(one for number in count(1) if (one := name if number == 1 else f"{name}_{number}") not in known)
 
@@ -117,7 +118,7 @@ def _unique(name: str, taken: Iterable[str]) -> str:
 def _links(starts: Sequence[Start]) -> list[Link]:
     """Return the topics from the input of the first node to the output of the last.
 
-    New names are none that any end of the chain has by itself, since a remapping may move what has such a name.
+    A new name never equals the default name of an end of the chain, because a remapping may move that end.
     """
     first = starts[0]
     every = {start.own(port) or "" for start in starts for port in (*start.part.inputs, *start.part.outputs)}
@@ -136,10 +137,10 @@ def _links(starts: Sequence[Start]) -> list[Link]:
 
 
 def _disturbing(starts: Sequence[Start], type_name: str, place: int) -> set[str]:
-    """Return the names that the topic of a type must not have which goes to the node at a place of the chain.
+    """Return the names not allowed for a topic of a type that leads to the node at a place of the chain.
 
-    Nodes from there on may hear it too; those before it would hear what comes of their own words. Ends that are links
-    of the chain themselves, or share the name of one, move away.
+    Later nodes may subscribe to it as well. Earlier nodes must not: that would be a loop. Ends that are links of the
+    chain, or share the name of one, are remapped and do not count.
     """
     found = set()
     for number, start in enumerate(starts):
@@ -150,7 +151,7 @@ def _disturbing(starts: Sequence[Start], type_name: str, place: int) -> set[str]
 
 
 def _moved_by_name(starts: Sequence[Start]) -> set[str]:
-    """Return the names that remappings of nodes move, where a parameter names the input: it is remapped after that."""
+    """Return the names that remappings of nodes affect where a parameter names the input: it is remapped afterwards."""
     return {start.own(start.given) or "" for start in starts if start.taken.name is None}
 
 

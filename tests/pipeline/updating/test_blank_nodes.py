@@ -12,8 +12,7 @@ from patience import examples
 from pipeline.updating.changing import INFERRED, PREFIX, bench
 from pyoxigraph import NamedNode
 
-from kg.pipeline.inferring import Inference
-from kg.pipeline.rule_runs import run_on_store
+from kg.pipeline.inferring import Inference, run_on_store
 from kg.pipeline.updating.restoring import restore
 from kg.store.backups import back_up
 

@@ -14,7 +14,7 @@ from patience import examples
 from pipeline.updating.changing import PREFIX, bench
 from pyoxigraph import CanonicalizationAlgorithm, Dataset, Store
 
-from kg.pipeline.rule_runs import run_on_store
+from kg.pipeline.inferring import run_on_store
 from kg.pipeline.updating.checking import parsed
 from kg.pipeline.updating.executing import Executor
 from kg.settings import load

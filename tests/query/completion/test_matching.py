@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from kg.query.completion.matching import matcher
+from kg.query.completion.service import matcher
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,8 @@ from kg.robot.capabilities import Definition, definitions
 from kg.robot.capability import Way
 from kg.robot.driving.fields import type_at
 from kg.robot.driving.paths import parse
-from kg.robot.live.whole import Whole
 from kg.robot.messages import Types
+from kg.store.snapshot import MemorySnapshot
 
 _PREFIXES = """
 @prefix : <https://w3id.org/rnkg/capability#> .
@@ -47,7 +47,7 @@ _SENT = {"write": ("", "_Request", "_Goal"), "read": ("", "_Response", "_Result"
 def _read(text: str) -> dict[str, Definition]:
     store = Store()
     store.load(f"{_PREFIXES}{text}".encode(), RdfFormat.TURTLE)
-    return {one.name: one for one in definitions(Whole(store)).values()}
+    return {one.name: one for one in definitions(MemorySnapshot(store)).values()}
 
 
 def test_a_capability_is_read_with_its_parameters() -> None:
@@ -94,7 +94,7 @@ def shipped() -> dict[str, Definition]:
     """The capabilities of the ontologies that kg brings."""
     store = Store()
     store.bulk_load(ontology_triples(), RdfFormat.N_TRIPLES)
-    return definitions(Whole(store))
+    return definitions(MemorySnapshot(store))
 
 
 @pytest.mark.parametrize("ros", [1, 2])

@@ -101,7 +101,7 @@ def test_blocks_for_readers_are_left_alone() -> None:
         ("## A\n```turtle gvien\n```\n", "page.md:2", "`turtle gvien`", "Did you mean `given`?"),
         ("## A\n```turtle given\n:a :b :c .\n```\n", "page.md:1", "expects nothing", "turtle expect"),
         ("## A\n```turtle given\n:a :b :c .\n", "page.md:2", "not closed", "backticks"),
-        ("```turtle expect\n:a :b :c .\n```", "page.md:1", "no example", "## TITLE"),
+        ("```turtle expect\n:a :b :c .\n```", "page.md:1", "not below the heading of an example", "## TITLE"),
         ("## A\n```turtle expect\n```\n", "page.md:2", "no triples", "expect exactly"),
         ("## A\n```turtle expect perhaps\n:a :b :c .\n```\n", "page.md:2", "`perhaps`", "expect exactly"),
         ("## A\n```turtle given wiht=a/b\n:a :b :c .\n```\n", "page.md:2", "`wiht=a/b`", "with="),

@@ -62,8 +62,8 @@ def test_rules_are_meant_by_name_family_file_and_folder(
 @pytest.mark.parametrize(
     ("name", "message", "hint"),
     [
-        ("onee", "there is no rule `onee`", "Did you mean `one` or `f/one`?"),
-        ("zzz", "there is no rule `zzz`", "`kg rules list` lists them."),
+        ("onee", "unknown rule `onee`", "Did you mean `one` or `f/one`?"),
+        ("zzz", "unknown rule `zzz`", "`kg rules list` lists them."),
         ("two", "several rules are called `two`: f/two, g/two", "Give the whole name."),
     ],
 )
@@ -135,7 +135,7 @@ def test_the_rules_that_are_shipped_are_not_there_twice() -> None:
 def test_a_family_that_there_is_not_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The message names the place of the setting, and suggestions."""
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(UsageError, match="KG_RULE_FAMILIES names `comunication`") as caught:
+    with pytest.raises(UsageError, match="KG_RULE_FAMILIES names an unknown family of rules, `comunication`") as caught:
         Library.of(load({}, environment={"KG_RULE_FAMILIES": "owl,comunication"}))
     assert (caught.value.hint or "").startswith("Did you mean `communication`")
     (tmp_path / "kg.toml").write_text('rule_families = ["+minds"]\n')

@@ -115,7 +115,7 @@ def include(context: Context, action: Include, run: Callable[[Sequence[Action]],
     written = HOLE if action.path is None else context.perform(action.path)
     reason = action.reason if action.path is None else None
     if HOLE in written:
-        context.unresolved(f"which file is included is not known: {reason or f'`{written}`'}", written)
+        context.unresolved(f"the included file is unknown: {reason or f'`{written}`'}", written)
     file = find(context, written)
     context.found.includes.append(
         LaunchInclude(
@@ -125,7 +125,7 @@ def include(context: Context, action: Include, run: Callable[[Sequence[Action]],
             file.repository if file else None,
             file.path if file else None,
             " and ".join(context.conditions) or None,
-            None if file else reason or "there is no such file, or it cannot be known which",
+            None if file else reason or "the file does not exist, or its path is unknown",
         )
     )
     if file is not None and _may_enter(context, file):

@@ -5,31 +5,103 @@ A shape with a path speaks of the values of that path: that all conform is that 
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, product
 from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode
 
-from kg.rules.notations.shacl.counting import at_least, number_of
 from kg.rules.notations.shacl.expressions import Expressions
-from kg.rules.notations.shacl.logic import FALSE, MAX_CASES, TRUE, every, exists, none, some
+from kg.rules.notations.shacl.logic import FALSE, MAX_CASES, TRUE, Cases, every, exists, none, some
 from kg.rules.notations.shacl.paths import Branch, path_of, steps
-from kg.rules.notations.shacl.query import rename, spell
+from kg.rules.notations.shacl.query import query_of, rename, spell, variables
 from kg.rules.notations.shacl.relations import RELATIONS, Comparison, closed, has_value, property_name, unique_languages
-from kg.rules.notations.shacl.selected import solution_of
 from kg.rules.notations.shacl.values import VALUE_TESTS
 from kg.rules.notations.shacl.vocabulary import SH, sh
+from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.functions import Functions
     from kg.rules.notations.shacl.graph import ShapesGraph
     from kg.rules.notations.shacl.logic import Cases
     from kg.rules.notations.shacl.paths import Names
+    from kg.rules.notations.shacl.query import Words
 
 __all__ = ["Conditions"]
+
+_FEW: Final = 4
+"""Up to here, different values are written out; more are counted by a sub-SELECT."""
+
+
+def number_of(graph: ShapesGraph, shape: Term, name: str, value: Term) -> int:
+    """Return the number of a constraint; KG201 if it is not a number, or if the shape has no path."""
+    if not isinstance(value, Literal) or not value.value.isdecimal():
+        raise graph.error(f"sh:{name} of {graph.called(shape)} is {value}", shape, hint="It is a whole number.")
+    graph.required(shape, "path")
+    return int(value.value)
+
+
+def at_least(
+    reach: Callable[[], list[Branch]], term: str, number: int, names: Names, extra: Callable[[str], Cases] | None
+) -> Cases:
+    """Return that a term reaches `number` different values that have one of the cases of `extra`.
+
+    Each case is one filter with EXISTS (or tests of the term alone), so that its negation is to put NOT before it.
+    """
+    if number == 0:
+        return TRUE
+    first = reach()
+    if number > _FEW and term.startswith("?") and all(branch.matched for branch in first):
+        return [[_counted(first, term, number, names, extra)]]
+    found: Cases = []
+    for chosen in product(*(reach() for _ in range(number))):
+        pattern = " ".join(branch.pattern for branch in chosen if branch.pattern)
+        different = [f"FILTER(!sameTerm({one.term}, {two.term}))" for one, two in combinations(chosen, 2)]
+        tests = every(extra(branch.term) for branch in chosen) if extra else TRUE
+        if len({branch.term for branch in chosen}) == number:
+            found += [[f"FILTER EXISTS {{ {' '.join([pattern, *different, *test])} }}"] for test in tests]
+    return found or FALSE
+
+
+def _counted(
+    first: Sequence[Branch], term: str, number: int, names: Names, extra: Callable[[str], Cases] | None
+) -> str:
+    value = names.fresh()
+    groups = []
+    for branch in first:
+        given = branch.giving(value)
+        pattern = given.pattern if given else branch.pattern
+        groups += [" ".join([pattern, *test]) for test in (extra(value) if extra else TRUE)]
+    union = groups[0] if len(groups) == 1 else " UNION ".join(f"{{ {group} }}" for group in groups)
+    having = f"HAVING(COUNT(DISTINCT {value}) >= {number})"
+    return f"FILTER EXISTS {{ {{ SELECT {term} WHERE {{ {union} }} GROUP BY {term} {having} }} }}"
+
+
+_REFUSED: Final = frozenset({"SELECT", "COUNT", "SUM", "MIN", "MAX", "AVG", "GROUP_CONCAT", "SAMPLE"})
+
+
+def solution_of(graph: ShapesGraph, functions: Functions, names: Names, shape: Term, node: Term) -> Words:
+    """Return the group of the constraint `node` at a shape: `?this` is the focus node, other variables are new.
+
+    Raises `RuleError` KG230 for queries with modifiers, aggregates or sub-SELECT.
+    """
+    query = query_of(graph, node, "select")
+    texts = {word.text.upper() for word in [*query.head, *query.group] if word.kind is Kind.WORD}
+    if query.modifiers or texts & _REFUSED:
+        hint = "Write the query without sub-SELECT, aggregates, GROUP BY, ORDER BY and LIMIT."
+        raise graph.unsupported("such a query of sh:sparql in a condition", node, hint)
+    if "shapesGraph" in variables(query.group):
+        raise graph.unsupported("$shapesGraph", node, "Write what the query needs of the shapes into it.")
+    given = {name: names.fresh() for name in sorted(variables(query.group) - {"this"})} | {"currentShape": str(shape)}
+    if "PATH" in given:
+        path = path_of(graph, graph.required(shape, "path"), shape)
+        if path.text is None or path.empty:
+            raise graph.unsupported("$PATH for a path that may be empty", node, "Write the path into the query.")
+        given["PATH"] = path.text
+    return functions.inside(rename(query.group, given), node)
+
 
 _TRUE: Final = Literal(True)
 """The one spelling that sh:uniqueLang heeds (SHACL, section 4.4.5)."""
@@ -54,7 +126,7 @@ class Conditions:
         """
         if isinstance(shape, Literal):
             raise self._graph.error(
-                f"{shape} is no shape",
+                f"{shape} is not a shape",
                 self._around[-1] if self._around else shape,
                 hint="Point at a shape: an IRI or a blank node.",
             )

@@ -207,7 +207,7 @@ class Expressions:
         if len(calls) != 1:
             hint = "A node expression is sh:this, a constant, or a blank node with sh:path, sh:union, sh:intersection, "
             hint += "sh:filterShape, or one function with the list of its arguments."
-            raise self._graph.error("a blank node is no node expression", node, hint=hint)
+            raise self._graph.error("a blank node is not a node expression", node, hint=hint)
         predicate, arguments = calls[0]
         given = [self.branches(member, this) for member in self._graph.members(arguments, node)]
         if self._functions.cast(predicate) and len(given) == 1:

@@ -62,7 +62,7 @@ class Functions:
         if node not in self._known:
             if not self._graph.is_instance(node, sh("SPARQLFunction")):
                 hint = "Declare it as a sh:SPARQLFunction in this file; functions in JavaScript are not supported."
-                raise self._graph.error(f"{node} is no function of this file", owner, hint=hint)
+                raise self._graph.error(f"this file does not declare the function {node}", owner, hint=hint)
             self._known[node] = Function(node, self._parameters(node), self._query(node))
         return self._known[node]
 

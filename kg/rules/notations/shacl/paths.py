@@ -120,7 +120,7 @@ class _Paths:
 
     def _malformed(self) -> Exception:
         return self._graph.error(
-            f"{self._graph.called(self._owner)} has a value of sh:path that is no property path",
+            f"{self._graph.called(self._owner)} has an invalid sh:path",
             self._owner,
             hint="A path is an IRI, a list of two paths at least, or a blank node with one of sh:inversePath, "
             "sh:alternativePath, sh:zeroOrMorePath, sh:oneOrMorePath and sh:zeroOrOnePath.",

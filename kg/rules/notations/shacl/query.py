@@ -64,7 +64,7 @@ def query_of(graph: ShapesGraph, owner: Term, name: str) -> Query:
     """
     literal = graph.required(owner, name)
     if not isinstance(literal, Literal):
-        raise graph.error(f"sh:{name} of {graph.called(owner)} is no string", owner, hint="Put the query in quotes.")
+        raise graph.error(f"sh:{name} of {graph.called(owner)} is not a string", owner, hint="Put the query in quotes.")
     return _Reader(graph, owner, literal).query(_FORMS[name])
 
 
@@ -205,7 +205,7 @@ def _prefixes(graph: ShapesGraph, owner: Term) -> dict[str, str]:
         for declaration in graph.values(node, sh("declare")):
             prefix, namespace = graph.required(declaration, "prefix"), graph.required(declaration, "namespace")
             if not isinstance(prefix, Literal) or not re.fullmatch(r"[\w.·-]*", prefix.value):
-                raise graph.error(f"{prefix} is no prefix", node, hint='sh:prefix has a string such as "ex".')
+                raise graph.error(f"{prefix} is not a valid prefix", node, hint='sh:prefix has a string such as "ex".')
             value = namespace.value if isinstance(namespace, Literal | NamedNode) else str(namespace)
             if found.setdefault(prefix.value, value) != value:
                 raise graph.error(

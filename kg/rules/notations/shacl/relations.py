@@ -81,7 +81,7 @@ def property_name(graph: ShapesGraph, shape: Term, value: Term) -> str:
     """Return the property that a constraint compares with; KG201 when it is none."""
     if not isinstance(value, NamedNode):
         raise graph.error(
-            f"{graph.called(shape)} is compared with {value}, which is no property",
+            f"{graph.called(shape)} is compared with {value}, but a property is needed",
             shape,
             hint="Give it the IRI of a property.",
         )

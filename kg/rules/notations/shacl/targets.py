@@ -61,7 +61,7 @@ def _custom(graph: ShapesGraph, target: Term, shape: Term) -> str:
         values = graph.values(target, path) if isinstance(path, NamedNode) else []
         if len(values) > 1 or any(isinstance(value, BlankNode) for value in values):
             raise graph.error(
-                f"a target has one value of {path}, which is no blank node", target, hint="Leave one IRI or literal."
+                f"a target needs one value of {path}: an IRI or a literal", target, hint="Keep one IRI or literal."
             )
         if not values and not graph.flag(parameter, "optional"):
             return "VALUES ?this { }"

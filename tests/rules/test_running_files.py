@@ -12,7 +12,8 @@ from pyoxigraph import NamedNode
 from kg.errors import GraphError, Place, SourceError, UsageError
 from kg.rules.files import Documentation, RuleFile, RuleSet
 from kg.rules.form import Atom, Rule, Variable
-from kg.rules.running import Names, run, run_files
+from kg.rules.recording import Names
+from kg.rules.running import Runner, run_files
 from kg.store.embedded import EmbeddedStore
 
 NAMES = Names.of("http://example.org/", "http://example.org/ns#")
@@ -109,7 +110,7 @@ def test_a_rule_joins_the_same_values_over_files_and_in_a_store(objects: list[st
         for part in (lines[: len(lines) // 2], lines[len(lines) // 2 :]):
             with store.write("test") as transaction:
                 transaction.append(graph, "".join(part).encode())
-            run(store, rules, NAMES)
+            Runner(NAMES, store.layout.cache).run(store, rules)
         with store.read() as snapshot:
             results.append(set(snapshot.content(NAMES.inferred).decode().splitlines()))
             query = "SELECT ?x ?y { GRAPH <urn:g> { ?x <urn:p> ?v . ?y <urn:p> ?v } }"

@@ -1,0 +1,191 @@
+"""The plain values of facts in the graph, each declared once: which property holds it, how it is spelled and read.
+
+    INTERFACE.write(writer, part, fact)                             # all but None, one triple each
+    Interface(role=..., location=..., **INTERFACE.read(properties))
+
+Values that are things themselves (types, files, channels) and where a fact was read are not among them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+from kg.facts import Access, LaunchProblemKind, NodeKind, Resolution
+from kg.graph import vocabulary as v
+from kg.graph.ntriples import boolean, double, integer, literal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.graph.ntriples import Writer
+
+__all__ = [
+    "ARGUMENT",
+    "INTERFACE",
+    "NODE",
+    "PARAMETER",
+    "PROBLEM",
+    "QOS",
+    "SETTING",
+    "SLOT",
+    "Fields",
+    "Properties",
+    "one",
+    "word",
+]
+
+Properties: TypeAlias = Mapping[str, list[str]]
+"""What the graph says of one thing: values by the IRIs of properties."""
+
+
+def one(properties: Properties, term: str) -> str | None:
+    """Return the value of a term that has one; the least where it has several."""
+    values = properties.get(v.bare(term))
+    return min(values) if values else None
+
+
+def word(properties: Properties, term: str) -> str:
+    """Return the local name of a term of RNKG."""
+    return _local(one(properties, term) or "")
+
+
+def _local(iri: str) -> str:
+    return iri.removeprefix(v.RNKG)
+
+
+@dataclass(frozen=True, slots=True)
+class _Field:
+    """One attribute of a fact: `parse` is given None where the property is missing; `unwritten` is not written.
+
+    `several` is a tuple of texts, one triple each; it is sorted when it is read.
+    """
+
+    name: str
+    term: str
+    spell: Callable[[Any], str] = literal
+    parse: Callable[[str | None], Any] = lambda text: text
+    unwritten: Any = None
+    several: bool = False
+
+
+class Fields:
+    """The plain values of facts of one class, in the order in which they are written."""
+
+    def __init__(self, *fields: _Field) -> None:
+        self._fields = fields
+        self.terms: Final = tuple(field.term for field in fields)
+
+    def rows(self, fact: object) -> list[tuple[str, str]]:
+        """Return each property with a spelled value."""
+        found: list[tuple[str, str]] = []
+        for field in self._fields:
+            value = getattr(fact, field.name)
+            if field.several:
+                found += [(field.term, field.spell(one)) for one in dict.fromkeys(value)]
+            elif value is not None and value != field.unwritten:
+                found.append((field.term, field.spell(value)))
+        return found
+
+    def write(self, writer: Writer, subject: str, fact: object) -> None:
+        """Add the values of a fact as properties of a spelled IRI."""
+        writer.lines += [f"{subject} {term} {value} .\n" for term, value in self.rows(fact)]
+
+    def read(self, properties: Properties) -> dict[str, Any]:
+        """Return the values of a fact by the names of its attributes; ValueError for a word that is not known."""
+        return {
+            field.name: tuple(sorted(properties.get(v.bare(field.term), ())))
+            if field.several
+            else field.parse(one(properties, field.term))
+            for field in self._fields
+        }
+
+
+def _flag(name: str, term: str) -> _Field:
+    return _Field(name, term, boolean, lambda text: text == "true")
+
+
+def _word(name: str, term: str, kind: Callable[[str], Any]) -> _Field:
+    """Return an attribute that is an enumerator, for which RNKG has a term."""
+    return _Field(name, term, v.rnkg, lambda iri: kind(_local(iri or "")))
+
+
+def _count(text: str | None) -> int:
+    return int(text or 0)
+
+
+def _measure(name: str, term: str) -> _Field:
+    return _Field(name, term, double, lambda text: None if text is None else float(text))
+
+
+_RESOLUTION: Final = _word("resolution", v.RESOLUTION, Resolution)
+_IMPLICIT: Final = _flag("implicit", v.IMPLICIT)
+_ORIGIN: Final = _Field("origin", v.ORIGIN)
+_REASON: Final = _Field("reason", v.REASON)
+
+NODE: Final = Fields(
+    _Field("name", v.NAME),
+    _word("kind", v.KIND, NodeKind),
+    _Field("language", v.LANGUAGE),
+    _Field("ros", v.ROS_VERSION, integer, _count),
+    _Field("plugin", v.PLUGIN_NAME),
+    _Field("node_name", v.NODE_NAME),
+    _Field("base_class", v.BASE_CLASS),
+    _Field("aliases", v.ALIAS, several=True),
+)
+INTERFACE: Final = Fields(
+    _Field("name", v.NAME),
+    _Field("resolved", v.RESOLVED_NAME),
+    _RESOLUTION,
+    _IMPLICIT,
+    _Field("written", v.WRITTEN),
+    _Field("parameter", v.PARAMETER_NAME),
+    _ORIGIN,
+    _Field("arguments", v.LEAST_ARGUMENTS, integer, _count, unwritten=0),
+    _Field("switches", v.SWITCHED_BY, several=True),
+    _REASON,
+)
+QOS: Final = Fields(
+    _Field("reliability", v.RELIABILITY),
+    _Field("durability", v.DURABILITY),
+    _Field("history", v.HISTORY),
+    _Field("depth", v.DEPTH, integer, lambda text: None if text is None else int(text)),
+    _measure("deadline", v.DEADLINE),
+    _measure("lifespan", v.LIFESPAN),
+    _Field("liveliness", v.LIVELINESS),
+    _measure("lease_duration", v.LEASE_DURATION),
+)
+PARAMETER: Final = Fields(
+    _Field("name", v.NAME),
+    _Field("type", v.PARAMETER_TYPE),
+    _Field("default", v.DEFAULT_VALUE),
+    _Field("description", v.DESCRIPTION),
+    _word("access", v.ACCESS, Access),
+    _RESOLUTION,
+    _IMPLICIT,
+    _ORIGIN,
+    _REASON,
+)
+SLOT: Final = Fields(
+    _Field("base_class", v.LOADS_AS),
+    _Field("names", v.NAMES_PARAMETER),
+    _Field("parameter", v.CLASS_PARAMETER),
+    _flag("fixed", v.CLASS_FIXED),
+    _REASON,
+)
+ARGUMENT: Final = Fields(
+    _Field("name", v.NAME),
+    _Field("default", v.DEFAULT_VALUE),
+    _Field("value", v.VALUE),
+    _Field("description", v.DESCRIPTION),
+    _flag("fixed", v.FIXED),
+    _Field("choices", v.CHOICE, several=True),
+)
+PROBLEM: Final = Fields(
+    _Field("kind", v.PROBLEM_KIND, parse=lambda text: LaunchProblemKind(text or "")),
+    _Field("message", v.TEXT),
+    _Field("subject", v.SUBJECT),
+)
+SETTING: Final = Fields(_Field("value", v.VALUE), _Field("type", v.PARAMETER_TYPE), _REASON)
+"""Of a parameter that a launch file sets; its name may differ between the file and an instance."""
