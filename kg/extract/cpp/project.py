@@ -269,8 +269,11 @@ class Project:
         return assigned_in(cast("CppUnit", code.unit).code(code)) if isinstance(code, Function) else frozenset()
 
     def definitions(self, words: frozenset[str]) -> Iterator[Function | Class]:
-        """Yield the functions and classes of the programs that have one of some names."""
-        for word in words & self._definable:
+        """Yield the functions and classes of the programs that have one of some names.
+
+        They are in an order of their own: with that of the set, other files would be looked up in each process.
+        """
+        for word in sorted(words & self._definable):
             revision, known = self._defined.get(word, (-1, ()))
             if revision != self.revision:
                 known = tuple(self._definitions(word))
@@ -283,7 +286,7 @@ class Project:
             for unit in units.get(("function", word), ()):
                 yield from unit.functions[word]
             for unit in units.get(("inline", word), ()):
-                for cls in (one for name in unit.inline[word] for one in unit.classes.get(name, ())):
+                for cls in (one for name in sorted(unit.inline[word]) for one in unit.classes.get(name, ())):
                     yield from cls.methods.get(word, ())
             for unit in tuple(units.get(("class", word), ())):
                 yield from unit.classes[word]
