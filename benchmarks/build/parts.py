@@ -76,6 +76,11 @@ class InProcess:
     def __exit__(self, *_: object) -> None:
         gc.unfreeze()
 
+    @property
+    def size(self) -> int:
+        """The number of processes that read packages."""
+        return 1
+
     def outcomes(self) -> Iterator[Outcome]:
         """Yield the outcome of each task."""
         for task in self._tasks:

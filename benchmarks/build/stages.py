@@ -74,7 +74,7 @@ def main() -> None:
     texts.read_descriptions = _no_texts
     if not options.whole:
         clock.attach()
-    gc.set_threshold(100_000)  # as the workers of a build
+    gc.set_threshold(500_000)  # as the workers of a build
     sources = scan_tree(options.checkout)
     workspace = RecordingWorkspace(sources)
     workspace.prepare()

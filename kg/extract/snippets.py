@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from dataclasses import fields, is_dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.corpus.files import FilePath
@@ -33,6 +34,8 @@ _KEY: Final = re.compile(
     r"-----BEGIN |\b(?:gh[pousr]_|github_pat_|glpat-|AKIA|xox[abprs]-)[\w-]{8,}|\b[A-Za-z0-9+/]{64,}"
 )
 _CUT: Final = "…"
+_ATOMS: Final = frozenset({str, int, float, bool, type(None)})
+"""Types of values that contain no place."""
 
 
 def read_snippets(reader: Reader, facts: PackageFacts) -> tuple[Snippet, ...]:
@@ -79,15 +82,27 @@ def _harmless(lines: list[str], number: int) -> str:
     return _ADDRESS.sub(_CUT, text)
 
 
-def _locations(value: Any) -> Iterator[Location]:
-    """Yield all places that facts name."""
-    if isinstance(value, Location):
-        yield value
-    elif isinstance(value, tuple | list | frozenset):
-        for one in value:
-            yield from _locations(one)
-    elif isinstance(value, dict):
-        yield from _locations(tuple(value.values()))
-    elif is_dataclass(value):
-        for one in fields(value):
-            yield from _locations(getattr(value, one.name))
+def _locations(facts: Iterable[Any]) -> Iterator[Location]:
+    """Yield all places that facts name. What several facts share is visited once."""
+    seen: set[int] = set()
+    pending = [*facts]
+    while pending:
+        value = pending.pop()
+        kind: Any = type(value)
+        if kind in _ATOMS or id(value) in seen:
+            continue
+        seen.add(id(value))
+        if kind is Location:
+            yield value
+        elif isinstance(value, tuple | list | frozenset):
+            pending += value
+        elif isinstance(value, dict):
+            pending += value.values()
+        else:
+            pending += [getattr(value, name) for name in _fields(kind)]
+
+
+@cache
+def _fields(kind: Any) -> tuple[str, ...]:
+    """Return the fields of a data class; none for another type."""
+    return tuple(one.name for one in fields(kind)) if is_dataclass(kind) else ()

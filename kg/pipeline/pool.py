@@ -41,7 +41,8 @@ _FIRST_OWN_FILE: Final = 3
 """Files below are the standard streams."""
 _MOST_FILES: Final = 1 << 16
 """Where files are not limited, macOS gives a number that no loop reaches."""
-_GC_THRESHOLD: Final = 100_000
+_GC_THRESHOLD: Final = 500_000
+"""So many new objects begin a collection; most of them are used until their package ends."""
 
 
 class Task(NamedTuple):

@@ -46,7 +46,8 @@ class RecordingWorkspace(Workspace):
         self.forget()
 
     def _record(self, found: _Found, *lookup: str) -> _Found:
-        self.lookups[lookup] = _text(found)
+        if lookup not in self.lookups:  # the sources of a build do not change, so neither does the answer
+            self.lookups[lookup] = _text(found)
         return found
 
     def source(self, repository: str) -> Source | None:

@@ -74,7 +74,7 @@ def write_back(machine: Machine, loop: form.Loop, index: int, frame: Frame) -> N
     if kind is None or not kind.reference or kind.constant or len(loop.targets) != 1:
         return
     value = frame.variables.get(loop.targets[0])
-    if isinstance(over, form.Name | form.Member) and isinstance(value, Text | Number | Truth | Sequence | Mapping):
+    if isinstance(over, (form.Name, form.Member)) and isinstance(value, (Text, Number, Truth, Sequence, Mapping)):
         machine.assign(form.Index(loop.line, over, form.Literal(loop.line, float(index), str(index))), value, frame)
 
 

@@ -27,6 +27,7 @@ from kg.symbolic.values import (
     ABSENT,
     Bound,
     Closure,
+    Either,
     Kind,
     Mapping,
     Number,
@@ -395,8 +396,9 @@ class Framework:
         read: Value | None = None
         for effect in described.effects:
             nodes: tuple[Value | None, ...] = alternatives(call.node) if call.node is not None else (None,)
-            rows = [replace(given, values=list(row)) for row in combinations(given.values)]
-            results = [self._apply(effect, replace(call, node=one, arguments=row)) for one in nodes for row in rows]
+            certain = all(type(value) is not Either for value in given.values)
+            rows = [given] if certain else [replace(given, values=list(row)) for row in combinations(given.values)]
+            results = [self._apply(effect, Invocation(one, row, call.kind)) for one in nodes for row in rows]
             values = [one for one in results if one is not None]
             read = join(*values) if values else None
         self.machine.language.escape([*given.values, *given.named.values()])
@@ -459,7 +461,7 @@ class Framework:
             name = name.native["options name"]
         if effect.access is not None:
             return self._parameter(effect, owner, name, call)
-        if isinstance(name, Closure | Bound | Sequence | Mapping):
+        if isinstance(name, (Closure, Bound, Sequence, Mapping)):
             return None
         kind = message_type(self.machine.language, effect, call)
         whole = with_node_name(below(namespace_of(owner), name), owner)
@@ -474,7 +476,8 @@ class Framework:
         return None
 
     def _add(self, declared: Declared) -> None:
-        self.declared.append(replace(declared, guards=tuple(self.machine.guards)))
+        guards = tuple(self.machine.guards)
+        self.declared.append(replace(declared, guards=guards) if guards else declared)
 
     def _profile(self, effect: Effect, call: Invocation) -> Qos | None:
         given = call.argument(effect.qos)
@@ -534,7 +537,7 @@ def _handle(namespace: str) -> Object:
 
 
 def _shown(name: Value) -> Text | Unknown:
-    return name if isinstance(name, Text | Unknown) else Unknown("it is not a text")
+    return name if isinstance(name, (Text, Unknown)) else Unknown("it is not a text")
 
 
 def _in_scope(scopes: tuple[str, ...], scope: tuple[str, ...], uses: Iterable[tuple[str, ...]]) -> bool:

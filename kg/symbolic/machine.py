@@ -247,9 +247,9 @@ class Machine:
             if isinstance(written, form.Type):
                 frame.types[statement.name] = value
                 return
-            if kind is None or not kind.reference or not isinstance(written, form.Name | form.Member | form.Index):
+            if kind is None or not kind.reference or not isinstance(written, (form.Name, form.Member, form.Index)):
                 value = self.language.converted(value, kind, written, frame)
-            elif not isinstance(value, Object | Unknown):
+            elif not isinstance(value, (Object, Unknown)):
                 self.write(frame.variables, statement.name, Alias(written, frame))
                 return
         if kind is not None:
@@ -424,7 +424,7 @@ class Machine:
 
     def _over(self, loop: form.Loop, over: Value, frame: Frame) -> str | None:
         items = self.language.elements(over)
-        known = isinstance(over, Sequence | Mapping) and not over.open and not is_unset(over)
+        known = isinstance(over, (Sequence, Mapping)) and not over.open and not is_unset(over)
         if known and len(items) > self.most_turns:
             self.cut(loop, frame)
             items = items[: self.most_turns]
@@ -552,7 +552,7 @@ class Machine:
 
     def computed(self, sign: str, row: tuple[Value, ...]) -> Value:
         """Return the result of an operator on values without alternatives."""
-        if sign == "%" and isinstance(row[0], Text | Object):
+        if sign == "%" and isinstance(row[0], (Text, Object)):
             return self.language.formatted(row)
         return compute(sign, row)
 
@@ -654,7 +654,7 @@ class Machine:
         if self.running[id(function)] >= self.most_repeats:
             return Unknown("it calls itself")
         fruitless = self.fruitless[id(function)]
-        handed = any(isinstance(one, Closure | Bound) for one in arguments) if fruitless else True
+        handed = any(isinstance(one, (Closure, Bound)) for one in arguments) if fruitless else True
         settled = fruitless >= MOST_FRUITLESS or self.barren[id(function)] > MOST_BARREN
         if settled or not (handed or self.language.reaches(function)):
             return self.language.unknown(function.returns, frame, function.name)
@@ -695,5 +695,5 @@ class Machine:
         """Write a value to the variable that is passed as an output argument."""
         while isinstance(expression, form.Unary) and expression.sign in ("&", "*"):
             expression = expression.operand
-        if isinstance(expression, form.Name | form.Member | form.Index):
+        if isinstance(expression, (form.Name, form.Member, form.Index)):
             self.assign(expression, value, frame)

@@ -84,7 +84,7 @@ def chosen(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:
             uncertain.append(seen[-1])
         elif condition.value != all_of:
             break
-    if all(isinstance(value, Truth | Guard | Unknown) and value != NULL for value in seen):
+    if all(isinstance(value, (Truth, Guard, Unknown)) and value != NULL for value in seen):
         return logical((partial(_same, value) for value in seen), all_of=all_of)
     if all_of:
         return seen[-1]
@@ -130,7 +130,7 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
         for value in row[1:]:
             parts += [Text.of("/"), value]
         return concatenate(*parts)
-    if sign == "*" and isinstance(row[-1], Number) and isinstance(row[0], Text | Sequence):
+    if sign == "*" and isinstance(row[-1], Number) and isinstance(row[0], (Text, Sequence)):
         return _repeated(row[0], int(row[-1].value))
     numbers = [value for value in row if isinstance(value, Number)]
     if len(numbers) != len(row):
@@ -185,7 +185,7 @@ def _contained(item: Value, container: Value) -> Value:
     if isinstance(container, Text) and isinstance(item, Text):
         if container.known is not None and item.known is not None and container.parameter is None:
             return Truth(item.known in container.known)
-    elif isinstance(container, Sequence | Mapping) and not container.open and container.parameter is None:
+    elif isinstance(container, (Sequence, Mapping)) and not container.open and container.parameter is None:
         keys = container.items if isinstance(container, Sequence) else [key for key, _ in container.items]
         found = [_compared("==", (item, key)) for key in keys]
         if Truth(True) in found:
@@ -209,7 +209,7 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
         if right == NULL and (left == NULL or isinstance(left, _NOT_NULL)):
             holds = Truth(False) if left == NULL else truth(left) if isinstance(left, Object) else Truth(True)
             return Truth(holds.value == (sign == "!=")) if isinstance(holds, Truth) else holds
-        if isinstance(left, Enumerator | TypeValue) and type(left) is type(right):
+        if isinstance(left, (Enumerator, TypeValue)) and type(left) is type(right):
             return Truth((left == right) == (sign == "=="))
         if isinstance(left, Sequence) and isinstance(right, Sequence):
             return _alike(left, right, sign)
@@ -275,7 +275,7 @@ def truth(value: Value) -> Truth | Guard | Unknown:
         return next(iter(found)) if len(found) == 1 == len(value.items) else Unknown("it depends")
     if isinstance(value, Truth):
         return value if value.parameter is None else Guard((value.parameter,))
-    if isinstance(value, Guard | Unknown):
+    if isinstance(value, (Guard, Unknown)):
         return Truth(False) if isinstance(value, Unknown) and value.reason == NULL.reason else value
     if isinstance(value, Number):
         return Truth(value.value != 0) if value.parameter is None else Unknown("it depends", value.parameter)
@@ -284,9 +284,9 @@ def truth(value: Value) -> Truth | Guard | Unknown:
         return Truth(True) if value.made and "empty" not in value.native else Unknown("it may be null")
     if isinstance(value, Text) and value.known is not None:
         return Truth(value.known != "") if value.parameter is None else Unknown("it depends", value.parameter)
-    if isinstance(value, Sequence | Mapping) and not value.open:
+    if isinstance(value, (Sequence, Mapping)) and not value.open:
         return Truth(bool(value.items)) if value.parameter is None else Unknown("it depends", value.parameter)
-    if isinstance(value, Closure | Bound | TypeValue):
+    if isinstance(value, (Closure, Bound, TypeValue)):
         return Truth(True)
     return Unknown("it depends on a value")
 

@@ -123,7 +123,7 @@ def _whole_name(owner: Object | None, name: Value) -> Text | Unknown:
         name.parts[0] in (NODE_NAME, OWN_NAMESPACE) or (name.known or "x").startswith(("~", "/"))
     )
     whole = below(namespace, name) if namespace != EMPTY or rooted else name
-    return whole if isinstance(whole, Text | Unknown) else Unknown("the name of the parameter is not known")
+    return whole if isinstance(whole, (Text, Unknown)) else Unknown("the name of the parameter is not known")
 
 
 def _value(default: Value | None, known: Value | None, before: Value | None, name: str | None) -> Value:
@@ -131,7 +131,7 @@ def _value(default: Value | None, known: Value | None, before: Value | None, nam
         return with_parameter(default, name)
     if known is not None:
         return known
-    if isinstance(before, Number | Truth) or (isinstance(before, Text) and before.known):
+    if isinstance(before, (Number, Truth)) or (isinstance(before, Text) and before.known):
         return with_parameter(before, name)
     if name is None:
         return Unknown("it is a parameter whose name is not known")
@@ -144,7 +144,7 @@ def with_parameter(value: Value, name: str | None) -> Value:
         return join(*(with_parameter(item, name) for item in value.items))
     if isinstance(value, Text):
         return replace(value, parameter=name, resolution=worse(value.resolution, Resolution.PARAMETER_DEFAULT))
-    if isinstance(value, Number | Truth | Sequence | Mapping):
+    if isinstance(value, (Number, Truth, Sequence, Mapping)):
         return replace(value, parameter=name)
     if isinstance(value, Guard):
         return Unknown("it depends on a parameter", name)
@@ -229,7 +229,7 @@ def type_of_value(value: Value | None) -> str | None:
         return type_of_value(value.items[0])
     if isinstance(value, Text):
         return "string"
-    if isinstance(value, Truth | Guard):
+    if isinstance(value, (Truth, Guard)):
         return "bool"
     if isinstance(value, Number):
         return "double" if any(c in value.written for c in ".eE") and not value.written.startswith("0x") else "int"

@@ -467,7 +467,7 @@ def _with_defaults(found: list[Value]) -> list[Value]:
     unset = next((item for item in found if whole_parameter(item)), None)
     if unset is None:
         return found
-    parameter = unset.parameter if isinstance(unset, Text | Unknown) else None
+    parameter = unset.parameter if isinstance(unset, (Text, Unknown)) else None
     result: list[Value] = []
     others: list[Value] = []
     for item in found:
@@ -475,7 +475,7 @@ def _with_defaults(found: list[Value]) -> list[Value]:
             if item.known:
                 resolution = worse(item.resolution, Resolution.PARAMETER_DEFAULT)
                 result.append(replace(item, parameter=parameter, resolution=resolution))
-        elif isinstance(item, Number | Truth | Sequence | Mapping) and item.parameter is None:
+        elif isinstance(item, (Number, Truth, Sequence, Mapping)) and item.parameter is None:
             result.append(replace(item, parameter=parameter))
         elif not isinstance(item, Unknown) and not whole_parameter(item):
             others.append(item)

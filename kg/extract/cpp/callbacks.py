@@ -49,9 +49,9 @@ def closure_frame(called: Closure) -> Frame:
 
 def _decides(value: Value) -> bool:
     """Check whether a value decides conditions and is not part of a name: a number, null, an empty container."""
-    if isinstance(value, Sequence | Mapping):
+    if isinstance(value, (Sequence, Mapping)):
         return not value.items
-    return isinstance(value, Truth | Number | Enumerator) or value in (NULL, UNSET)
+    return isinstance(value, (Truth, Number, Enumerator)) or value in (NULL, UNSET)
 
 
 def _parts(of: Object) -> list[Object]:

@@ -56,7 +56,7 @@ class Copies:
         """
         if type(value) not in _COPIED:
             return value
-        declared = self._kinds.written_type(target, frame) if isinstance(target, form.Name | form.Member) else None
+        declared = self._kinds.written_type(target, frame) if isinstance(target, (form.Name, form.Member)) else None
         kind, at = declared or (None, frame)
         value = self.kept(value, kind, at, written, frame)
         through = kind.reference if kind is not None else isinstance(target, form.Unary)
@@ -86,7 +86,7 @@ class Copies:
             of = self._kind(written.of, frame)
             inner = of.arguments[-1] if of is not None and of.arguments else None
             return inner.kind if isinstance(inner, TypeValue) else None
-        declared = self._kinds.written_type(written, frame) if isinstance(written, form.Name | form.Member) else None
+        declared = self._kinds.written_type(written, frame) if isinstance(written, (form.Name, form.Member)) else None
         if declared is None or (declared[0].names == _AUTO and not declared[0].pointer):
             return None
         return self._kinds.held(*declared)
@@ -105,9 +105,9 @@ class Copies:
             return replace(value, items=tuple(self.copied(item, kind, copies) for item in value.items))
         inner = kind.arguments[-1] if kind is not None and kind.arguments and kind.name not in _ROWS else None
         of = inner.kind if isinstance(inner, TypeValue) else None
-        if isinstance(value, Sequence) and any(isinstance(item, Object | Sequence | Either) for item in value.items):
+        if isinstance(value, Sequence) and any(isinstance(item, (Object, Sequence, Either)) for item in value.items):
             return replace(value, items=tuple(self.copied(item, of, copies) for item in value.items))
-        if isinstance(value, Mapping) and any(isinstance(item, Object | Sequence | Either) for _, item in value.items):
+        if isinstance(value, Mapping) and any(isinstance(item, (Object, Sequence, Either)) for _, item in value.items):
             return replace(value, items=tuple((key, self.copied(item, of, copies)) for key, item in value.items))
         return value
 
@@ -121,7 +121,7 @@ class Copies:
         made = copies[id(of)] = replace(of, fields=dict(of.fields), native=dict(of.native), heap=False)
         classes = self._kinds.chain(of.kind)[0]
         for name, value in of.fields.items():
-            if not isinstance(value, Object | Sequence | Mapping | Either):
+            if not isinstance(value, (Object, Sequence, Mapping, Either)):
                 continue
             cls, bound = next(((cls, bound) for cls, bound in classes if name in cls.fields), (None, {}))
             kind = cls.fields[name].type if cls is not None else None

@@ -290,7 +290,7 @@ class Kinds:
         """Return the declared type of a variable or member."""
         while isinstance(expression, form.Unary):
             expression = expression.operand
-        if not isinstance(expression, form.Name | form.Member):
+        if not isinstance(expression, (form.Name, form.Member)):
             return None
         found = self.written_type(expression, frame)
         return self.kind_of(*found) if found is not None else None

@@ -221,7 +221,7 @@ class Cpp:
             return found if found is not None else Unknown(f"the member {name} is not known")
         if isinstance(of, Sequence) and name in _PAIR and len(of.items) == len(_PAIR):
             return of.items[_PAIR.index(name)]
-        if isinstance(of, Text | Unknown) and of.parameter is not None:
+        if isinstance(of, (Text, Unknown)) and of.parameter is not None:
             if name in _PAIR and of.parameter.endswith("[]"):  # the value of a map at a key
                 return of if name == "second" else key_of(of.parameter[:-2])
             return Text.hole(f"it is part of a parameter: {of.parameter}", parameter=f"{of.parameter}.{name}")
@@ -280,7 +280,7 @@ class Cpp:
 
     def converted(self, value: Value, kind: Type | None, written: Expression | None, frame: Frame) -> Value:
         """Return a value as a variable of a type holds it."""
-        if isinstance(value, Closure | Bound | Pack):
+        if isinstance(value, (Closure, Bound, Pack)):
             return value
         if written is not None and (kind is None or not (kind.reference or kind.pointer)):
             value = self.copies.kept(value, kind, frame, written, frame)
@@ -294,7 +294,7 @@ class Cpp:
             found = self.kind_of(kind, frame)
             if found is not None and (found.cls is not None or found.name in library.MAPS):
                 return self.construct(found, list(value.items), frame, listed=True)
-        elif isinstance(value, Text | Number) and not kind.reference and not kind.pointer:
+        elif isinstance(value, (Text, Number)) and not kind.reference and not kind.pointer:
             found = self.kind_of(kind, frame)
             if found is not None and (found.cls is not None or self.machine.framework.constructs(found)):
                 return self.construct(found, [value], frame)
@@ -305,7 +305,7 @@ class Cpp:
     def assigned(self, target: Expression, value: Value, written: Expression, frame: Frame) -> Value:
         """Return a value as the target of an assignment holds it."""
         value = self.copies.assigned(target, value, written, frame)
-        if not isinstance(target, form.Name | form.Member):
+        if not isinstance(target, (form.Name, form.Member)):
             return value
         if isinstance(value, Text):
             held = self.machine.value(target, frame)

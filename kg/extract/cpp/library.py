@@ -133,7 +133,7 @@ def type_of(value: Value) -> Kind | None:
         return value.kind
     if isinstance(value, Text):
         return Kind(("std", "string"))
-    if isinstance(value, Truth | Guard):
+    if isinstance(value, (Truth, Guard)):
         return Kind(("bool",))
     if isinstance(value, Number):
         whole = value.written.startswith(("0x", "0X")) or not set(value.written) & set(".eE")
@@ -162,11 +162,11 @@ def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, templ
         if name in NUMBERS:
             return 2.0 if floating == (name in ("double", "float")) else 1.5
         return 1.0 if name == "bool" else (-2.0 if name in TEXTS else 0.1)
-    if isinstance(value, Truth | Guard):
+    if isinstance(value, (Truth, Guard)):
         return 2.0 if name == "bool" else (1.0 if name in NUMBERS else -1.0)
-    if isinstance(value, Sequence | Mapping):
+    if isinstance(value, (Sequence, Mapping)):
         return 1.5 if name in LISTS or name in MAPS else -0.5
-    if isinstance(value, Closure | Bound):
+    if isinstance(value, (Closure, Bound)):
         return 1.5 if name in ("function", "CallbackT", "Callback") else -0.5
     if isinstance(value, Object):
         if value.kind.cls is not None and value.kind.cls is found.cls:
@@ -222,7 +222,7 @@ def _list(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool) ->
     """Return a new list, set, pair or tuple."""
     first = arguments[0] if arguments else None
     if first is not None and len(arguments) == 1:
-        if not listed and isinstance(first, Sequence | Text | Unknown):
+        if not listed and isinstance(first, (Sequence, Text, Unknown)):
             return first
         if listed and isinstance(first, Sequence) and kind.name not in ("pair", "tuple"):
             inner = kind.arguments[0] if kind.arguments else None
@@ -291,7 +291,7 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return _got(values[0], given.template)
     if name in ("for_each", "transform"):
         for one in elements(alternatives(values[0])[0]):
-            if isinstance(values[-1], Closure | Bound):
+            if isinstance(values[-1], (Closure, Bound)):
                 language.calls.value(values[-1], Arguments([one], frame=given.frame))
         return Unknown("it returns what it was given")
     if name in ("min", "max"):
@@ -377,7 +377,7 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
         return of
     if name in ("at", "operator[]") and values:
         return element(of, values[0])
-    if name in ("size", "length") and isinstance(of, Sequence | Mapping) and not of.open:
+    if name in ("size", "length") and isinstance(of, (Sequence, Mapping)) and not of.open:
         if isinstance(of, Sequence) and of.repeated:
             return LENGTH
         if is_unset(of):
@@ -385,7 +385,7 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
         return number(float(len(of.items)), None if language.machine.counting else of.parameter)
     if name == "empty" and not isinstance(of, Unknown):
         return _empty(of)
-    if name in ("find", "count", "contains") and isinstance(of, Mapping | Sequence) and values:
+    if name in ("find", "count", "contains") and isinstance(of, (Mapping, Sequence)) and values:
         found = element(of, values[0]) if name == "find" and isinstance(of, Mapping) else None
         return (
             Unknown("it is searched") if found is None or isinstance(found, Unknown) else Sequence((values[0], found))
@@ -394,7 +394,7 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
         return _slice(of, values)
     if name in ("rfind", "find_last_of") and values == [Text.of("/")] and _is_namespace(of):
         return _LAST_SLASH
-    if name in ("begin", "cbegin") and isinstance(of, Sequence | Mapping):
+    if name in ("begin", "cbegin") and isinstance(of, (Sequence, Mapping)):
         return of
     if name == "value_or" and values:
         return of if not isinstance(of, Unknown) else values[0]
@@ -421,7 +421,7 @@ def _of_object(language: Cpp, of: Object, name: str, given: Arguments, written: 
 
 def _held(language: Cpp, given: Arguments, written: Expression, frame: Frame) -> Value | None:
     """Return the object that `emplace` constructs in an optional, a variant or an `any`; None for other types."""
-    declared = language.kinds.written_type(written, frame) if isinstance(written, form.Name | form.Member) else None
+    declared = language.kinds.written_type(written, frame) if isinstance(written, (form.Name, form.Member)) else None
     holder = language.kinds.held(*declared) if declared is not None else None
     if holder is None or holder.name not in _HOLDERS:
         return None
@@ -469,7 +469,7 @@ def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
         return replace(of, items=of.items[:-1])
     if name == "resize" and isinstance(of, Sequence):
         return _resized(of, values)
-    if name == "erase" and isinstance(of, Sequence | Mapping):
+    if name == "erase" and isinstance(of, (Sequence, Mapping)):
         return replace(of, open=True)
     if name in ("erase", "pop_back", "replace", "resize") and isinstance(of, Text):
         return of if name == "erase" and _of_node(of) else Text.hole(_CUT, parameter=of.parameter)
@@ -507,7 +507,7 @@ def _added(of: Value, name: str, values: list[Value]) -> Value | None:
 
 
 def _empty(of: Value) -> Value:
-    if isinstance(of, Sequence | Mapping):
+    if isinstance(of, (Sequence, Mapping)):
         if of.parameter is not None or of.open:
             return Unknown("it depends on a parameter", of.parameter)
         if isinstance(of, Sequence) and of.repeated and not of.items:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import OrderedDict, defaultdict
 from functools import lru_cache
+from itertools import chain, islice
 from typing import TYPE_CHECKING, Final, cast
 
 from kg.corpus.files import FilePath, Place
@@ -108,7 +109,11 @@ class Project:
         """The names of functions and classes of all programs and of the headers that they include."""
         self._defined: dict[str, tuple[int, tuple[Function | Class, ...]]] = {}
         """What names stand for, with the revision of which that is true."""
-        self._mentioned: dict[str, bool] = {}
+        self._words: dict[Function | Class, tuple[int, frozenset[str]]] = {}
+        """The words in some code, with the number of expansions of macros for which that is true."""
+        self._expansions = 0
+        self._mentioned: dict[str, tuple[int, int] | None] = {}
+        """How many files of programs and headers do not contain a word; None if another one does."""
         self.package = package
         self.repository = reader.repository
         self._ros = build.ros
@@ -117,7 +122,7 @@ class Project:
         self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
         self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
         self._nearness: dict[FilePath, dict[CppUnit, int]] = {}
-        self._listed: set[CppUnit] = set()
+        self._listed: dict[CppUnit, None] = {}
         """The headers in the index that follows."""
         self._macros: dict[str, dict[str, None]] = defaultdict(dict)
         """What the macros of these and of all programs expand to, by name."""
@@ -244,14 +249,19 @@ class Project:
 
     def words(self, code: Function | Class) -> frozenset[str] | None:
         """Return the identifiers in the code of a function, or in what the creation of an object runs."""
-        unit = cast("CppUnit", code.unit)
-        self._near(unit.key)  # which makes its headers known
-        own = code.words if isinstance(code, CppFunction | CppClass) else words_of(unit.code(cast("Function", code)))
-        if not own:
-            return own
-        return own.union(
-            *unit.uses, *(words_of(text) for word in own & self._macros.keys() for text in self._macros[word])
-        )
+        expansions, words = self._words.get(code, (-1, frozenset()))
+        if expansions != self._expansions:
+            unit = cast("CppUnit", code.unit)
+            self._near(unit.key)  # which makes its headers known
+            if isinstance(code, (CppFunction, CppClass)):
+                words = code.words
+            else:
+                words = words_of(unit.code(cast("Function", code)))
+            if words:
+                expanded = (text for word in words & self._macros.keys() for text in self._macros[word])
+                words = words.union(*unit.uses, *map(words_of, expanded))
+            self._words[code] = (self._expansions, words)
+        return words
 
     def assigned(self, code: Function | Class) -> frozenset[str]:
         """Return the names of variables and fields that the code of a function changes."""
@@ -260,8 +270,11 @@ class Project:
         return assigned_in(cast("CppUnit", code.unit).code(code)) if isinstance(code, Function) else frozenset()
 
     def definitions(self, words: frozenset[str]) -> Iterator[Function | Class]:
-        """Yield the functions and classes of the programs that have one of some names."""
-        for word in words & self._definable:
+        """Yield the functions and classes of the programs that have one of some names.
+
+        They are in an order of their own: with that of the set, other files would be looked up in each process.
+        """
+        for word in sorted(words & self._definable):
             revision, known = self._defined.get(word, (-1, ()))
             if revision != self.revision:
                 known = tuple(self._definitions(word))
@@ -274,7 +287,7 @@ class Project:
             for unit in units.get(("function", word), ()):
                 yield from unit.functions[word]
             for unit in units.get(("inline", word), ()):
-                for cls in (one for name in unit.inline[word] for one in unit.classes.get(name, ())):
+                for cls in (one for name in sorted(unit.inline[word]) for one in unit.classes.get(name, ())):
                     yield from cls.methods.get(word, ())
             for unit in tuple(units.get(("class", word), ())):
                 yield from unit.classes[word]
@@ -288,10 +301,13 @@ class Project:
 
     def mentions(self, word: str) -> bool:
         """Check whether a file of a program contains a word."""
-        if not self._mentioned.get(word):
-            units = (*self._used.values(), *self._listed)
-            self._mentioned[word] = any(word.encode() in one.source for one in units)
-        return self._mentioned[word]
+        without = self._mentioned.get(word, (0, 0))
+        if without is not None:
+            used, listed = without  # files are only added, so only the new ones are searched
+            units = chain(islice(self._used.values(), used, None), islice(self._listed, listed, None))
+            found = any(word.encode() in one.source for one in units)
+            self._mentioned[word] = None if found else (len(self._used), len(self._listed))
+        return self._mentioned[word] is None
 
     # Names
 
@@ -335,7 +351,7 @@ class Project:
             known = self._nearness[file] = {one: place for place, one in enumerate(units) if one is not None}
             for one in known:
                 if one not in self._listed:
-                    self._listed.add(one)
+                    self._listed[one] = None
                     for kind, names in one.names.items():
                         for name in names:
                             self._declaring[kind, name].append(one)
@@ -345,6 +361,7 @@ class Project:
     def _index(self, unit: CppUnit) -> None:
         """Add what the macros of a file expand to, and the names that it defines."""
         for name, macro in unit.macros.items():
+            self._expansions += macro.text not in self._macros[name]
             self._macros[name][macro.text] = None
         self._add_names((*unit.functions, *unit.inline, *unit.classes))
 
