@@ -30,6 +30,7 @@ __all__ = [
     "StoreError",
     "UnknownNameError",
     "UsageError",
+    "defect",
 ]
 
 _NAME_OR_SIGN: Final = re.compile(r"[?$]?[\w:.-]+|\S")
@@ -186,3 +187,14 @@ class RuleError(KgError):
     """Unusable rule or set of rules."""
 
     exit_code = Exit.FOUND
+
+
+def defect(error: Exception) -> str:
+    """Return an error that no code expected, and where in `kg` it was raised: `KeyError: 'x' (values.py:7 in read)`."""
+    words, trace = f"{type(error).__name__}: {error}", error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    if trace is None:
+        return words
+    code = trace.tb_frame.f_code
+    return f"{words} ({code.co_filename.rpartition('/')[2]}:{trace.tb_lineno} in {code.co_name})"

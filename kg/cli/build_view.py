@@ -46,6 +46,7 @@ def summary(report: BuildReport, store: Path, *, every: bool) -> Iterator[str]:
     if report.systems and report.systems.configurations:
         instances = count(report.systems.instances, "instance")
         yield f"wired {instances} of {count(report.systems.configurations, 'launch file')}"
+        yield from (f"  KG121 {failed}" for failed in report.systems.failed)
     if report.inferred:
         yield _inferred(report.inferred)
     yield from _unresolved(report, every=every)

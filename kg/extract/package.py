@@ -6,12 +6,12 @@ any process of a pool, or on another machine. A defect in one reader costs that 
 
 from __future__ import annotations
 
-import traceback
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path, PurePosixPath
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final, TypeVar
 
+from kg.errors import defect
 from kg.extract import cpp, definitions, implicit, manifests, parameters, python, texts
 from kg.extract.buildmodel import BuildModel, TargetKind
 from kg.facts import Interface, Location, NodeKind, Package, PackageFacts, Parameter, Role, SourceFile
@@ -272,10 +272,8 @@ def guard(reader: Reader, read: Callable[..., _Result], instead: _Result, *argum
     try:
         return read(*arguments)
     except Exception as error:  # noqa: BLE001 - whatever a reader trips over must not cost the other readers' facts
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        place = f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}"
         name = f"{read.__module__.removeprefix('kg.').removeprefix('extract.')}.{read.__name__}"
-        message = f"{name}: {type(error).__name__}: {error} ({place})"
+        message = f"{name}: {defect(error)}"
         reader.problem("KG121", message, reader.package.manifest or reader.package.path)
         return instead
 

@@ -333,8 +333,8 @@ class Package:
     """Pairs of kind (`website`, `repository`, `bugtracker`) and address."""
     dependencies: tuple[Dependency, ...] = ()
     deprecated: str | None = None
-    for_both: bool = False
-    """Whether its manifest has conditions for ROS 1 and ROS 2; it is read for `ros`."""
+    also: int | None = None
+    """The other version of ROS that its manifest has conditions for; it is read for `ros`."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -68,11 +68,15 @@ class Inferred:
 
 @dataclass(frozen=True, slots=True)
 class SystemsReport:
-    """How many launch configurations a store has, how many instances they start, and how many graphs changed."""
+    """How many launch configurations a store has, how many instances they start, and how many graphs changed.
+
+    `failed` are those of this build that could not be wired, as `path: message`: a defect of `kg` (KG121).
+    """
 
     configurations: int = 0
     instances: int = 0
     changed: int = 0
+    failed: tuple[str, ...] = ()
 
 
 def totals(systems: Systems) -> SystemsReport:

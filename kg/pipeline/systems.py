@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 from pyoxigraph import NamedNode
 
+from kg.errors import defect
+from kg.facts import LaunchProblem, LaunchProblemKind, Location, System
 from kg.graph import vocabulary as v
 from kg.graph.reading import data_files, node_records, programs
 from kg.graph.starts import STARTS, starts_apart
@@ -78,7 +80,7 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     writing.take(dict.fromkeys(gone, b""))
     writing.finish()
     systems = work.systems()
-    return systems, replace(totals(systems), changed=writing.changed)
+    return systems, replace(totals(systems), changed=writing.changed, failed=tuple(work.failed))
 
 
 def _catalogue(
@@ -183,6 +185,8 @@ class _Work:
     def __init__(self, catalogue: Catalogue, iris: Iris, last: Systems, version: str, intact: set[str]) -> None:
         self.graphs: set[str] = set()
         self.contents: dict[str, bytes] = {}
+        self.failed: list[str] = []
+        """The launch files that could not be wired, with the reason."""
         self._catalogue = catalogue
         self._iris = iris
         self._last = last
@@ -220,7 +224,7 @@ class _Work:
         self, key: Key, configuration: LaunchConfiguration, earlier: PackageSystems | None
     ) -> tuple[WiredSystem, tuple[Question, ...]]:
         self._catalogue.asked.clear()
-        system = wire(configuration, self._catalogue)
+        system = self._wire(configuration)
         content = system_triples(system, self._catalogue.records(system), self._iris)
         mark, graph = digest(content), self._iris.launch_graph(key[0], configuration.path)
         before = earlier.graphs.get(configuration.path) if earlier else None
@@ -228,6 +232,16 @@ class _Work:
             self.contents[graph] = content
         made = WiredSystem(_mark(configuration), mark, len(system.instances), ())
         return made, tuple(self._catalogue.asked)
+
+    def _wire(self, configuration: LaunchConfiguration) -> System:
+        """Wire a configuration. One that `kg` trips over has a problem and starts nothing; the others are wired."""
+        try:
+            return wire(configuration, self._catalogue)
+        except Exception as error:  # noqa: BLE001 - whatever it is, the other launch files of the build are wired
+            message = f"its nodes could not be wired: {defect(error)}"
+            self.failed.append(f"{configuration.repository} {configuration.path}: {message}")
+            problem = LaunchProblem(LaunchProblemKind.UNRESOLVED, message, Location(configuration.path, 1))
+            return System(replace(configuration, problems=(*configuration.problems, problem)))
 
     def systems(self) -> Systems:
         """Return the state that the next build compares with."""

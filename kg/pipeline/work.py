@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections import Counter
 from dataclasses import asdict, dataclass, field, replace
-from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
@@ -119,9 +118,7 @@ def read_package(
 
         nothing: tuple[LaunchConfiguration, ...] = ()
         known = facts.package
-        launches = guard(
-            reader, partial(reading.read_launches, for_both=known.for_both), nothing, reader, package, known.ros
-        )
+        launches = guard(reader, reading.read_launches, nothing, reader, package, known.ros, known.also)
         facts = replace(facts, launches=launches, problems=reader.sorted_problems(), inputs=reader.inputs)
     return replace(facts, snippets=read_snippets(reader, facts))
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 from pyoxigraph import NamedNode, RdfFormat
 
+from kg.launch.wiring.systems import wire
+from kg.pipeline import systems
 from kg.pipeline.build import build
 from kg.pipeline.forgetting import forget
 from kg.settings import load
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from kg.facts import LaunchConfiguration, System
+    from kg.launch.wiring.types import NodeTypes
     from kg.pipeline.report import BuildReport
     from kg.settings import Settings
 
@@ -223,3 +227,24 @@ def test_other_code_wires_again(site: Site, monkeypatch: pytest.MonkeyPatch) -> 
     launches = {graph: lines for graph, lines in site.content().items() if "/graph/launch/" in graph}
     assert launches
     assert all(lines == ["<urn:a> <urn:b> <urn:c> ."] for lines in launches.values())
+
+
+def test_a_launch_file_that_kg_trips_over_costs_the_others_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A defect in the wiring of one launch file is reported and noted with it; the others are wired."""
+
+    def fails(configuration: LaunchConfiguration, types: NodeTypes) -> System:
+        if configuration.path.endswith("inner.launch"):
+            raise KeyError("x")
+        return wire(configuration, types)
+
+    monkeypatch.setattr(systems, "wire", fails)
+    site = Site(tmp_path, EmbeddedStore.create(tmp_path / ".kg"))
+    site.fill()
+    report = site.build()
+    assert report.systems is not None
+    (failed,) = report.systems.failed
+    assert "other/launch/inner.launch: its nodes could not be wired: KeyError: 'x' (test_systems.py:" in failed
+    assert failed.partition(": ")[2] in site.launches()
+    assert (report.systems.configurations, report.systems.instances) == (3, 4)

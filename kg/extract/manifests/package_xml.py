@@ -123,7 +123,7 @@ def read_package_xml(reader: Reader, folder: PackageFolder) -> Manifest:
         urls=tuple((str(e.get("type", "website")), text) for e in _all(root, "url") if (text := _flat(e))),
         dependencies=dependencies,
         deprecated=next((text or "yes" for tag, _, text, _ in exports if tag == "deprecated"), None),
-        for_both=len(versions) > 1,
+        also=next(iter(versions - {ros}), None),
     )
     return Manifest(package, exports)
 

@@ -36,17 +36,17 @@ _OF_ROS2: Final = re.compile(
 
 
 def read_launches(
-    reader: Reader, package: PackageFolder, ros: int, *, for_both: bool = False
+    reader: Reader, package: PackageFolder, ros: int, also: int | None = None
 ) -> tuple[LaunchConfiguration, ...]:
     """Return each launch file of `package`, evaluated with its default arguments; `ros` is the package's version.
 
     Templates are left out. Malformed files of the package are also problems KG415 of the `reader`. In a package
-    `for_both` versions of ROS, files of ROS 1 are not mistakes.
+    that is `also` for another version of ROS, files of that version are not mistakes.
     """
     launches = (entry.path for entry in package.files if entry.kind is FileKind.LAUNCH)
     paths = sorted(path for path in launches if not _TEMPLATES & set(path.split("/")))
     found = [one for path in paths if (one := read_configuration(reader, path, ros)) is not None]
-    if for_both:
+    if also is not None:
         found = [replace(one, problems=tuple(map(_undecided, one.problems))) for one in found]
     own = {entry.path for entry in package.files}
     for problem in (problem for one in found for problem in one.problems):
