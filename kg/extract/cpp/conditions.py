@@ -38,7 +38,7 @@ def holds(directive: bytes, ros: int, defined: frozenset[bytes]) -> bool | None:
     Args:
         directive: the line of `#if`, `#ifdef`, `#ifndef`, `#elif` or `#else`.
         ros: the version of ROS.
-        defined: the macros that the file itself defines, guards of headers among them; nothing is known of them.
+        defined: the macros that the file itself defines without a value, as guards; nothing is known of them.
 
     Returns:
         None if something else than the version of ROS decides it.

@@ -29,7 +29,8 @@ _CONNECTED: Final = re.compile(rb"\b((?:SIGNAL|SLOT)\(\s*)(\w+\s*\([^()]*\))(?=\
 _DIRECTIVE: Final = re.compile(
     rb"^[ \t]*#[ \t]*(if|ifdef|ifndef|elif|else|endif)\b(?:[^\n\\]|\\\r?\n|\\.)*", re.MULTILINE
 )
-_DEFINED: Final = re.compile(rb"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
+_DEFINED: Final = re.compile(rb"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]*(?:/[/*].*)?\r?$", re.MULTILINE)
+"""Macros without a value: guards of headers, which may look like flags for a version of ROS. Others are defaults."""
 _HAS_INCLUDE: Final = b"__has_include"
 _VISIBLE: Final = re.compile(rb"[^\r\n]")
 

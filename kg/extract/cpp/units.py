@@ -62,6 +62,8 @@ _ASSIGNED: Final = re.compile(
     r"(?:\.|->)\s*(?:reset|swap|push_\w+|emplace\w*|insert\w*|pop_\w+|erase|clear|resize|assign|store|append)\b)"
     r"|(?:\+\+|--)\s*(?:\w+(?:\.|->))*([A-Za-z_]\w*)"
 )
+_QUALIFIER: Final = re.compile(r"[A-Za-z_]\w*(?:\s*::\s*[A-Za-z_]\w*)*")
+"""A macro with such a text can stand in front of `::`, as another name of a namespace."""
 _NAMESPACE_ALIAS: Final = re.compile(rb"\bnamespace\s+(\w+)\s*=\s*([\w:\s]+?)\s*;")
 _DECLARED: Final = re.compile(rb"\b(?:(?:class|struct)\s+|[A-Z_]+_FORWARD\s*\(\s*)(\w+)\s*[;)]")
 """Declarations of classes without their bodies, also by macros such as `MOVEIT_CLASS_FORWARD`."""
@@ -319,6 +321,8 @@ class CppUnit(Unit):
             text = syntax.text(value).replace("\\\n", "\n").strip()
             shown = syntax.text(name)
             self.macros[shown] = Macro(self, shown, parameters, text, line_of(node))
+            if parameters is None and _QUALIFIER.fullmatch(text):
+                self._add_namespace(shown.encode(), text.encode(), ())
 
     def _using(self, node: Node, scope: _Scope) -> None:
         named = syntax.of_type(node, "identifier", "qualified_identifier", "namespace_identifier")
