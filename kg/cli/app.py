@@ -138,7 +138,7 @@ RULE_COMMANDS: Final = (
         "Write",
         "lsp",
         "rules_lsp:lsp",
-        "Serve editors: errors as you type, completion, documentation, definitions.",
+        "Serve editors: rules as you type them, and the findings of `kg lint`.",
     ),
     Later("Try", "check", "rules_check:check", "Check rules: names, safety, strata, dead rules, documentation."),
     Later(

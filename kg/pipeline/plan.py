@@ -42,7 +42,7 @@ CODE: Final = (
 )
 """The code of `kg` that results depend on, with the data that belongs to it."""
 LIBRARIES: Final = (
-    *("lxml", "msgspec", "numpy", "pyoxigraph", "pyyaml", "rosbags", "spacy"),
+    *("lxml", "msgspec", "numpy", "pathspec", "pyoxigraph", "pyyaml", "rosbags", "spacy"),
     *("thinc", "tree-sitter", "tree-sitter-cpp", "tree-sitter-python"),
 )
 """The distributions that results depend on."""

@@ -367,6 +367,10 @@ def over(values: Iterable[Value], apply: Callable[..., Value]) -> Value:
     return join(*found, found[0]) if found else Unknown("its parts exclude each other")
 
 
+_READ_BACK: Final = frozenset({Text, Sequence, Either})
+"""Elements that `read_back` changes."""
+
+
 def read_back(value: Value, name: str = "") -> Value:
     """Return a value as read from a variable rather than written in place; `name` labels it if it is unknown."""
     if type(value) is Unknown:
@@ -379,7 +383,7 @@ def read_back(value: Value, name: str = "") -> Value:
             return Text((Hole(label_of(name)),), value.resolution, value.parameter, value.reason)
     elif type(value) is Either:
         return Either(tuple([read_back(item, name) for item in value.items]), value.ways)
-    elif type(value) is Sequence and value.items:
+    elif type(value) is Sequence and not _READ_BACK.isdisjoint(map(type, value.items)):
         return Sequence(tuple([read_back(item) for item in value.items]), value.open, value.parameter, value.repeated)
     return value
 
@@ -432,8 +436,11 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
         return next(item for item in found if isinstance(item, Unknown))
     if len(found) > 1 and any(not isinstance(item, Unknown) for item in found):
         found = [item for item in found if not isinstance(item, Unknown) or item.parameter is not None] or found
+    united = _united(found) if len(found) > _MOST_CONTAINERS else None
+    if united is not None:
+        return united
     if len(found) > MOST_ALTERNATIVES:
-        return _union(found) or Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
+        return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
     if len(found) == 1:
         return found[0]
     kept = [pair for pair in pairs if pair[0] in found]
@@ -444,22 +451,30 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
 
 _DECISIVE: Final = frozenset({Truth, Number, Either})
 """Values that are not taken alone where they may also be unknown: conditions depend on them, or they are several."""
+_MOST_CONTAINERS: Final = 4
+"""How many lists or maps are told apart: each branch that adds to one would double them."""
+_MOST_UNITED: Final = 12
+"""How many elements each container has at most of those whose elements are taken together."""
 
 
-def _union(found: list[Value]) -> Value | None:
-    """Return a container with the elements of all of some containers; None if they are not all lists, or all maps."""
-    lists = [one for one in found if isinstance(one, Sequence) and one.parameter is None]
-    maps = [one for one in found if isinstance(one, Mapping) and one.parameter is None]
-    if len(lists) == len(found):
-        items = _unique(item for one in lists for item in one.items)
-        return Sequence(tuple(items), any(one.open for one in lists), repeated=True)
-    if len(maps) < len(found):
+def _united(found: list[Value]) -> Value | None:
+    """Return a container with the elements of all of some that grew differently; unknown if they have many elements.
+
+    None if not all are lists or maps. Those of one length are rows, such as pairs, which stay apart.
+    """
+    held = [one for one in found if isinstance(one, Sequence | Mapping) and one.parameter is None]
+    kinds, lengths = {type(one) for one in held}, {len(one.items) for one in held}
+    if len(held) < len(found) or len(kinds) > 1 or len(lengths) == 1:
         return None
-    pairs: list[tuple[Value, Value]] = []
-    for pair in (pair for one in maps for pair in one.items):
-        if pair not in pairs:
-            pairs.append(pair)
-    return Mapping(tuple(pairs), any(one.open for one in maps), default=maps[0].default)
+    longest = max(held, key=lambda one: len(one.items))
+    if len(longest.items) > _MOST_UNITED:
+        return Unknown(f"it has more than {_MOST_CONTAINERS} possible values")
+    more = any(one.open for one in held)
+    if isinstance(longest, Sequence):
+        items = dict.fromkeys(item for one in held if isinstance(one, Sequence) for item in one.items)
+        return Sequence(tuple(items), more, repeated=True)
+    pairs = dict.fromkeys(pair for one in held if isinstance(one, Mapping) for pair in one.items)
+    return replace(longest, items=tuple(pairs), open=more)
 
 
 def _with_defaults(found: list[Value]) -> list[Value]:

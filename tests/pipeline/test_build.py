@@ -108,7 +108,7 @@ def test_a_removed_package_leaves_the_graph(bench: Bench) -> None:
 
 def test_small_changes_are_patched_to_the_same_graph(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     """In a large source a changed, an added and a removed package give the graph that a cold build gives."""
-    for number in range(20):
+    for number in range(40):
         bench.package(f"many{number}", f"topic{number % 7}")
     bench.build()
     loads: list[str] = []

@@ -163,3 +163,23 @@ def test_only_a_parameter_alone_is_a_whole_one() -> None:
     assert whole_parameter(parameter)
     assert not whole_parameter(concatenate(Text.of("a/"), parameter))
     assert not whole_parameter(Text.of("a", Resolution.PARAMETER_DEFAULT, "~/topic"))
+
+
+def test_a_number_that_may_be_unknown_is_unknown() -> None:
+    """Both sides of a branch on it can run; of other values the known ones are left."""
+    assert join(number(1), Unknown("it is read")) == Unknown("it is read")
+    assert join(Text.of("a"), Unknown("it is read")) == Text.of("a")
+
+
+def test_lists_that_grew_under_conditions_are_one_list() -> None:
+    """More than a few lists of different lengths become one with the elements of all, each of them possible."""
+    a, b, c = (Text.of(name) for name in "abc")
+    lists = [Sequence(items) for items in ((), (a,), (b,), (a, b), (a, b, c))]
+    assert join(*lists) == Sequence((a, b, c), repeated=True)
+    assert join(*lists[:3]) == Either(tuple(lists[:3]))
+
+
+def test_rows_stay_apart() -> None:
+    """Lists of one length are alternatives, such as pairs, however many they are."""
+    pairs = [Sequence((number(index), number(index + 1))) for index in range(MOST_ALTERNATIVES)]
+    assert join(*pairs) == Either(tuple(pairs))
