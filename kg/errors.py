@@ -8,12 +8,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.codes import CATALOGUE, CodeEntry
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
 __all__ = [
     "CATALOGUE",
@@ -30,9 +30,10 @@ __all__ = [
     "StoreError",
     "UnknownNameError",
     "UsageError",
-    "defect",
+    "guarded",
 ]
 
+_Result = TypeVar("_Result")
 _NAME_OR_SIGN: Final = re.compile(r"[?$]?[\w:.-]+|\S")
 
 
@@ -189,8 +190,19 @@ class RuleError(KgError):
     exit_code = Exit.FOUND
 
 
-def defect(error: Exception) -> str:
-    """Return an error that no code expected, and where in `kg` it was raised: `KeyError: 'x' (values.py:7 in read)`."""
+def guarded(do: Callable[[], _Result], instead: Callable[[str], _Result]) -> _Result:
+    """Return what `do` gives or, after an error that no code expected, what `instead` makes of the words about it.
+
+    For parts of a build, of which a defect of `kg` in one is not to cost the others. The words have the place in `kg`:
+    `KeyError: 'x' (values.py:7 in read)`.
+    """
+    try:
+        return do()
+    except Exception as error:  # noqa: BLE001 - whatever it is
+        return instead(_words(error))
+
+
+def _words(error: Exception) -> str:
     words, trace = f"{type(error).__name__}: {error}", error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from functools import partial
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from kg.errors import defect
+from kg.errors import guarded
 from kg.extract import cpp, definitions, implicit, manifests, parameters, python, texts
 from kg.extract.buildmodel import BuildModel, TargetKind
 from kg.facts import Interface, Location, NodeKind, Package, PackageFacts, Parameter, Role, SourceFile
@@ -269,13 +270,13 @@ def _aliases(node: NodeType, build: BuildModel) -> tuple[str, ...]:
 
 def guard(reader: Reader, read: Callable[..., _Result], instead: _Result, *arguments: object) -> _Result:
     """Return what `read` makes of its arguments, or `instead` and a problem KG121 when it has a defect."""
-    try:
-        return read(*arguments)
-    except Exception as error:  # noqa: BLE001 - whatever a reader trips over must not cost the other readers' facts
+
+    def report(words: str) -> _Result:
         name = f"{read.__module__.removeprefix('kg.').removeprefix('extract.')}.{read.__name__}"
-        message = f"{name}: {defect(error)}"
-        reader.problem("KG121", message, reader.package.manifest or reader.package.path)
+        reader.problem("KG121", f"{name}: {words}", reader.package.manifest or reader.package.path)
         return instead
+
+    return guarded(partial(read, *arguments), report)
 
 
 def _undescribed(package: PackageFolder) -> Package:

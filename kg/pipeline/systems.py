@@ -9,12 +9,13 @@ Its graph is patched by the triples that differ.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import msgspec
 from pyoxigraph import NamedNode
 
-from kg.errors import defect
+from kg.errors import guarded
 from kg.facts import LaunchProblem, LaunchProblemKind, Location, System
 from kg.graph import vocabulary as v
 from kg.graph.reading import data_files, node_records, programs
@@ -235,13 +236,14 @@ class _Work:
 
     def _wire(self, configuration: LaunchConfiguration) -> System:
         """Wire a configuration. One that `kg` trips over has a problem and starts nothing; the others are wired."""
-        try:
-            return wire(configuration, self._catalogue)
-        except Exception as error:  # noqa: BLE001 - whatever it is, the other launch files of the build are wired
-            message = f"its nodes could not be wired: {defect(error)}"
+
+        def failed(words: str) -> System:
+            message = f"its nodes could not be wired: {words}"
             self.failed.append(f"{configuration.repository} {configuration.path}: {message}")
             problem = LaunchProblem(LaunchProblemKind.UNRESOLVED, message, Location(configuration.path, 1))
             return System(replace(configuration, problems=(*configuration.problems, problem)))
+
+        return guarded(partial(wire, configuration, self._catalogue), failed)
 
     def systems(self) -> Systems:
         """Return the state that the next build compares with."""
