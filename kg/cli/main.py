@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import suppress
 
 __all__ = ["run", "was_interrupted"]
 
@@ -15,7 +16,8 @@ def run() -> None:
     finally:
         # Python keeps in mind that Ctrl-C came while a text was executed, as when methods of data classes are made, and
         # `python -m` then ends by the signal, whatever was done about it and with which code. This is another text.
-        exec("")  # noqa: S102 - nothing
+        with suppress(MemoryError):  # where a limit ended the command
+            exec("")  # noqa: S102 - nothing
 
 
 def _run() -> None:
