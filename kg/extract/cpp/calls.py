@@ -101,8 +101,9 @@ class Calls:
             return self._language.machine.invoke(called.function, frame, values, given.written, given.frame)
         if isinstance(called, Bound):
             if called.given:
-                given = Arguments(called.filled(given.values), frame=given.frame)
-            given = replace(given, template=given.template or called.template)
+                given = Arguments(called.filled(given.values), called.template, frame=given.frame)
+            elif called.template and not given.template:
+                given = replace(given, template=called.template)
             if isinstance(called.of, Object):
                 return self.method(called.of, called.name, given)
             if called.functions:
