@@ -87,18 +87,18 @@ class _Reading:
         return token
 
     def _either(self) -> bool | None:
-        found = [self._both()]
-        while self._next() == b"||":
-            self._take()
-            found.append(self._both())
-        return True if True in found else None if None in found else False
+        return self._joined(b"||", self._both, decisive=True)
 
     def _both(self) -> bool | None:
-        found = [self._one()]
-        while self._next() == b"&&":
+        return self._joined(b"&&", self._one, decisive=False)
+
+    def _joined(self, sign: bytes, part: Callable[[], bool | None], *, decisive: bool) -> bool | None:
+        """Return the truth of parts with a sign between them, of which one that is `decisive` decides."""
+        found = [part()]
+        while self._next() == sign:
             self._take()
-            found.append(self._one())
-        return False if False in found else None if None in found else True
+            found.append(part())
+        return decisive if decisive in found else None if None in found else not decisive
 
     def _one(self) -> bool | None:
         token = self._take()
