@@ -123,13 +123,13 @@ class Rules:
 
     def references(self, uri: str, position: types.Position, *, declaration: bool) -> list[types.Location]:
         """Return all places that mean what is at a position; with `declaration` also where a prefix or rule begins."""
-        found = self._document(uri)
-        symbol = self._symbol(*found, position) if found else None
-        if found is None or symbol is None:
+        found = self._meant(uri, position)
+        if found is None:
             return []
+        _, own, symbol = found
         places = [
             types.Location(uri_of(path, self._workspace), text.range(each.start, each.end))
-            for path, text, each in self._occurrences(symbol, found[1])
+            for path, text, each in self._occurrences(symbol, own)
             if declaration or not each.declares
         ]
         if symbol.kind == "rule" and declaration:
@@ -138,11 +138,10 @@ class Rules:
 
     def highlights(self, uri: str, position: types.Position) -> list[types.DocumentHighlight]:
         """Return the places in the document itself that mean what is at a position."""
-        found = self._document(uri)
-        symbol = self._symbol(*found, position) if found else None
-        if found is None or symbol is None:
+        found = self._meant(uri, position)
+        if found is None:
             return []
-        text, path = found
+        text, path, symbol = found
         return [
             types.DocumentHighlight(text.range(each.start, each.end)) for each in occurrences(symbol, text.source, path)
         ]
@@ -152,11 +151,10 @@ class Rules:
 
         Raises UsageError KG003 for what cannot be renamed.
         """
-        found = self._document(uri)
-        symbol = self._symbol(*found, position) if found else None
-        if found is None or symbol is None:
+        found = self._meant(uri, position)
+        if found is None:
             return None
-        text, path = found
+        text, path, symbol = found
         self._require_own(symbol, path)
         shown = symbol.name if symbol.kind == "rule" else text.source[symbol.start : symbol.end]
         return types.PrepareRenamePlaceholder(text.range(symbol.start, symbol.end), shown)
@@ -166,11 +164,10 @@ class Rules:
 
         Raises UsageError KG003 for a new name of another form or one that is taken, and for what cannot be renamed.
         """
-        found = self._document(uri)
-        symbol = self._symbol(*found, position) if found else None
-        if found is None or symbol is None:
+        found = self._meant(uri, position)
+        if found is None:
             return None
-        text, path = found
+        text, path, symbol = found
         self._require_own(symbol, path)
         name = renamed(symbol, new, text.source, path)
         if symbol.kind == "term":
@@ -211,6 +208,12 @@ class Rules:
     def _location(self, path: Path, line: int) -> types.Location:
         start = types.Position(line, 0)
         return types.Location(uri_of(path.resolve(), self._workspace), types.Range(start, start))
+
+    def _meant(self, uri: str, position: types.Position) -> tuple[Text, Path, Symbol] | None:
+        """Return the document with its path, and the symbol at a position; None if there is none."""
+        found = self._document(uri)
+        symbol = self._symbol(*found, position) if found else None
+        return (*found, symbol) if found and symbol else None
 
     def _symbol(self, text: Text, path: Path, position: types.Position) -> Symbol | None:
         names = self._knowledge.names
