@@ -22,6 +22,9 @@ _FLAG: Final = re.compile(
 _DIRECTIVE: Final = re.compile(rb"\s*#\s*(\w+)(.*)", re.DOTALL)
 _LEFT_OUT: Final = re.compile(rb"//.*|/\*.*?\*/|\\\r?\n", re.DOTALL)
 _TOKEN: Final = re.compile(rb"\w+|&&|\|\||[=!<>]=|[()!<>]|\S")
+_MOST_TOKENS: Final = 200
+"""A longer condition is not read: its brackets could be deeper than Python can follow."""
+_MOST_DIGITS: Final = 18
 _COMPARISONS: Final[dict[bytes, Callable[[int, int], bool]]] = {
     b"==": operator.eq,
     b"!=": operator.ne,
@@ -49,7 +52,10 @@ def holds(directive: bytes, ros: int, defined: frozenset[bytes]) -> bool | None:
     kind, condition = found[1], _LEFT_OUT.sub(b" ", found[2])
     if kind == b"else":
         return True
-    reading = _Reading(_TOKEN.findall(condition), ros, defined)
+    tokens = _TOKEN.findall(condition)
+    if len(tokens) > _MOST_TOKENS:
+        return None
+    reading = _Reading(tokens, ros, defined)
     if kind in (b"ifdef", b"ifndef"):
         known = reading.is_defined(condition.strip())
         return known if kind == b"ifdef" or known is None else not known
@@ -121,7 +127,7 @@ class _Reading:
     def _value(self, token: bytes) -> int | None:
         """Return the number that a word of a condition stands for."""
         if token.isdigit():
-            return int(token)
+            return int(token) if len(token) <= _MOST_DIGITS else None
         if token in (b"true", b"false"):
             return int(token == b"true")
         if token in self._defined:

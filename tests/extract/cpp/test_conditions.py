@@ -90,3 +90,9 @@ def test_logic_is_that_of_kleene(condition: object, ros: int) -> None:
 def test_no_condition_raises_an_error(text: bytes) -> None:
     """Whatever follows `#if` is true, false or unknown."""
     assert holds(b"#if " + text, 1, NONE) in {True, False, None}
+
+
+@pytest.mark.parametrize("condition", ["(" * 50_000, "!" * 50_000 + "1", "9" * 5_000])
+def test_nothing_is_known_of_conditions_without_end(condition: str) -> None:
+    """Brackets, signs and digits in any number end no reading."""
+    assert holds(f"#if {condition}".encode(), 2, NONE) is None
