@@ -46,6 +46,7 @@ __all__ = [
     "Return",
     "Spread",
     "Statement",
+    "Static",
     "Step",
     "Try",
     "Type",
@@ -249,7 +250,16 @@ class Declare:
     name: str
     type: Type | None
     value: Expression | None
-    static: bool = False
+
+
+@dataclass(slots=True, eq=False)
+class Static(Declare):
+    """A variable of a function that is initialised at the first call, and keeps its value for the next.
+
+    `switched` means that the function assigns a truth value to it, so that its value depends on the call.
+    """
+
+    switched: bool = False
 
 
 @dataclass(slots=True, eq=False)

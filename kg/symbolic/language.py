@@ -22,6 +22,10 @@ class Language(Protocol):
     def expressions(self) -> Mapping[type, Callable[[Any, Frame], Value]]:
         """How expressions run that only this language has, by their class."""
 
+    @property
+    def statements(self) -> Mapping[type, Callable[[Any, Frame], str | None]]:
+        """How statements run that only this language has, by their class."""
+
     # Names and members
 
     def name(self, expression: form.Name, frame: Frame) -> Value:

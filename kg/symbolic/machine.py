@@ -118,6 +118,7 @@ class Machine:
             form.Try: self._try,
             form.Return: self._return,
             form.Jump: lambda statement, _: statement.kind,
+            **language.statements,
         }
         self._values: dict[type, Callable[[Any, Frame], Value]] = {
             form.Literal: self._literal,
@@ -143,6 +144,12 @@ class Machine:
         if holder is not self._local and not isinstance(value, _PLAIN) and holder.get(name) is not value:
             self._outer_writes += 1
         self._journal.write(holder, name, value)
+
+    def ahead(self, run: Callable[[], object]) -> bool:
+        """Run code as if it had run before all branches; return whether that makes no difference to its effects."""
+        before = self.framework.progress()
+        self._journal.ahead(run)
+        return not self._journal.open or self.framework.progress() == before
 
     def created(self, made: Object) -> Object:
         """Return a new object, after recording that only the side of a branch that runs has it."""

@@ -204,6 +204,11 @@ class Journal:
         self._created: set[int] = set()
         """The variables and fields, by identity, of what the side that runs created: no other side has them."""
 
+    @property
+    def open(self) -> bool:
+        """Whether one side of a branch runs."""
+        return self._entries is not None
+
     def created(self, *holders: Holder) -> None:
         """Record that an object with these fields was created."""
         if self._entries is not None:
@@ -216,6 +221,14 @@ class Journal:
             before = _MISSING if id(slots) in self._created else slots.get(name, _MISSING)
             self._entries.append((slots, name, before))
         slots[name] = value
+
+    def ahead(self, run: Callable[[], _Result]) -> _Result:
+        """Run a function as if it had run before the branch: what it writes stays on every side."""
+        outer, self._entries = self._entries, None
+        try:
+            return run()
+        finally:
+            self._entries = outer
 
     def attempt(self, run: Callable[[], _Result]) -> tuple[Written, _Result]:
         """Run a function and revert its writes; return them with the function's result."""

@@ -63,6 +63,7 @@ class Cpp:
         self.kinds = Kinds(self)
         self.copies = Copies(self)
         self.expressions: Mapping[type, Callable[[Any, Frame], Value]] = {form.Lambda: self.copies.closure}
+        self.statements: Mapping[type, Callable[[Any, Frame], None]] = {form.Static: self._static_local}
         self.calls = Calls(self)
         self._constructions = Constructions(self)
         self.kind = self.kinds.kind
@@ -151,6 +152,30 @@ class Cpp:
             holder[name] = frame.variables.get(statement.name, Unknown("it has no value"))
         held = holder[name]
         return library.as_constant(held) if not isinstance(held, Alias) else self.machine.value(held.target, held.frame)
+
+    def _static_local(self, statement: form.Static, frame: Frame) -> None:
+        """Declare a variable that all calls of a function share, of each instance of a template its own.
+
+        The first call initialises it. If this call is not certain and creates something, the next one does so too.
+        """
+        name, machine = statement.name, self.machine
+        bound = tuple(one for around in frame.outward() for one in around.types.items())
+        kept = machine.globals.setdefault((id(statement), bound), {})
+        if name not in kept:
+            kept[name] = Unknown(f"{name} depends on itself")
+            first = form.Declare(statement.line, name, statement.type, statement.value)
+            certain = machine.ahead(lambda: machine.run(first, frame))
+            if statement.switched:
+                kept[name] = Unknown(f"{name} changes from call to call")
+            elif certain:
+                kept[name] = frame.variables[name]
+            else:
+                del kept[name]
+                return
+        if statement.type is not None:
+            frame.declared[name] = statement.type
+        at = Frame(frame.unit, frame.scope, variables=kept)
+        machine.write(frame.variables, name, Alias(form.Name(statement.line, (name,)), at))
 
     def _static(self, names: tuple[str, ...], template: tuple[Value, ...], frame: Frame) -> Value | None:
         outer = self.kinds.kind(form.Type(names[:-1]), frame)

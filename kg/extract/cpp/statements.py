@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final
 
@@ -26,6 +27,7 @@ from kg.symbolic.form import (
     Name,
     Opaque,
     Return,
+    Static,
     Step,
     Try,
     Type,
@@ -84,6 +86,20 @@ class Statements:
         finally:
             self._depth -= 1
 
+    def _declaration(self, node: Node) -> list[Statement]:
+        """Return the variables that a declaration in a function declares."""
+        static = any(c.type == "storage_class_specifier" and syntax.text(c) == "static" for c in node.children)
+        return [self._static(one, node) if static else one for one in self.declaration(node)]
+
+    def _static(self, one: Declare, node: Node) -> Static:
+        """Return a variable that keeps its value from call to call."""
+        rest = node.parent
+        switched = False
+        if one.type is not None and one.type.names == ("bool",) and rest is not None:
+            after = self._source[node.end_byte : rest.end_byte].decode(errors="replace")
+            switched = re.search(rf"\b{re.escape(one.name)}\s*=(?!=)", after) is not None
+        return Static(one.line, one.name, one.type, one.value, switched)
+
     def _compound_statement(self, node: Node) -> list[Statement]:
         return [self.block(node)]
 
@@ -94,12 +110,11 @@ class Statements:
     def declaration(self, node: Node) -> list[Declare]:
         """Return the variables of a declaration."""
         found: list[Declare] = []
-        static = any(c.type == "storage_class_specifier" and syntax.text(c) == "static" for c in node.children)
         for child in node.children_by_field_name("declarator"):
-            found += self._declared(node, child, static=static)
+            found += self._declared(node, child)
         return found
 
-    def _declared(self, node: Node, declarator: Node, *, static: bool) -> list[Declare]:
+    def _declared(self, node: Node, declarator: Node) -> list[Declare]:
         line = line_of(node)
         initialised = declarator.type == "init_declarator"
         target = declarator.child_by_field_name("declarator") if initialised else declarator
@@ -112,10 +127,10 @@ class Statements:
         if written is not None and written.type == "pointer_expression" and syntax.text(written).startswith("&"):
             kind = replace(kind, pointer=True)  # `auto p = &object`
         if written is None and target.type == "function_declarator":
-            return self._vexing(node, target, kind, static=static)
+            return self._vexing(node, target, kind)
         name = syntax.declared_name(target)
         value = self._begin(written, target, kind, line_of(declarator)) if written is not None else None
-        return [Declare(line, syntax.text(name), kind, value, static)] if name is not None else []
+        return [Declare(line, syntax.text(name), kind, value)] if name is not None else []
 
     def _structured(self, target: Node, written: Node | None, line: int) -> list[Declare]:
         """Return the object without a name that `auto [a, b] = value` declares, and the names of its elements."""
@@ -141,7 +156,7 @@ class Statements:
             return Construct(line, kind, given, listed=listed)
         return given[0] if len(given) == 1 else Display(line, given)
 
-    def _vexing(self, node: Node, declarator: Node, kind: Type, *, static: bool) -> list[Declare]:
+    def _vexing(self, node: Node, declarator: Node, kind: Type) -> list[Declare]:
         """Return the variable that the grammar parsed as the declaration of a function: `Foo foo(bar);`."""
         name = syntax.declared_name(declarator)
         listed = declarator.child_by_field_name("parameters")
@@ -151,7 +166,7 @@ class Statements:
         if any(one is not None and one.type == "identifier" for one in declarators):
             return []
         line = line_of(node)
-        return [Declare(line, syntax.text(name), kind, Construct(line, kind, self._reparsed(listed)), static)]
+        return [Declare(line, syntax.text(name), kind, Construct(line, kind, self._reparsed(listed)))]
 
     def _reparsed(self, node: Node) -> tuple[Expression, ...]:
         """Return the arguments in a parameter list, parsed as an expression at the same place."""
@@ -312,7 +327,7 @@ class Statements:
         "type_definition": _alias,
         "compound_statement": _compound_statement,
         "expression_statement": _expression_statement,
-        "declaration": declaration,
+        "declaration": _declaration,
         "if_statement": _if,
         "for_statement": _for,
         "for_range_loop": _for_range,

@@ -81,6 +81,7 @@ class Python:
         self._loaded: dict[FilePath, Object] = {}
         self._waiting: dict[int, PythonUnit] = {}
         """Modules that run when one of their names is used, by the identity of their object."""
+        self.statements: Names[type, Callable[[Any, Frame], str | None]] = {}
         self._stars: dict[int, list[str]] = {}
         """The modules outside of the build from which a module takes all names, by the identity of its variables."""
 

@@ -15,9 +15,9 @@ struct Sender
   std::shared_ptr<void> publisher;
 };
 
-inline void listen(rclcpp::Node::SharedPtr node, const std::string& name)
+inline auto listen(rclcpp::Node::SharedPtr node, const std::string& name)
 {
-  static auto subscription = node->create_subscription<std_msgs::msg::String>(name, 1, [](std_msgs::msg::String) {});
+  return node->create_subscription<std_msgs::msg::String>(name, 1, [](std_msgs::msg::String) {});
 }
 }  // namespace bridge
 namespace old_bridge = bridge;
