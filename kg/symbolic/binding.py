@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kg.symbolic.state import Frame
     from kg.symbolic.values import Value
 
-__all__ = ["bind", "hand_back", "unpack", "write_back"]
+__all__ = ["bind", "hand_back", "put", "unpack", "write_back"]
 
 _HANDED: Final = frozenset({Text, Number, Truth, Sequence, Mapping, Either})
 """Values that a function gives back through references; objects are the same ones already."""
@@ -65,7 +65,7 @@ def hand_back(
         value = frame.variables.get(parameter.name)
         unknown = isinstance(value, Unknown) and not kind.pointer and (isinstance(before, Text) or value.parameter)
         if type(value) in _HANDED or unknown:
-            machine.put(expression, cast("Value", value), caller)
+            put(machine, expression, cast("Value", value), caller)
 
 
 def write_back(machine: Machine, loop: form.Loop, index: int, frame: Frame) -> None:
@@ -91,3 +91,11 @@ def unpack(machine: Machine, targets: tuple[Expression, ...], value: Value, fram
         else:
             part = partial(part_at, machine.language, number(index), count)
         machine.assign(target, machine.over((value,), part), frame)
+
+
+def put(machine: Machine, expression: Expression, value: Value, frame: Frame) -> None:
+    """Write a value to the variable that is passed as an output argument."""
+    while isinstance(expression, form.Unary) and expression.sign in ("&", "*"):
+        expression = expression.operand
+    if isinstance(expression, (form.Name, form.Member, form.Index)):
+        machine.assign(expression, value, frame)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Access, Qos
 from kg.symbolic import durations, qos
+from kg.symbolic.binding import put
 from kg.symbolic.messages import message_type, type_name
 from kg.symbolic.names import (
     EMPTY,
@@ -381,7 +382,7 @@ class Framework:
         if described.port is not None:
             value = port_value(described.port, call, self.ports)
             if described.port.output is not None and given.frame is not None:
-                self.machine.put(given.written[described.port.output], value, given.frame)
+                put(self.machine, given.written[described.port.output], value, given.frame)
             return value
         created = call.argument(described.creates)
         if created is not None:
@@ -404,7 +405,7 @@ class Framework:
         self.machine.language.escape([*given.values, *given.named.values()])
         if described.copies is not None and given.frame is not None and described.copies[1] < len(given.written):
             source, target = described.copies
-            self.machine.put(given.written[target], given.values[source], given.frame)
+            put(self.machine, given.written[target], given.values[source], given.frame)
         return result(self, described.returns, call, read)
 
     def _loads(self, slot: SlotDescription, call: Invocation) -> None:
@@ -519,7 +520,7 @@ class Framework:
             written = value
             if isinstance(value, Unknown) and isinstance(reading.before, Text):
                 written = Text.hole(value.reason, parameter=value.parameter)
-            machine.put(given.written[effect.output], written, given.frame)
+            put(machine, given.written[effect.output], written, given.frame)
         return value
 
 

@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.symbolic import form
-from kg.symbolic.binding import bind, hand_back, unpack, write_back
+from kg.symbolic.binding import bind, hand_back, put, unpack, write_back
 from kg.symbolic.containers import grown, is_unset
 from kg.symbolic.operators import (
     NULL,
@@ -553,7 +553,7 @@ class Machine:
                 return special
         if sign == ">>" and isinstance(values[0], Object):
             for operand in expression.operands[1:]:
-                self.put(operand, Text.hole("it is read from a stream"), frame)
+                put(self, operand, Text.hole("it is read from a stream"), frame)
             return Unknown("it is read from a stream")
         return self.over(values, lambda *row: self.computed(sign, row))
 
@@ -697,10 +697,3 @@ class Machine:
             del self.guards[guards:]
         if left:
             self._rejoin(left, ("return",))
-
-    def put(self, expression: Expression, value: Value, frame: Frame) -> None:
-        """Write a value to the variable that is passed as an output argument."""
-        while isinstance(expression, form.Unary) and expression.sign in ("&", "*"):
-            expression = expression.operand
-        if isinstance(expression, (form.Name, form.Member, form.Index)):
-            self.assign(expression, value, frame)

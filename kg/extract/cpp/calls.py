@@ -9,6 +9,7 @@ from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
 from kg.extract.cpp.kinds import frame_of, inside, this_of
 from kg.symbolic import form
+from kg.symbolic.binding import put
 from kg.symbolic.kinds import POINTERS, is_pointer, pointee
 from kg.symbolic.operators import NULL
 from kg.symbolic.state import Arguments
@@ -211,7 +212,7 @@ class Calls:
             return
         for written, value in zip(given.written, given.values, strict=False):
             if isinstance(written, form.Unary) and written.sign == "&" and _is_plain(value):
-                self._language.machine.put(written, outside(function, []), given.frame)
+                put(self._language.machine, written, outside(function, []), given.frame)
 
     # Methods
 

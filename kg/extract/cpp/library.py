@@ -12,6 +12,7 @@ from kg.extract.cpp.tokens import STREAMS
 from kg.facts import Resolution
 from kg.holes import label_of
 from kg.symbolic import form
+from kg.symbolic.binding import put
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.state import Arguments
@@ -333,7 +334,7 @@ def _command_line(language: Cpp, name: str, given: Arguments) -> Value | None:
     if name in ("remove_ros_arguments", "init_and_remove_ros_arguments") and len(given.values) > 1:
         return given.values[1]
     if name == "removeROSArgs" and len(given.values) > _OUTPUT and given.frame is not None:
-        language.machine.put(given.written[_OUTPUT], given.values[1], given.frame)
+        put(language.machine, given.written[_OUTPUT], given.values[1], given.frame)
         return Unknown("it returns nothing")
     return None
 

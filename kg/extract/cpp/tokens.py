@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from kg.symbolic.binding import put
 from kg.symbolic.containers import part_of
 from kg.symbolic.operators import compute
 from kg.symbolic.parameters import with_parameter
@@ -37,7 +38,7 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return _next(language, values[0], given.written[1], _separator(values[2:]) or "\n", given)
     if name == "split" and names[0] in ("boost", "algorithm") and values[2:] and given.frame is not None:
         pieces = _pieces(values[1], _separator(values[2:]))
-        language.machine.put(given.written[0], pieces, given.frame)
+        put(language.machine, given.written[0], pieces, given.frame)
         return pieces
     if name == "is_any_of" and values:
         return values[0]
@@ -53,16 +54,16 @@ def _next(language: Cpp, stream: Value, target: Expression, separator: str, give
     parameter = text.parameter if isinstance(text, Text) else None
     if not isinstance(stream, Object) or not isinstance(text, Text) or text.known is None:
         read = part_of(f"{parameter}[]") if parameter is not None else Text.hole(_READ)
-        machine.put(target, read, frame)
+        put(machine, target, read, frame)
         return Unknown(_READ)
     if not text.known.strip():
         if parameter is None or "taken" in stream.native:
             return Truth(False)
         # The default is empty, and what a launch file sets is not.
-        machine.put(target, part_of(f"{parameter}[]"), frame)
+        put(machine, target, part_of(f"{parameter}[]"), frame)
         return Unknown("it depends on a parameter", parameter)
     piece, *rest = re.split(separator, text.known.lstrip() if separator == _SPACE else text.known, maxsplit=1)
-    machine.put(target, _part(text, piece), frame)
+    put(machine, target, _part(text, piece), frame)
     machine.write(stream.native, "text", replace(text, parts=tuple(rest)))
     machine.write(stream.native, "taken", Truth(True))
     return stream
