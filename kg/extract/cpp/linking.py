@@ -162,13 +162,13 @@ class Linker:
         scope: _Scope,
     ) -> list[_Found]:
         """Return the nearest declarations of one kind that a qualified name means."""
-        near = self._holding(unit, kind, names[-1]) if names else ()
-        if not near:
-            return []
         key = (kind, names, unit, scope)
         known = self._meanings.get(key)
         if known is not None:
             return known
+        near = self._holding(unit, kind, names[-1]) if names else ()
+        if not near:
+            return []
         ranked: list[tuple[float, _Found]] = []
         if names[:1] == ("",):
             scope = ()
