@@ -23,6 +23,7 @@ from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
     from pathlib import Path
+    from typing import BinaryIO
 
     from kg.rules.engine.facts import Keys
 
@@ -70,15 +71,25 @@ def save(cache: Path, memory: Memory) -> None:
                 arrays.append(keys)
                 size += keys.size
             sections[-1].append((predicate, begins[id(keys)], keys.size))
-    kept = Kept.of(memory.dictionary.spellings(range(1, len(memory.dictionary))))
+    spellings = memory.dictionary.spellings(range(1, len(memory.dictionary)))
     graphs = ["" if graph is None else graph.value for graph in memory.graphs]
-    header = {"digest": memory.digest, "graphs": graphs, "sections": sections, "keys": size, "terms": len(kept)}
+    header = {"digest": memory.digest, "graphs": graphs, "sections": sections, "keys": size, "terms": len(spellings)}
     line = json.dumps(header, separators=(",", ":")).encode()
     line += b" " * (-len(line) % 8)  # arrays begin at a multiple of eight bytes
     length = len(line).to_bytes(_HEADER - _DIGEST_BYTES, "little")
-    tables = [keys.data for keys in arrays] + [kept.ends.data, kept.sums.data, kept.order.data]
-    content = b"".join([length, line, *tables, kept.text])
-    write_atomically(folder / str(memory.generation), _digest(content) + content, durable=False)
+    tables = [keys.data for keys in arrays] + [table.data for table in Kept.index(spellings)]
+
+    def fill(file: BinaryIO) -> None:
+        # Part by part: all in one piece would need its size in memory once more.
+        file.writelines((bytes(_DIGEST_BYTES), length, line, *tables))
+        file.writelines(spellings)
+        file.flush()
+        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as written, memoryview(written) as content:
+            digest = _digest(content[_DIGEST_BYTES:])
+        file.seek(0)
+        file.write(digest)
+
+    write_atomically(folder / str(memory.generation), fill, durable=False)
     for path in folder.iterdir():
         if path.name != str(memory.generation):
             path.unlink(missing_ok=True)

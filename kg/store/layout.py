@@ -19,10 +19,13 @@ import os
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, BinaryIO, Final
 
 from kg.errors import Place, StoreError
 from kg.store.failure import translated
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 __all__ = ["FOLDER", "LAYOUT", "Layout", "create", "find", "folder_bytes", "user_cache", "write_atomically"]
 
@@ -111,10 +114,11 @@ class Layout:
         write_atomically(self.pointer, content + b"\n")
 
 
-def write_atomically(path: Path, content: bytes, *, durable: bool = True) -> None:
+def write_atomically(path: Path, content: bytes | Callable[[BinaryIO], None], *, durable: bool = True) -> None:
     """Replace `path` by `content` atomically: any reader, and any crash, leaves the old bytes or the new ones.
 
-    Without `durable` a loss of power may leave other bytes, for files whose content is checked.
+    A function writes its content to the file that it gets, which can be read too. Without `durable` a loss of power may
+    leave other bytes, for files whose content is checked.
 
     Raises:
         OSError: the temporary file could not be written; `path` is as it was.
@@ -122,8 +126,11 @@ def write_atomically(path: Path, content: bytes, *, durable: bool = True) -> Non
     # Threads, and processes of two containers, may write the same file at the same time under one process number.
     temporary = path.with_name(f"{path.name}.{os.getpid()}-{os.urandom(4).hex()}.tmp")
     try:
-        with temporary.open("wb") as file:
-            file.write(content)
+        with temporary.open("w+b") as file:
+            if callable(content):
+                content(file)
+            else:
+                file.write(content)
             if durable:
                 file.flush()
                 os.fsync(file.fileno())

@@ -52,14 +52,14 @@ class Kept:
     order: NDArray[np.uint32]
     """For each of these its place among the terms, from 0."""
 
-    @classmethod
-    def of(cls, spellings: Sequence[bytes]) -> Kept:
-        """Return distinct spellings in the form of a file."""
+    @staticmethod
+    def index(spellings: Sequence[bytes]) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.uint32]]:
+        """Return `ends`, `sums` and `order` of distinct spellings."""
         ends = np.zeros(len(spellings) + 1, np.int64)
         np.cumsum(np.fromiter(map(len, spellings), np.int64, len(spellings)), out=ends[1:])
         sums = np.fromiter(map(crc32, spellings), np.uint32, len(spellings))
         order = np.argsort(sums, kind="stable").astype(np.uint32)
-        return cls(memoryview(b"".join(spellings)), ends, sums[order], order)
+        return ends, sums[order], order
 
     def __len__(self) -> int:
         return self.order.size
