@@ -6,7 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING, Any
 
 from kg.errors import RobotError
-from kg.robot.capabilities.explaining import find
+from kg.robot.capabilities import find
 from kg.robot.live.asking import running
 from kg.robot.live.inference import knowledge, now
 from kg.views.evidence import Places

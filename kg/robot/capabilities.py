@@ -1,26 +1,50 @@
-"""What capabilities are, read from the ontologies: names, kinds, parameters with units, and fields of messages."""
+"""What systems and packages can do, as rules inferred it: definitions of the ontologies, ways to reach them, proofs."""
 
 from __future__ import annotations
 
 import json
+from collections import defaultdict
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 
+import msgspec
+import pyoxigraph
+from pyoxigraph import NamedNode, Triple, Variable
+
+from kg.errors import RobotError, UnknownNameError, UsageError
 from kg.graph import vocabulary as v
 from kg.graph.fields import one
 from kg.graph.reading import grouped
+from kg.query.binding import bind
 from kg.query.stored import internal
-from kg.robot.capability import Capability, Parameter
+from kg.robot.capability import Capabilities, Capability, Parameter, Way
+from kg.rules.explain.why import why
+from kg.similar import did_you_mean, folded
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from kg.graph.fields import Properties
-    from kg.robot.capability import Way
+    from kg.rules.explain.proof import Proof
+    from kg.rules.explain.view import View
+    from kg.rules.form import Rule
+    from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["Askable", "Definition", "definitions"]
+__all__ = [
+    "Askable",
+    "Definition",
+    "added",
+    "capabilities_of",
+    "definitions",
+    "find",
+    "held",
+    "package_iri",
+    "proofs",
+    "read",
+]
+
 
 _SKOS_ALTERNATIVE: Final = f"{v.SKOS}altLabel"
 _PARTS: Final = {"read": frozenset({"response", "result", "feedback"}), "write": frozenset({"request", "goal"})}
@@ -198,3 +222,126 @@ class _Kinds:
             seen.add(name)
             yield name
             name = min(self._broader[name] & self._labels.keys(), default="")
+
+
+_KINDS: Final[Mapping[str, Literal["topic", "service", "action"]]] = {
+    v.bare(v.PUBLISHER): "topic",
+    v.bare(v.SUBSCRIBER): "topic",
+    v.bare(v.SERVICE_SERVER): "service",
+    v.bare(v.ACTION_SERVER): "action",
+}
+_Ways = dict[tuple[str, str, str, str], set[str]]
+"""The messages that stand for a capability, by the kind, the name, the type and the node of a way."""
+
+
+def capabilities_of(graph: Askable, whole: str, of: str) -> Capabilities:
+    """Return what the system or package with the IRI `whole` can do, by what a store has inferred; `of` names it."""
+    return read(graph, whole, of, definitions(graph))
+
+
+def held(graph: Askable, whole: str) -> dict[str, str]:
+    """Return the IRIs of what the system or package with the IRI `whole` can do, each with its label."""
+    return {row["capability"].value: row["label"].value for row in _rows(graph, "capability-holders", whole)}
+
+
+def read(graph: Askable, whole: str, of: str, known: Mapping[str, Definition]) -> Capabilities:
+    """Return the same for definitions that were read before."""
+    having = set(held(graph, whole))
+    ways: defaultdict[str, _Ways] = defaultdict(dict)
+    for row in _rows(graph, "capability-ways", whole):
+        key = (_KINDS[row["role"].value], row["channel"].value, row["type"].value, row["node"].value)
+        ways[row["capability"].value].setdefault(key, set()).add(row["message"].value)
+    found = [_capability(known[iri], ways.get(iri, {}), having, known) for iri in having if iri in known]
+    return Capabilities(of=of, capabilities=tuple(sorted(found, key=lambda one: (one.kinds, one.label, one.iri))))
+
+
+def _rows(graph: Askable, name: str, whole: str) -> Iterable[Any]:
+    rows: Iterable[Any] = graph.query(bind(internal(name), {"whole": NamedNode(whole)}), prefixes=PREFIXES)
+    return rows
+
+
+def _capability(definition: Definition, ways: _Ways, having: set[str], known: Mapping[str, Definition]) -> Capability:
+    specific = (known[iri] for iri in having if iri in known)
+    return definition.capability(
+        ways=tuple(_way(definition, key, frozenset(ways[key])) for key in sorted(ways)),
+        implied_by=tuple(sorted(one.name for one in specific if definition.iri in one.implied)),
+    )
+
+
+def _way(definition: Definition, key: tuple[str, str, str, str], messages: frozenset[str]) -> Way:
+    kind: Any = key[0]
+    return Way(
+        kind=kind,
+        name=key[1],
+        type=key[2],
+        node=key[3],
+        fields=definition.fields_of(messages),
+        constants=definition.constants_of(messages),
+        rate=definition.rate if kind == "topic" else 0,
+    )
+
+
+_PACKAGES = """SELECT ?iri ?name ?repository WHERE {
+  ?owner <%(rnkg)scontains> ?iri ; <%(rnkg)sname> ?repository .
+  ?iri a <%(rnkg)sPackage> ; <%(rnkg)sname> ?name .
+} ORDER BY ?repository""" % {"rnkg": v.RNKG}  # noqa: UP031 - braces are those of SPARQL
+
+
+def added(subject: Capabilities, base: Capabilities) -> Capabilities:
+    """Return those capabilities that something has and something else does not."""
+    known = {one.iri for one in base.capabilities}
+    return msgspec.structs.replace(
+        subject, capabilities=tuple(one for one in subject.capabilities if one.iri not in known)
+    )
+
+
+def package_iri(snapshot: EmbeddedSnapshot, name: str) -> str:
+    """Return the IRI of a package, `name` or `repository:name`.
+
+    Raises:
+        UnknownNameError: KG001 when there is none of that name.
+        UsageError: KG003 when there are several.
+    """
+    repository, _, plain = name.rpartition(":")
+    rows: Any = snapshot.query(_PACKAGES, substitutions={Variable("name"): pyoxigraph.Literal(plain)})
+    found = [(row["iri"].value, row["repository"].value) for row in rows]
+    found = [one for one in found if repository in {"", one[1]}]
+    if not found:
+        every: Any = snapshot.query(_PACKAGES)
+        hint = did_you_mean(plain, {row["name"].value for row in every}) or "`kg packages` lists those of the store."
+        raise UnknownNameError("KG001", f"the store has no package `{name}`", hint=hint)
+    if len(found) > 1:
+        ways = "\n".join(f"`{source}:{plain}`" for _, source in found)
+        raise UsageError("KG003", f"{len(found)} packages are called `{plain}`; say which", hint=ways)
+    return str(found[0][0])
+
+
+_HOLDERS = """SELECT DISTINCT ?node WHERE {
+  <%s> <https://w3id.org/rnkg/ns#hasInstance>|<https://w3id.org/rnkg/ns#contains> ?node .
+  ?node <https://w3id.org/rnkg/ns#hasCapability> <%s> .
+} ORDER BY ?node"""
+
+
+def find(capabilities: Capabilities, name: str) -> Capability:
+    """Return the capability that a name means: its own, its label, another name of it, or its IRI.
+
+    Raises RobotError KG818 when there is none, with what was probably meant.
+    """
+    wanted = folded(name.strip().removeprefix("capability:"))
+    for capability in capabilities.capabilities:
+        names = (capability.name, capability.label, capability.iri, *capability.alternatives)
+        if wanted in {folded(text) for text in names}:
+            return capability
+    known = [text for one in capabilities.capabilities for text in (one.name, one.label)]
+    raise RobotError("KG818", f"{capabilities.of} has no capability `{name}`", hint=did_you_mean(name, known))
+
+
+def proofs(graph: Askable, view: View, rules: tuple[Rule, ...], whole: str, capability: Capability) -> Iterator[Proof]:
+    """Yield for each node of a system or package that has a capability why it does, the shortest way.
+
+    `view` is how explanations with these rules see the graph. Raises RuleError KG226 for what rules do not derive.
+    """
+    rows: Any = graph.query(_HOLDERS % (whole, capability.iri))
+    predicate = NamedNode(v.bare(v.rnkg("hasCapability")))
+    for node in [row["node"] for row in rows]:
+        yield why(view, rules, Triple(node, predicate, NamedNode(capability.iri)), shortest=True)
