@@ -1,17 +1,19 @@
-"""A recording that is played: a `Connection` whose topics can be read, and nothing commanded."""
+"""A recording that is played: a `Connection` whose topics can be read, and nothing commanded; its address and time."""
 
 from __future__ import annotations
 
 import asyncio
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn
+from urllib.parse import parse_qsl, unquote
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.bag.clock import BagClock
 from kg.robot.connecting import not_commanded
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode, Received, RecordedTopic
 from kg.robot.inbox import Inbox
-from kg.robot.ros1.folding import fold
+from kg.robot.ros1.graph import fold
 from kg.robot.ros2.graph import computation_graph
 from kg.robot.ros2.middleware import Neighbourhood
 from kg.robot.tasks import Tasks
@@ -19,12 +21,86 @@ from kg.robot.tasks import Tasks
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from kg.robot.bag.address import BagAddress
     from kg.robot.bag.files import Bag, Source
     from kg.robot.clock import Clock
     from kg.robot.messages import Types
 
-__all__ = ["UNKNOWN", "BagConnection"]
+__all__ = ["UNKNOWN", "BagAddress", "BagClock", "BagConnection"]
+
+
+_OPTIONS: Final = {"speed": "as a multiple of the recorded one", "start": "seconds from the beginning"}
+
+
+@dataclass(frozen=True, slots=True)
+class BagAddress:
+    """An address that was read: the file or folder, how fast it is played (1: as recorded), from which second on."""
+
+    text: str
+    path: Path
+    speed: float = 1.0
+    start: float = 0.0
+
+    @classmethod
+    def read(cls, text: str) -> BagAddress:
+        """Return what an address says; RobotError KG801 for an option or a value that there is not."""
+        place, _, query = text.removeprefix("bag://").partition("?")
+        options = dict(parse_qsl(query, keep_blank_values=True))
+        if unknown := set(options) - set(_OPTIONS):
+            known = ", ".join(f"{name}= ({what})" for name, what in _OPTIONS.items())
+            raise RobotError("KG801", f"`{text}` has an option `{min(unknown)}`", hint=f"Valid: {known}.")
+        if not place:
+            raise RobotError("KG801", f"`{text}` names no file", hint="Write bag://FILE, as in bag://drive.mcap.")
+        speed, start = (_number(text, options, name, given) for name, given in (("speed", 1.0), ("start", 0.0)))
+        if speed == 0:
+            raise RobotError("KG801", f"`{text}`: the speed is 0", hint="Write speed=2 or speed=0.5.")
+        return cls(text, Path(unquote(place)).expanduser(), speed, start)
+
+
+def _number(address: str, options: dict[str, str], name: str, otherwise: float) -> float:
+    text = options.get(name, str(otherwise))
+    if not text.replace(".", "", 1).isdecimal() or not text.isascii():
+        raise RobotError("KG801", f"`{address}`: `{text}` is not a number", hint=f"{name} is {_OPTIONS[name]}.")
+    return float(text)
+
+
+_LEAD: Final = 0.2
+"""Seconds of the wall between the first subscription and the first message: others subscribe at the same time."""
+
+
+class BagClock:
+    """Stands still at the first moment until it is begun; then goes on, `speed` times as fast as the wall's."""
+
+    def __init__(self, start: float, speed: float) -> None:
+        self._start = start
+        self._speed = speed
+        self._begun: float | None = None
+
+    def begin(self) -> None:
+        """Let the time go on in a moment; beginning again is nothing."""
+        if self._begun is None:
+            self._begun = asyncio.get_running_loop().time() + _LEAD
+
+    @property
+    def begun(self) -> bool:
+        """Whether it goes on."""
+        return self._begun is not None
+
+    def now(self) -> float:
+        """Return the time of the recording in seconds since 1970."""
+        if self._begun is None:
+            return self._start
+        return self._start + max(asyncio.get_running_loop().time() - self._begun, 0.0) * self._speed
+
+    async def sleep(self, seconds: float) -> None:
+        """Return when so many seconds of the recording have passed."""
+        await asyncio.sleep(max(seconds, 0) / self._speed)
+
+    async def until(self, moment: float) -> None:
+        """Return when a moment of the recording has come; others get their turn also where it has already."""
+        loop = asyncio.get_running_loop()
+        due = (loop.time() if self._begun is None else self._begun) + (moment - self._start) / self._speed
+        await asyncio.sleep(max(due - loop.time(), 0))
+
 
 UNKNOWN: Final = "/_recorded"
 """The node that stands for the publishers that a recording does not name."""

@@ -11,16 +11,13 @@ from uuid import uuid4
 from kg.errors import RobotError
 from kg.robot.clock import SimulatedClock, WallClock, within
 from kg.robot.messages import Types
-from kg.robot.ros1.action_client import ActionClient, Ros1Canceller, Ros1Goal
-from kg.robot.ros1.action_server import ActionServer
-from kg.robot.ros1.graph import Analyzer
-from kg.robot.ros1.http import ask
+from kg.robot.ros1.actions import ActionClient, ActionServer, Ros1Canceller, Ros1Goal
+from kg.robot.ros1.graph import Analyzer, system_state, topic_types
 from kg.robot.ros1.names import absolute, netloc
 from kg.robot.ros1.node import Node
-from kg.robot.ros1.publishing import Ros1Publication
 from kg.robot.ros1.services import call_service, probe
-from kg.robot.ros1.state import system_state, topic_types
-from kg.robot.ros1.subscribing import Ros1Subscription, greet, learn, open_topic
+from kg.robot.ros1.topics import Ros1Publication, Ros1Subscription, greet, learn, open_topic
+from kg.robot.ros1.xmlrpc import ask
 from kg.robot.tasks import ended
 
 if TYPE_CHECKING:

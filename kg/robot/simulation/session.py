@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 from kg.errors import RobotError
 from kg.robot.connecting import default_address
 from kg.robot.ros1 import Master
-from kg.robot.ros1.http import ask
+from kg.robot.ros1.xmlrpc import ask
 from kg.robot.simulation.hosting import at_address
 from kg.robot.tasks import ended
 

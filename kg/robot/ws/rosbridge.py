@@ -16,7 +16,7 @@ from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNod
 from kg.robot.infrastructure import of_robot
 from kg.robot.messages import Types
 from kg.robot.messages.foreign import learn, short
-from kg.robot.ros1.folding import fold
+from kg.robot.ros1.graph import fold
 from kg.robot.ros2.graph import computation_graph
 from kg.robot.ros2.middleware import Neighbourhood
 from kg.robot.ros2.names import family

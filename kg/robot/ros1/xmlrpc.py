@@ -1,4 +1,7 @@
-"""XML-RPC over HTTP, both ways, without a thread: every reading has a bound in bytes and in time."""
+"""XML-RPC over HTTP, both ways, without a thread: every reading has a bound in bytes and in time.
+
+What peers send is bounded, and none of it is expanded (xmlrpc.com/spec.md).
+"""
 
 from __future__ import annotations
 
@@ -6,16 +9,81 @@ import asyncio
 import socket
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
+from xml.parsers import expat
+from xmlrpc import client
 
 from kg.errors import RobotError
-from kg.robot.ros1 import xml
 from kg.robot.ros1.names import netloc, peer
 from kg.robot.tasks import Tasks
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-__all__ = ["XmlRpcServer", "ask", "call", "exchange", "listen", "value"]
+__all__ = [
+    "XmlRpcServer",
+    "ask",
+    "call",
+    "exchange",
+    "listen",
+    "value",
+    "xml_answer",
+    "xml_fault",
+    "xml_read",
+    "xml_request",
+]
+
+
+_ODD: Final = (expat.ExpatError, client.Error, ValueError, TypeError, LookupError, AttributeError, OverflowError)
+
+
+def xml_request(method: str, arguments: tuple[Any, ...]) -> bytes:
+    """Return the bytes of a call; RobotError KG805 for arguments that XML-RPC cannot carry."""
+    try:
+        return client.dumps(arguments, method, encoding="utf-8").encode()
+    except (TypeError, OverflowError, UnicodeEncodeError) as error:
+        raise RobotError("KG805", f"XML-RPC cannot carry a value: {error}") from None
+
+
+def xml_answer(value: Any) -> bytes:
+    """Return the bytes of a response; RobotError KG805 for a value that XML-RPC cannot carry."""
+    try:
+        return client.dumps((value,), methodresponse=True).encode()
+    except (TypeError, OverflowError, UnicodeEncodeError) as error:
+        raise RobotError("KG805", f"XML-RPC cannot carry a value: {error}") from None
+
+
+def xml_fault(message: str) -> bytes:
+    """Return the bytes of a response that says what is wrong."""
+    return client.dumps(client.Fault(1, message)).encode()
+
+
+def xml_read(content: bytes) -> tuple[str | None, list[Any]]:
+    """Return the method and the values that bytes carry; for a response the method is None.
+
+    Raises:
+        RobotError: KG810 for other bytes, and for a document type, with which a few bytes become many;
+            KG813 for a fault.
+    """
+    target = client.Unmarshaller(use_builtin_types=True)
+    parser = expat.ParserCreate()
+    parser.StartDoctypeDeclHandler = _refuse
+    parser.StartElementHandler = target.start
+    parser.EndElementHandler = target.end
+    parser.CharacterDataHandler = target.data
+    target.xml(None, None)  # type: ignore[arg-type]  # no encoding: expat gives texts, as in xmlrpc.client.ExpatParser
+    try:
+        parser.Parse(content, True)
+        values = list(target.close())
+    except client.Fault as error:
+        raise RobotError("KG813", f"a peer refused a call: {error.faultString!s:.200}") from None
+    except _ODD as error:
+        raise RobotError("KG810", f"{len(content)} bytes are not XML-RPC: {error!s:.200}") from None
+    return target.getmethodname(), values
+
+
+def _refuse(*_: object) -> None:
+    raise ValueError("it declares a document type")
+
 
 MOST_BYTES: Final = 1 << 24
 """The longest body: the state of a system of some ten thousand topics is a tenth of it."""
@@ -65,7 +133,7 @@ async def exchange(uri: str, method: str, *arguments: Any, seconds: float = 3.0)
             KG812 when the address is none.
     """
     host, port = peer(uri)
-    body = xml.request(method, arguments)
+    body = xml_request(method, arguments)
     try:
         async with asyncio.timeout(seconds):
             return await _exchange(host, port, body)
@@ -76,7 +144,7 @@ async def exchange(uri: str, method: str, *arguments: Any, seconds: float = 3.0)
 
 
 def _only(uri: str, method: str, content: bytes) -> Any:
-    values = xml.read(content)[1]
+    values = xml_read(content)[1]
     if len(values) != 1:
         raise RobotError("KG810", f"{uri} answers `{method}` with {len(values)} values")
     return values[0]
@@ -186,9 +254,9 @@ class XmlRpcServer:
 
     async def _result(self, body: bytes) -> bytes:
         try:
-            method, arguments = xml.read(body)
-            return xml.answer(await self._handle(method or "", arguments))
+            method, arguments = xml_read(body)
+            return xml_answer(await self._handle(method or "", arguments))
         except RobotError as error:
-            return xml.fault(error.message)
+            return xml_fault(error.message)
         except KeyError:
-            return xml.fault(f"method {method!r} is not known")
+            return xml_fault(f"method {method!r} is not known")
