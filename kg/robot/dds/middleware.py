@@ -25,16 +25,16 @@ from kg.robot.dds.entities import Bell, DdsReader, DdsWriter
 from kg.robot.dds.qos import from_dds, to_dds, told, user_data, written
 from kg.robot.dds.services import DdsCaller, DdsServer
 from kg.robot.dds.types import Classes, learned
-from kg.robot.ros2.hashes import type_hash
 from kg.robot.ros2.middleware import ANSWERS
 from kg.robot.ros2.names import dds_topic, replies
+from kg.robot.ros2.types import type_hash
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from kg.robot.messages import Types
+    from kg.robot.ros2.graph import Watch
     from kg.robot.ros2.middleware import Deliver, Neighbourhood
-    from kg.robot.ros2.watch import Watch
 
 __all__ = ["DdsMiddleware"]
 

@@ -12,13 +12,11 @@ from kg.facts import Role
 from kg.robot.clock import SimulatedClock, WallClock, within
 from kg.robot.connection import GraphProblem
 from kg.robot.lifecycle import States
-from kg.robot.ros2.action_client import Ros2Canceller, canceller, send_goal
-from kg.robot.ros2.action_server import ActionServer
-from kg.robot.ros2.describing import describe
+from kg.robot.ros2.actions import ActionServer, Ros2Canceller, canceller, send_goal
+from kg.robot.ros2.ends import Client, Ros2Publication, Ros2Subscription, Service
+from kg.robot.ros2.graph import Watch
 from kg.robot.ros2.middleware import LATCHED, OFFERED
-from kg.robot.ros2.services import Client, Service
-from kg.robot.ros2.topics import Ros2Publication, Ros2Subscription
-from kg.robot.ros2.watch import Watch
+from kg.robot.ros2.types import describe
 from kg.robot.tasks import outcome, spawn
 
 if TYPE_CHECKING:

@@ -1,13 +1,18 @@
-"""Message types that nodes describe themselves: the service `~/get_type_description` of Jazzy and later.
+"""Message types between peers of ROS 2: the hashes they compare, and the descriptions that nodes give.
 
-Source: type_description_interfaces, and REP 2016. A node describes the types that it uses, each named by its hash. In
-the numbers of field types, `FIELD_TYPE_INT8` = 2 stands for one value; 48 more for an array, 96 for a list with a
-limit, 144 for a list.
+A hash (RIHS01) is the SHA-256 of a type's description (REP 2016). A service has a description of its own, with a
+request, a response and an event, which is made here, since nobody writes it down. Nodes of Jazzy and later describe the
+types that they use, each named by its hash (`~/get_type_description`, type_description_interfaces). In the numbers of
+field types, `FIELD_TYPE_INT8` = 2 stands for one value; 48 more for an array, 96 for a list with a limit, 144 for a
+list.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
+
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import Stores, get_typestore
 
 from kg.errors import RobotError
 from kg.facts import Role
@@ -19,9 +24,63 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.robot.connection import ComputationGraph, Value
+    from kg.robot.messages import Field, Types
     from kg.robot.ros2.connection import Ros2Connection
 
-__all__ = ["describe", "texts"]
+__all__ = ["describe", "texts", "type_hash"]
+
+
+_EVENT: Final = "service_msgs/ServiceEventInfo"
+_DUMMY: Final = (MEMBER_OF_NOTHING, (Nodetype.BASE, ("uint8", 0)))
+
+
+def type_hash(types: Types, kind: str, *, service: bool = False) -> str:
+    """Return `RIHS01_` and 64 digits for a message or a service; RobotError KG804 when a type in it is not known."""
+    store = get_typestore(Stores.EMPTY)
+    found: dict[str, Any] = {}
+    if service:
+        _describe_service(types, kind, found)
+    else:
+        _describe(types, kind, found)
+    store.fielddefs = found
+    return store.hash_rihs01(_full(kind, service=service))
+
+
+def _full(kind: str, *, service: bool = False) -> str:
+    package, _, name = kind.partition("/")
+    return f"{package}/{family(kind, service=service)}/{name}"
+
+
+def _describe(types: Types, kind: str, found: dict[str, Any]) -> None:
+    if _full(kind) in found:
+        return
+    fields = types.fields(kind)
+    found[_full(kind)] = ([], [(one.name, _description(one)) for one in fields] or [_DUMMY])
+    for one in fields:
+        if one.is_message:
+            _describe(types, one.type, found)
+
+
+def _description(field: Field) -> Any:
+    sort = Nodetype.NAME if field.is_message else Nodetype.BASE
+    base = "uint8" if field.type == "char" else field.type  # rosidl makes a `uint8` of it
+    element = (sort, _full(field.type) if field.is_message else (base, field.bound))
+    if field.length is None:
+        return element
+    return (Nodetype.ARRAY, (element, field.length)) if field.length else (Nodetype.SEQUENCE, (element, field.most))
+
+
+def _describe_service(types: Types, kind: str, found: dict[str, Any]) -> None:
+    parts = [(name, f"{kind}_{name.capitalize()}") for name in ("request", "response")]
+    for one in (*(part for _, part in parts), _EVENT):
+        _describe(types, one, found)
+    event: list[Any] = [("info", (Nodetype.NAME, _full(_EVENT)))]
+    event += [(name, (Nodetype.SEQUENCE, ((Nodetype.NAME, _full(part)), 1))) for name, part in parts]
+    found[_full(f"{kind}_Event")] = ([], event)
+    whole: list[Any] = [(f"{name}_message", (Nodetype.NAME, _full(part))) for name, part in parts]
+    whole.append(("event_message", (Nodetype.NAME, _full(f"{kind}_Event"))))
+    found[_full(kind, service=True)] = ([], whole)
+
 
 _SERVICE: Final = "type_description_interfaces/GetTypeDescription"
 _PATIENCE: Final = 2.0
