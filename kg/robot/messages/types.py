@@ -17,8 +17,7 @@ from rosbags.typesys import Stores, TypesysError, get_typestore
 
 from kg.errors import RobotError
 from kg.robot.messages import definitions
-from kg.robot.messages.library import derived, library, parts
-from kg.robot.messages.limits import check_size
+from kg.robot.messages.definitions import check_size, derived, library, parts
 from kg.robot.messages.values import MEMBER_OF_NOTHING, plain, shaped
 
 if TYPE_CHECKING:
