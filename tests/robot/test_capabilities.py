@@ -11,8 +11,7 @@ from pyoxigraph import RdfFormat, Store
 from kg.graph.ontology_files import ontology_triples
 from kg.robot.capabilities import Definition, definitions
 from kg.robot.capability import Way
-from kg.robot.driving.fields import type_at
-from kg.robot.driving.paths import parse
+from kg.robot.driving.paths import parse, type_at
 from kg.robot.messages import Types
 from kg.store.snapshot import MemorySnapshot
 

@@ -64,7 +64,7 @@ def run(  # noqa: PLR0913 - the options of a command
     from kg.cli.interruptible import interruptible  # noqa: PLC0415 - start-up time
     from kg.cli.numbers import seconds as number_of_seconds  # noqa: PLC0415 - start-up time
     from kg.cli.program_view import Log, error_at, read, show_problems  # noqa: PLC0415 - start-up time
-    from kg.robot.live import address_of  # noqa: PLC0415 - start-up time
+    from kg.robot.connecting import address_of  # noqa: PLC0415 - start-up time
     from kg.robot.programs.executing import execute, limited  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(
@@ -225,10 +225,10 @@ def _known(
     import asyncio  # noqa: PLC0415 - start-up time
 
     from kg.cli.robot_view import tell_problems  # noqa: PLC0415 - start-up time
-    from kg.robot.live import address_of  # noqa: PLC0415 - start-up time
+    from kg.robot.connecting import address_of  # noqa: PLC0415 - start-up time
     from kg.robot.live.asking import launched, running  # noqa: PLC0415 - start-up time
+    from kg.robot.live.inference import general  # noqa: PLC0415 - start-up time
     from kg.robot.programs.executing import seen  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.general import general  # noqa: PLC0415 - start-up time
     from kg.robot.programs.places import read_places  # noqa: PLC0415 - start-up time
 
     own = read_places(settings.places)

@@ -6,8 +6,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Final, Literal
 
 from kg.errors import RobotError
-from kg.robot.driving.doubts import doubts_of
-from kg.robot.driving.ways import choose
+from kg.robot.driving.ways import choose, doubts_of
 from kg.robot.programs.names import Known
 from kg.robot.programs.problems import Problem
 from kg.robot.programs.tree import Do

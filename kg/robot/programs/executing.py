@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 
 from kg.errors import CATALOGUE
+from kg.robot.connecting import connected, inhabited, of_robot
 from kg.robot.driving import Driver, Watchdog
-from kg.robot.infrastructure import of_robot
-from kg.robot.live import connected, infer, inhabited
+from kg.robot.live import infer
 from kg.robot.programs.check import check
 from kg.robot.programs.doubts import doubts
 from kg.robot.programs.places import offered, placed, read_places

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import msgspec
 
 from kg.errors import RobotError
-from kg.robot.driving.lookup import find
+from kg.robot.driving.ways import find
 from kg.robot.programs.tree import Program
 from kg.similar import did_you_mean, folded
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capability
     from kg.robot.driving.driver import Driver
-    from kg.robot.driving.plans import Outcome
+    from kg.robot.driving.routes import Outcome
     from kg.robot.programs.evaluate import Evaluation
     from kg.robot.programs.events import Events
     from kg.robot.programs.pace import Pace

@@ -10,9 +10,9 @@ from websockets.exceptions import ConnectionClosed
 
 from kg.errors import RobotError
 from kg.robot.clock import WallClock
+from kg.robot.connecting import of_robot
 from kg.robot.connection import Received
 from kg.robot.inbox import Inbox
-from kg.robot.infrastructure import of_robot
 from kg.robot.lifecycle import States
 from kg.robot.tasks import Tasks, ended, spawn
 

@@ -16,8 +16,8 @@ from websockets.typing import Subprotocol
 
 from kg.errors import RobotError
 from kg.facts import Role
+from kg.robot.connecting import of_robot
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
-from kg.robot.infrastructure import of_robot
 from kg.robot.messages import Types
 from kg.robot.messages.foreign import learn, short
 from kg.robot.ros1.graph import fold

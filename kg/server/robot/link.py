@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import RobotError
 from kg.robot.capability import Capabilities
-from kg.robot.connecting import connect
+from kg.robot.connecting import connect, of_robot
 from kg.robot.driving import Driver, Watchdog
-from kg.robot.infrastructure import of_robot
 from kg.robot.live import infer
 from kg.robot.programs.places import offered, offers, read_places
 from kg.robot.tasks import ended

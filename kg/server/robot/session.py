@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import msgspec
 
 from kg.errors import KgError, RobotError
-from kg.robot.driving.lookup import find
+from kg.robot.driving.ways import find
 from kg.robot.programs.places import placed
 from kg.robot.tasks import ended, spawn
 from kg.server.errors import problem

@@ -20,7 +20,8 @@ from robot.programs.trolley import CAPABILITIES
 
 from kg.errors import RobotError
 from kg.robot.capability import Capability, Parameter, Way
-from kg.robot.live import infer, look
+from kg.robot.connecting import look
+from kg.robot.live import infer
 from kg.robot.programs.converting import convert
 from kg.robot.programs.metrics import code_metrics, foreign_types, metrics
 from kg.robot.programs.parse import parse

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
-from kg.robot.driving.fields import type_at
-from kg.robot.driving.paths import Field, parse
+from kg.robot.driving.paths import Field, parse, type_at
 from kg.robot.driving.ways import choose
 from kg.robot.messages import Types
 from kg.robot.programs.converting.fields import Reading, setting

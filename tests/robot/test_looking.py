@@ -11,10 +11,8 @@ from robot.dds.domain import domain
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.connecting import connect
+from kg.robot.connecting import connect, look, of_robot
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
-from kg.robot.infrastructure import of_robot
-from kg.robot.live import look
 from kg.robot.ros1 import Master
 
 
