@@ -16,8 +16,7 @@ from kg.errors import RobotError, UsageError
 from kg.facts import Role
 from kg.robot.programs import values
 from kg.robot.programs.names import AT, takes_place
-from kg.robot.programs.tree import For, Position, Program, Set, Written
-from kg.robot.programs.walk import statements
+from kg.robot.programs.tree import For, Position, Program, Set, Written, statements
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:

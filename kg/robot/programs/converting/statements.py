@@ -26,9 +26,11 @@ from kg.robot.programs.tree import (
     WaitUntil,
     While,
     Written,
+    expressions_of,
+    parts_of,
+    statements,
 )
 from kg.robot.programs.units import unit_of
-from kg.robot.programs.walk import expressions_of, parts_of, statements
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,9 +13,8 @@ import msgspec
 
 from kg.robot.programs.kinds import constant
 from kg.robot.programs.names import takes_place
-from kg.robot.programs.tree import Binary, Do, For, Position, Read, Set, Unary, Variable, Written
+from kg.robot.programs.tree import Binary, Do, For, Position, Read, Set, Unary, Variable, Written, expressions_of
 from kg.robot.programs.units import unit_of
-from kg.robot.programs.walk import expressions_of
 
 if TYPE_CHECKING:
     from kg.robot.capability import Capability
@@ -23,7 +22,8 @@ if TYPE_CHECKING:
     from kg.robot.programs.names import Known
     from kg.robot.programs.tree import Expression, Statement
 
-__all__ = ["COUNT", "OWN", "Bare", "identifier", "reading"]
+__all__ = ["COUNT", "MOST", "OWN", "Bare", "counted", "identifier", "reading"]
+
 
 OWN: Final = "kg_"
 """Beginning of the names that an exported tree gives to values of its own."""
@@ -125,3 +125,24 @@ def _folded(expression: Expression) -> Expression:
     """Return the number that an expression always is, else the expression."""
     always = constant(expression)
     return Written(value=always.value) if always and always.number and isfinite(always.value) else expression
+
+
+MOST: Final = 1000
+"""How many numbers a tree may list."""
+_SLACK: Final = 1e-9
+_DIGITS: Final = 12
+"""Digits behind the point that a tree lists: 0.1 + 0.2 is 0.3 there."""
+
+
+def counted(loop: For) -> list[float] | None:
+    """Return the numbers that a bare loop counts, None where they depend on the run, are endless or too many."""
+    start, end = constant(loop.start), constant(loop.end)
+    step = constant(loop.step)
+    if start is None or end is None or (loop.step is not None and step is None):
+        return None
+    width = 1.0 if step is None else abs(step.value)
+    steps = abs(end.value - start.value) / width if width else float("inf")
+    if not isfinite(steps) or steps >= MOST:
+        return None
+    way = width if end.value >= start.value else -width
+    return [round(float(start.value + number * way), _DIGITS) for number in range(int(steps + _SLACK) + 1)]

@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from kg.robot.programs.tree import Binary, Read, Unary, Variable, Written
+from kg.robot.programs.tree import EXPRESSIONS_DEEP, Binary, Read, Unary, Variable, Written
 from kg.robot.programs.trees.bare import COUNT, reading
-from kg.robot.programs.walk import EXPRESSIONS_DEEP
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
