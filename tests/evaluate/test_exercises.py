@@ -21,8 +21,8 @@ from kg.evaluate.exercises import (
     program_of,
 )
 from kg.robot.programs.files import SUFFIX, decode, encode, load
-from kg.robot.simulation.hosting import hosted_in_memory
 from kg.robot.simulation.plan import read_plan
+from kg.robot.simulation.running import hosted_in_memory
 from kg.robot.simulation.world import World
 from kg.settings import Settings
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from kg.errors import RobotError
-from kg.robot.simulation.pose import Pose, quaternion_of
+from kg.robot.simulation.robots import Pose, quaternion_of
 from kg.robot.tasks import ended, outcome, report, spawn
 
 if TYPE_CHECKING:
