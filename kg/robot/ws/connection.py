@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from kg.robot.clock import Clock
     from kg.robot.connection import ComputationGraph, Value
     from kg.robot.messages import Types
-    from kg.robot.ws.bridge import Bridge
+    from kg.robot.ws.foxglove import Foxglove
+    from kg.robot.ws.rosbridge import Rosbridge
 
 __all__ = ["BridgeConnection"]
 
@@ -32,7 +33,7 @@ __all__ = ["BridgeConnection"]
 class BridgeConnection:
     """A client of a bridge; `connect` makes it. It counts nodes of bridges as its own: they are in no graph."""
 
-    def __init__(self, socket: ClientConnection, bridge: Bridge, address: str, name: str) -> None:
+    def __init__(self, socket: ClientConnection, bridge: Foxglove | Rosbridge, address: str, name: str) -> None:
         self.address = address
         self.name = name
         self._socket = socket
