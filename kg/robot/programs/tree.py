@@ -7,14 +7,14 @@ What a part alone tells to be senseless is refused when it is made, so that ever
 from __future__ import annotations
 
 from math import isfinite
-from typing import TYPE_CHECKING, Final, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
 import msgspec
 
 from kg.robot.programs.units import UNITS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
 __all__ = [
     "BLOCKS_DEEP",
@@ -46,6 +46,7 @@ __all__ = [
     "height",
     "parts_of",
     "reads_of",
+    "rewritten",
     "sequences_of",
     "statements",
     "variables_of",
@@ -265,34 +266,26 @@ EXPRESSIONS_DEEP: Final = 40
 """How many expressions may."""
 
 
+def expressions_of(part: Expression | Statement) -> Iterator[tuple[str, Expression]]:
+    """Yield the outermost expressions in a statement, but not in statements within it, or in an expression, by path."""
+    for name in part.__struct_fields__:
+        value = getattr(part, name)
+        for key, one in value.items() if isinstance(value, dict) else ((None, value),):
+            if isinstance(one, Expression):
+                yield name if key is None else f"{name}/{key}", one
+
+
 def height(expression: Expression) -> int:
     """Return how many expressions may be nested."""
-    match expression:
-        case Unary():
-            return 1 + height(expression.of)
-        case Binary():
-            return 1 + max(height(expression.left), height(expression.right))
-        case Position():
-            return 1 + max(height(one) for one in expression.parts().values())
-        case _:
-            return 1
+    return 1 + max((height(inner) for _, inner in expressions_of(expression)), default=0)
 
 
 def sequences_of(statement: Statement) -> tuple[tuple[str, tuple[Statement, ...]], ...]:
     """Return the sequences of statements within a statement, by the part of the path that leads to them."""
-    match statement:
-        case If():
-            return ("then", statement.then), ("otherwise", statement.otherwise)
-        case While() | Forever() | Repeat() | For():
-            return (("body", statement.body),)
-        case WaitUntil():
-            return (("otherwise", statement.otherwise or ()),)
-        case Parallel():
-            return tuple((f"branches/{number}", branch) for number, branch in enumerate(statement.branches))
-        case OnEvent():
-            return ("then", statement.then), ("body", statement.body)
-        case _:
-            return ()
+    if isinstance(statement, Parallel):
+        return tuple((f"branches/{number}", branch) for number, branch in enumerate(statement.branches))
+    names = (name for name in statement.__struct_fields__ if name in {"then", "otherwise", "body"})
+    return tuple((name, getattr(statement, name) or ()) for name in names)
 
 
 def statements(body: Iterable[Statement], path: str = "/body") -> Iterator[tuple[str, Statement]]:
@@ -304,46 +297,11 @@ def statements(body: Iterable[Statement], path: str = "/body") -> Iterator[tuple
             yield from statements(inner, f"{here}/{part}")
 
 
-def expressions_of(statement: Statement) -> Iterator[tuple[str, Expression]]:
-    """Yield the expressions of a statement, not those of statements within it, by the part of the path."""
-    found: dict[str, Expression | None] = {}
-    match statement:
-        case Do():
-            found = {f"arguments/{name}": value for name, value in statement.arguments.items()}
-            found |= {"seconds": statement.seconds, "within": statement.within}
-        case If() | While() | OnEvent():
-            found = {"condition": statement.condition}
-        case WaitUntil():
-            found = {"condition": statement.condition, "seconds": statement.seconds}
-        case Repeat():
-            found = {"times": statement.times}
-        case For():
-            found = {"start": statement.start, "end": statement.end, "step": statement.step, "of": statement.of}
-        case Set():
-            found = {"value": statement.value}
-        case Wait():
-            found = {"seconds": statement.seconds}
-        case Log():
-            found = {"message": statement.message}
-        case Forever() | Break() | Stop() | Parallel():
-            pass
-    yield from ((part, expression) for part, expression in found.items() if expression is not None)
-
-
 def parts_of(expression: Expression) -> Iterator[Expression]:
     """Yield an expression and all that stand within it."""
     yield expression
-    match expression:
-        case Unary():
-            yield from parts_of(expression.of)
-        case Binary():
-            yield from parts_of(expression.left)
-            yield from parts_of(expression.right)
-        case Position():
-            for one in expression.parts().values():
-                yield from parts_of(one)
-        case _:
-            pass
+    for _, inner in expressions_of(expression):
+        yield from parts_of(inner)
 
 
 def reads_of(expression: Expression) -> Iterator[Read]:
@@ -354,3 +312,14 @@ def reads_of(expression: Expression) -> Iterator[Read]:
 def variables_of(expression: Expression) -> Iterator[str]:
     """Yield the names of the variables in an expression."""
     return (part.name for part in parts_of(expression) if isinstance(part, Variable))
+
+
+def rewritten(program: Program, change: Callable[[dict[str, Any]], Any]) -> Program:
+    """Return a program each of whose parts, as JSON has it and the innermost first, is what `change` makes of it."""
+
+    def walk(part: Any) -> Any:
+        if isinstance(part, list | tuple):
+            return [walk(one) for one in part]
+        return change({key: walk(value) for key, value in part.items()}) if isinstance(part, dict) else part
+
+    return msgspec.convert(walk(msgspec.to_builtins(program)), Program)

@@ -39,6 +39,7 @@ from kg.robot.programs.tree import (
     WaitUntil,
     While,
     Written,
+    rewritten,
 )
 from kg.robot.programs.trees.bare import COUNT, OWN, Bare, counted, reading
 from kg.robot.programs.trees.exporting import DURATION, HINT, PLACE, port
@@ -64,18 +65,12 @@ def with_units(program: Program, capabilities: Capabilities) -> Program:
     """Return a program in which plain numbers have the base unit of their neighbour."""
     kinds = kinds_of(program, capabilities)
 
-    def walk(part: Any) -> Any:
-        if isinstance(part, list | tuple):
-            return [walk(one) for one in part]
-        if not isinstance(part, dict):
+    def change(part: dict[str, Any]) -> Any:
+        if part.get("expression") != "binary" or part["operator"] not in _ALIKE:
             return part
-        made = {key: walk(value) for key, value in part.items()}
-        if part.get("expression") == "binary" and part["operator"] in _ALIKE:
-            expression = _united(msgspec.convert(made, Binary), kinds)
-            return msgspec.to_builtins(expression)
-        return made
+        return msgspec.to_builtins(_united(msgspec.convert(part, Binary), kinds))
 
-    return msgspec.convert(walk(msgspec.to_builtins(program)), Program)
+    return rewritten(program, change)
 
 
 def _united(expression: Binary, kinds: Kinds) -> Binary:
