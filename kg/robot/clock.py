@@ -14,7 +14,7 @@ from kg.robot.tasks import ended
 if TYPE_CHECKING:
     from collections.abc import Awaitable
 
-__all__ = ["Clock", "SimulatedClock", "WallClock", "within"]
+__all__ = ["Clock", "SimulatedClock", "WallClock", "stamp", "within"]
 
 Result = TypeVar("Result")
 
@@ -80,6 +80,12 @@ class SimulatedClock:
         sleeper: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         heapq.heappush(self._sleepers, (self._now + seconds, next(self._order), sleeper))
         await sleeper
+
+
+def stamp(seconds: float) -> dict[str, int]:
+    """Return a time in seconds as messages have it (`time`, builtin_interfaces/Time); it cannot be negative there."""
+    whole = int(max(seconds, 0.0))
+    return {"sec": whole, "nanosec": min(999_999_999, round((max(seconds, 0.0) - whole) * 1e9))}
 
 
 async def within(clock: Clock, seconds: float, work: Awaitable[Result], *, pauses: bool = False) -> Result:

@@ -13,14 +13,14 @@ import asyncio
 from collections import deque
 from copy import deepcopy
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Final, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 from urllib.parse import urlsplit
 
-from kg.errors import KgError, RobotError
+from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.clock import WallClock, within
-from kg.robot.connection import FAILURES, ComputationGraph, GraphProblem, LiveEnd, LiveNode, Received, goal_lost
-from kg.robot.inbox import Inbox
+from kg.robot.connection import FAILURES, ComputationGraph, GraphProblem, LiveEnd, LiveNode, Received, goal_lost, reason
+from kg.robot.inbox import Changes, GoalProgress, Inbox
 from kg.robot.messages import Types
 from kg.robot.tasks import spawn
 
@@ -155,10 +155,8 @@ class Service:
         types = self._owner.types
         try:
             return types.complete(f"{self.kind}_Response", await self._answer(request))
-        except KgError as error:
-            raise RobotError("KG808", f"`{self._name}` failed: {error.message}") from None
         except FAILURES as error:
-            raise RobotError("KG808", f"`{self._name}` failed: {error}") from None
+            raise RobotError("KG808", f"`{self._name}` failed: {reason(error)}") from None
 
     def end(self) -> None:
         """Answer nothing more; who waits learns that the node is lost."""
@@ -173,30 +171,13 @@ class Service:
         self._owner.bus.changed()
 
 
-_MOST_FEEDBACK: Final = 1000
-"""So much feedback waits for who may not read it."""
-
-
-class MemoryGoal:
+class MemoryGoal(GoalProgress):
     """A goal as its client sees it."""
 
     def __init__(self, client: MemoryConnection, work: _Work) -> None:
+        super().__init__()
         self._client = client
         self._work = work
-
-    async def feedback(self) -> AsyncIterator[Value]:
-        """Yield feedback as it comes, until the goal has ended."""
-        while True:
-            while self._work.told:
-                yield self._work.told.popleft()
-            if self._work.done.done():
-                return
-            self._work.news.clear()
-            await self._work.news.wait()
-
-    async def result(self) -> Value:
-        """Return the result; RobotError KG809 with the status when the goal was aborted or cancelled."""
-        return await asyncio.shield(self._work.done)
 
     async def cancel(self) -> None:
         """Ask the server to end the goal."""
@@ -222,35 +203,22 @@ class MemoryCanceller:
 class _Work:
     """A goal as its server sees it: `Accepted`."""
 
-    def __init__(self, server: ActionServer, goal: Value, identity: str | None) -> None:
+    def __init__(self, server: ActionServer, goal: Value, identity: str | None, client: MemoryConnection) -> None:
         self.identity = identity
         self.goal = goal
         self.cancelled = False
         self.failure: str | None = None
-        self.told: deque[Value] = deque(maxlen=_MOST_FEEDBACK)
-        self.news = asyncio.Event()
-        self.done: asyncio.Future[Value] = asyncio.get_running_loop().create_future()
-        self.done.add_done_callback(lambda done: done.exception())  # nobody has to wait for a result
+        self.client = MemoryGoal(client, self)
         self._server = server
 
     async def feedback(self, value: Value) -> None:
         """Tell the client how far it is."""
-        self.told.append(self._server.complete("Feedback", value))
-        self.news.set()
+        self.client.take_feedback(self._server.complete("Feedback", value))
         await asyncio.sleep(0)
 
     def abort(self, reason: str) -> None:
         """Note that the goal could not be reached."""
         self.failure = reason
-
-    def settle(self, result: Value | RobotError) -> None:
-        """Give the client the result, or why there is none; the first one counts."""
-        if not self.done.done():
-            if isinstance(result, RobotError):
-                self.done.set_exception(result)
-            else:
-                self.done.set_result(result)
-        self.news.set()
 
 
 class ActionServer:
@@ -278,7 +246,7 @@ class ActionServer:
 
     def accept(self, client: MemoryConnection, goal: Value, identity: str | None) -> MemoryGoal:
         """Take a goal; those before it are cancelled."""
-        work = _Work(self, goal, identity)
+        work = _Work(self, goal, identity, client)
         for earlier in self._goals:
             earlier.cancelled = True
         self._goals.append(work)
@@ -287,7 +255,7 @@ class ActionServer:
             self._owner.bus.changed()
         if self._worker is None or self._worker.done():
             self._worker = spawn(self._work(), f"carrying out {self._name}")
-        return MemoryGoal(client, work)
+        return work.client
 
     def cancel(self, identity: str) -> None:
         """Cancel the goal of an identity."""
@@ -297,16 +265,14 @@ class ActionServer:
     async def _work(self) -> None:
         while self._goals:
             work = self._goals[0]
-            work.settle(await self._outcome(work))
+            work.client.end(await self._outcome(work))
             self._goals.popleft()
 
     async def _outcome(self, work: _Work) -> Value | RobotError:
         try:
             result = None if work.cancelled else self.complete("Result", await self._carry_out(work))
-        except KgError as error:
-            return RobotError("KG809", f"the goal of `{self._name}` was aborted: {error.message}")
         except FAILURES as error:
-            return RobotError("KG809", f"the goal of `{self._name}` was aborted: {error}")
+            return RobotError("KG809", f"the goal of `{self._name}` was aborted: {reason(error)}")
         if work.failure is not None:
             return RobotError("KG809", f"the goal of `{self._name}` was aborted: {work.failure}")
         if result is None or work.cancelled:
@@ -318,7 +284,7 @@ class ActionServer:
         if self._worker is not None:
             self._worker.cancel()
         for work in self._goals:
-            work.settle(goal_lost(self._name, f"`{self.node}`"))
+            work.client.end(goal_lost(self._name, f"`{self.node}`"))
         self._goals.clear()
         if self._owner.bus.actions.get(self._name) is self:
             del self._owner.bus.actions[self._name]
@@ -357,29 +323,22 @@ class MemoryConnection:
 
     def present(self) -> None:
         """Raise RobotError KG803 when the connection is lost, or closed."""
-        if self._why is not None or self._left:
+        if self._gone:
             raise RobotError("KG803", f"the robot at {self.address} is lost: {self._why or 'the connection is closed'}")
 
     async def graph(self) -> ComputationGraph:
         """Return the computation graph without our own node; RobotError KG802 when the connection is lost."""
-        if self._why is not None or self._left:
+        if self._gone:
             raise RobotError("KG802", f"the robot at {self.address} does not answer: {self._why or 'closed'}")
         return self.bus.graph(without=self.name)
 
-    async def changes(self) -> AsyncIterator[ComputationGraph]:
+    def changes(self) -> AsyncIterator[ComputationGraph]:
         """Yield the graph as it is, and again each time that it has changed; it ends with the connection."""
-        event = self.bus.watch()
-        last: ComputationGraph | None = None
-        try:
-            while self._why is None and not self._left:
-                event.clear()
-                now = self.bus.graph(without=self.name)
-                if now != last:
-                    yield now
-                    last = now
-                await event.wait()
-        finally:
-            self.bus.unwatch(event)
+        return self.bus.changes.values(lambda: None if self._gone else self.bus.graph(without=self.name))
+
+    @property
+    def _gone(self) -> bool:
+        return self._why is not None or self._left
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> MemorySubscription:
         """Receive the messages of a topic; RobotError KG804 or KG806 as every connection."""
@@ -455,14 +414,11 @@ class MemoryConnection:
         return MemoryCanceller(self.bus, action)
 
     async def _server(self, action: str) -> ActionServer:
-        event = self.bus.watch()
-        try:
+        with self.bus.changes.news() as news:
             while action not in self.bus.actions:
-                event.clear()
-                await event.wait()
+                news.clear()
+                await news.wait()
             return self.bus.actions[action]
-        finally:
-            self.bus.unwatch(event)
 
     async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
         """Answer a service; the newest of several that offer it is asked."""
@@ -543,7 +499,7 @@ class Bus:
         self.services: dict[str, Service] = {}
         self.actions: dict[str, ActionServer] = {}
         self.problems: list[GraphProblem] = []
-        self._watchers: set[asyncio.Event] = set()
+        self.changes = Changes()
         self._known[name] = self
 
     @classmethod
@@ -587,18 +543,7 @@ class Bus:
 
     def changed(self) -> None:
         """Wake up who watches the graph."""
-        for watcher in self._watchers:
-            watcher.set()
-
-    def watch(self) -> asyncio.Event:
-        """Return an event that is set whenever the graph has changed, until `unwatch`."""
-        event = asyncio.Event()
-        self._watchers.add(event)
-        return event
-
-    def unwatch(self, event: asyncio.Event) -> None:
-        """Tell an event nothing more."""
-        self._watchers.discard(event)
+        self.changes.tell()
 
     def graph(self, without: str | None = None) -> ComputationGraph:
         """Return the computation graph, without one node if one is named."""

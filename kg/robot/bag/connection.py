@@ -12,7 +12,7 @@ from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connecting import not_commanded
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode, Received, RecordedTopic
-from kg.robot.inbox import Inbox
+from kg.robot.inbox import Changes, Inbox
 from kg.robot.ros1.graph import fold
 from kg.robot.ros2.graph import computation_graph
 from kg.robot.ros2.middleware import Neighbourhood
@@ -123,7 +123,7 @@ class BagConnection:
         self._playing: dict[Inbox[Received], asyncio.Task[None]] = {}
         self._tasks = Tasks()
         self._problems: dict[GraphProblem, None] = dict.fromkeys(bag.problems)
-        self._news = asyncio.Event()
+        self._changes = Changes()
         self._lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         self._closed = False
 
@@ -159,15 +159,9 @@ class BagConnection:
         count = sum(one.count for one in self._bag.sources if one.topic == topic)
         return RecordedTopic(topic, count, self._bag.end - self._bag.start)
 
-    async def changes(self) -> AsyncIterator[ComputationGraph]:
+    def changes(self) -> AsyncIterator[ComputationGraph]:
         """Yield the graph, and again when a message could not be understood."""
-        last: ComputationGraph | None = None
-        while not self._closed:
-            self._news.clear()
-            if (now := self._graph()) != last:
-                yield now
-                last = now
-            await self._news.wait()
+        return self._changes.values(lambda: None if self._closed else self._graph())
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Inbox[Received]:
         """Receive the messages of a topic in their time, from now on; the first subscription begins the recording.
@@ -224,7 +218,7 @@ class BagConnection:
 
     def _report(self, problem: GraphProblem) -> None:
         self._problems[problem] = None
-        self._news.set()
+        self._changes.tell()
 
     async def _end(self) -> None:
         """Be lost when all has been played."""
@@ -250,7 +244,7 @@ class BagConnection:
     async def aclose(self) -> None:
         """Stop playing; what is subscribed ends."""
         self._closed = True
-        self._news.set()
+        self._changes.tell()
         for inbox in list(self._playing):
             inbox.end()
         self._tasks.cancel()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import msgspec
 
 from kg.errors import RobotError
+from kg.robot.clock import stamp
 from kg.robot.connection import Value  # noqa: TC001 - read when the classes are made
 from kg.robot.driving.arguments import missing
 from kg.robot.driving.paths import check, look, parse, put, roots
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from kg.robot.driving.paths import Path
     from kg.robot.messages import Types
 
-__all__ = ["Outcome", "Plan", "Route", "route", "stamp"]
+__all__ = ["Outcome", "Plan", "Route", "route"]
 
 
 class Plan(msgspec.Struct, frozen=True, kw_only=True):
@@ -141,12 +142,6 @@ class Route:
             raise RobotError("KG808", f"`{self.way.name}` did not succeed: {why}")
         told = {name: path for name, path in self.answers.items() if set(roots(path)) <= message.keys()}
         return {name: look(path, message) for name, path in told.items()} or message
-
-
-def stamp(now: float) -> Value:
-    """Return a time in seconds as messages have it."""
-    whole = int(now)
-    return {"sec": whole, "nanosec": int((now - whole) * 1e9)}
 
 
 def route(capability: Capability, way: Way, types: Types) -> Route:

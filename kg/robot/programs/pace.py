@@ -6,14 +6,14 @@ import asyncio
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from kg.errors import RobotError
-from kg.robot.tasks import ended
+from kg.robot.tasks import ended, first
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Coroutine
+    from collections.abc import Coroutine
 
     from kg.robot.clock import Clock
 
-__all__ = ["MOST_STEPS", "Pace", "first", "together"]
+__all__ = ["MOST_STEPS", "Pace", "together"]
 
 MOST_STEPS: Final = 20_000
 """How many statements may be carried out without one that waits or does something."""
@@ -78,29 +78,7 @@ class Pace:
 
     async def until_paused(self, work: Coroutine[Any, Any, _T]) -> tuple[_T] | None:
         """Do some work and return what it gives in a tuple; None when a pause came first, and the work is cancelled."""
-        working = asyncio.ensure_future(work)
-        pausing = asyncio.ensure_future(self._paused.wait())
-        try:
-            await asyncio.wait({working, pausing}, return_when=asyncio.FIRST_COMPLETED)
-            return (working.result(),) if working.done() else None
-        finally:
-            await ended(working, pausing)
-
-
-async def first(one: Awaitable[_T], other: Awaitable[Any]) -> tuple[_T] | None:
-    """Await two things at a time: return in a tuple what the one gives, or None when the other is there before it.
-
-    The later one is cancelled; an error of either is raised.
-    """
-    one_task, other_task = asyncio.ensure_future(one), asyncio.ensure_future(other)
-    try:
-        await asyncio.wait({one_task, other_task}, return_when=asyncio.FIRST_COMPLETED)
-        if one_task.done():
-            return (one_task.result(),)
-        other_task.result()
-        return None
-    finally:
-        await ended(one_task, other_task)
+        return await first(work, self._paused.wait())
 
 
 async def together(*work: Coroutine[Any, Any, None]) -> None:

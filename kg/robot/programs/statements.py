@@ -11,7 +11,7 @@ from kg.errors import RobotError
 from kg.robot.programs import values
 from kg.robot.programs.events import Problem
 from kg.robot.programs.names import takes_place
-from kg.robot.programs.pace import first, together
+from kg.robot.programs.pace import together
 from kg.robot.programs.tree import (
     Binary,
     Break,
@@ -35,7 +35,7 @@ from kg.robot.programs.tree import (
     Written,
     reads_of,
 )
-from kg.robot.tasks import ended
+from kg.robot.tasks import ended, first
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable

@@ -12,18 +12,19 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.errors import KgError, RobotError
-from kg.robot.connection import FAILURES, goal_lost
+from kg.errors import RobotError
+from kg.robot.clock import stamp
+from kg.robot.connection import FAILURES, goal_lost, reason
+from kg.robot.inbox import GoalProgress
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine
+    from collections.abc import Awaitable, Callable, Coroutine
 
-    from kg.robot.clock import Clock
     from kg.robot.connection import Accepted, Publication, Value
     from kg.robot.ros1.connection import Ros1Connection
     from kg.robot.ros1.topics import Ros1Subscription
 
-__all__ = ["ENDED", "ActionClient", "ActionServer", "Part", "Ros1Canceller", "Ros1Goal", "Status", "stamp", "topics"]
+__all__ = ["ENDED", "ActionClient", "ActionServer", "Part", "Ros1Canceller", "Ros1Goal", "Status", "topics"]
 
 
 class Status(IntEnum):
@@ -65,13 +66,6 @@ def topics(kind: str) -> tuple[Part, ...]:
     )
 
 
-def stamp(clock: Clock) -> dict[str, Any]:
-    """Return the time of a clock as a value of type `time`."""
-    now = max(clock.now(), 0.0)
-    return {"sec": int(now), "nanosec": int(now % 1 * 1e9)}
-
-
-_MOST_FEEDBACK: Final = 1000
 _QUEUE: Final = 50
 _POLL: Final = 0.02
 _GONE: Final = 2.0
@@ -82,41 +76,19 @@ _LOOKS: Final = 4
 """How often it is looked for in that time."""
 
 
-class Ros1Goal:
+class Ros1Goal(GoalProgress):
     """A goal that an action server was given."""
 
     def __init__(self, client: ActionClient, identity: str) -> None:
+        super().__init__()
         self.status = Status.PENDING
         self.accepted = asyncio.Event()
         self._client = client
         self._identity = identity
-        self._told: deque[Value] = deque(maxlen=_MOST_FEEDBACK)
-        self._news = asyncio.Event()
-        self._done: asyncio.Future[Value] = asyncio.get_running_loop().create_future()
-        self._done.add_done_callback(lambda done: done.cancelled() or done.exception())  # nobody has to wait for it
-
-    async def feedback(self) -> AsyncIterator[Value]:
-        """Yield feedback as it comes, until the goal has ended."""
-        while True:
-            while self._told:
-                yield self._told.popleft()
-            if self._done.done():
-                return
-            self._news.clear()
-            await self._news.wait()
-
-    async def result(self) -> Value:
-        """Return the result; RobotError KG809 with the status when the goal was aborted, rejected or cancelled."""
-        return await asyncio.shield(self._done)
 
     async def cancel(self) -> None:
         """Ask the server to end the goal."""
         await self._client.cancel(self._identity)
-
-    def take_feedback(self, value: Value) -> None:
-        """Take feedback of the server."""
-        self._told.append(value)
-        self._news.set()
 
     def take_status(self, status: int) -> None:
         """Take the state that the server tells."""
@@ -125,13 +97,8 @@ class Ros1Goal:
 
     def end(self, outcome: Value | RobotError) -> None:
         """Take the result, or why there is none; the first one counts."""
-        if not self._done.done():
-            if isinstance(outcome, RobotError):
-                self._done.set_exception(outcome)
-            else:
-                self._done.set_result(outcome)
+        super().end(outcome)
         self.accepted.set()
-        self._news.set()
 
 
 class Ros1Canceller:
@@ -179,7 +146,7 @@ class ActionClient:
 
     async def send(self, value: Value, identity: str) -> Ros1Goal:
         """Give a goal, and return it when the server has said a word of it; one that nobody waits for is cancelled."""
-        now = stamp(self._connection.clock)
+        now = stamp(self._connection.clock.now())
         goal = self._goals[identity] = Ros1Goal(self, identity)
         message = {"header": {"stamp": now}, "goal_id": {"stamp": now, "id": identity}, "goal": value}
         try:
@@ -321,7 +288,7 @@ class ActionServer:
 
     async def tell(self, name: str, work: _Work, value: Value) -> None:
         """Publish feedback or the result of a goal."""
-        header = {"stamp": stamp(self._connection.clock)}
+        header = {"stamp": stamp(self._connection.clock.now())}
         await self._writing[name].publish({"header": header, "status": work.told(), name: value})
 
     async def aclose(self) -> None:
@@ -342,7 +309,7 @@ class ActionServer:
             await self._publish_status()
 
     def _on_goal(self, value: Value) -> None:
-        identity, now = dict(value["goal_id"]), stamp(self._connection.clock)
+        identity, now = dict(value["goal_id"]), stamp(self._connection.clock.now())
         if not identity["id"]:
             identity["id"] = f"{self._connection.name}-{len(self._goals)}-{now['sec']}.{now['nanosec']:09}"
         if identity["stamp"] == {"sec": 0, "nanosec": 0}:
@@ -390,10 +357,8 @@ class ActionServer:
         try:
             result = await self._carry_out(work)
             self._connection.types.complete(f"{self._kind}_Result", result)
-        except KgError as error:
-            work.failure, result = error.message, {}
         except FAILURES as error:
-            work.failure, result = str(error), {}
+            work.failure, result = reason(error), {}
         preempted = work.status is Status.PREEMPTING
         work.text = work.failure or ""
         work.status = Status.PREEMPTED if preempted else Status.SUCCEEDED
@@ -414,5 +379,5 @@ class ActionServer:
         if self._connection.node.lost.done():
             return  # nobody is there whom it could be told
         states = [work.told() for work in self._goals.values()]
-        header = {"stamp": stamp(self._connection.clock)}
+        header = {"stamp": stamp(self._connection.clock.now())}
         await self._writing["status"].publish({"header": header, "status_list": states})

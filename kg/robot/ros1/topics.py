@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
-from kg.robot.connection import Received
-from kg.robot.inbox import Inbox
+from kg.robot.inbox import Inbox, Messages, Raw
 from kg.robot.ros1.header import framed, pack, read_header, read_message
 from kg.robot.ros1.names import is_type, shown
 from kg.robot.ros1.xmlrpc import ask
 from kg.robot.tasks import spawn
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterable, Mapping
+    from collections.abc import Iterable, Mapping
 
     from kg.robot.connection import Value
     from kg.robot.messages import Types
@@ -174,13 +174,7 @@ _LONGEST_PAUSE: Final = 2.0
 _SLOWEST: Final = 5.0
 
 
-class _Raw(NamedTuple):
-    content: bytes
-    at: float
-    node: str
-
-
-class Ros1Subscription:
+class Ros1Subscription(Messages):
     """Messages of a topic as they come; the oldest are dropped when too many wait."""
 
     def __init__(self, node: Node, topic: str, kind: str, queue: int) -> None:
@@ -190,12 +184,7 @@ class Ros1Subscription:
         self.connected: dict[str, str] = {}
         self._node = node
         self._closed = False
-        self._inbox: Inbox[_Raw] = Inbox(queue, self.end)
-
-    @property
-    def dropped(self) -> int:
-        """How many messages were dropped since they came faster than they were read."""
-        return self._inbox.dropped
+        super().__init__(Inbox(queue, self.end), partial(node.types.decode, kind), self._note)
 
     def update(self, publishers: Iterable[str]) -> None:
         """Read from these publishers and no others."""
@@ -205,14 +194,8 @@ class Ros1Subscription:
         for uri in wanted - self.links.keys():
             self.links[uri] = spawn(self._follow(uri), f"reading {self.topic}")
 
-    async def __aiter__(self) -> AsyncIterator[Received]:
-        async for raw in self._inbox:
-            try:
-                value = self._node.types.decode(self.kind, raw.content)
-            except RobotError as error:
-                self._node.note(error.code, raw.node or self.topic, error.message)
-            else:
-                yield Received(value, raw.at, raw.node)
+    def _note(self, error: RobotError, node: str | None) -> None:
+        self._node.note(error.code, node or self.topic, error.message)
 
     async def aclose(self) -> None:
         """Stop receiving."""
@@ -250,7 +233,7 @@ class Ros1Subscription:
             learn(self._node.types, self.kind, header)
             self.connected[uri] = sender = shown(header.get("callerid", uri))
             while (content := await read_message(reader)) is not None:
-                self._inbox.put(_Raw(content, self._node.clock.now(), sender))
+                self._inbox.put(Raw(content, self._node.clock.now(), sender))
         finally:
             writer.close()
 

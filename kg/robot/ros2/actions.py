@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.clock import within
+from kg.robot.clock import stamp, within
 from kg.robot.connection import GraphProblem, goal_lost
 from kg.robot.inbox import Inbox
 from kg.robot.ros2.ends import Ros2Publication, Service
@@ -255,8 +255,7 @@ class ActionServer:
 
     def stamp(self) -> Value:
         """Return the time of the robot as builtin_interfaces/Time."""
-        now = self._owner.clock.now()
-        return {"sec": int(now), "nanosec": int(now % 1 * 1e9)}
+        return stamp(self._owner.clock.now())
 
     async def tell(self, identity: bytes, value: Value) -> None:
         """Publish feedback on a goal."""

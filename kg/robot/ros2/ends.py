@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
+from functools import partial
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.connection import GraphProblem, Received
-from kg.robot.inbox import Inbox
+from kg.robot.connection import GraphProblem
+from kg.robot.inbox import Inbox, Messages, Raw
 from kg.robot.ros2.middleware import OFFERED
 from kg.robot.tasks import outcome
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable
+    from collections.abc import Awaitable, Callable
 
     from kg.facts import Qos
     from kg.robot.connection import ComputationGraph, Value
@@ -89,28 +90,17 @@ _DEPTH: Final = 100
 """So many messages wait at least in the middleware, which counts none that it drops, before ours takes them."""
 
 
-class _Raw(NamedTuple):
-    content: bytes
-    at: float
-    node: str | None
-
-
-class Ros2Subscription:
-    """Messages of a topic as they come; what is dropped unread is not decoded either."""
+class Ros2Subscription(Messages):
+    """Messages of a topic as they come."""
 
     def __init__(self, owner: Ros2Connection, topic: str, kind: str, queue: int) -> None:
         self.kind = kind
         self._owner = owner
         self.topic = topic
         self._queue = max(queue, 1)
-        self._inbox: Inbox[_Raw] = Inbox(queue, self._shut)
+        super().__init__(Inbox(queue, self._shut), partial(owner.types.decode, kind), self._report_undecoded)
         self._qos: Qos | None = None
         self._handle: Handle | None = None
-
-    @property
-    def dropped(self) -> int:
-        """How many messages were dropped since they came faster than they were read."""
-        return self._inbox.dropped
 
     def suit(self, graph: ComputationGraph) -> None:
         """Ask for what all publishers that are known offer; the reader is opened anew when that is another thing."""
@@ -131,17 +121,11 @@ class Ros2Subscription:
             self._qos = wanted
 
     def _take(self, content: bytes, node: str | None) -> None:
-        self._inbox.put(_Raw(content, self._owner.clock.now(), node))
+        self._inbox.put(Raw(content, self._owner.clock.now(), node))
 
-    async def __aiter__(self) -> AsyncIterator[Received]:
-        async for raw in self._inbox:
-            try:
-                value = self._owner.types.decode(self.kind, raw.content)
-            except RobotError as error:
-                told = f"a message on {self.topic} does not decode: {error.message}"
-                self._owner.watch.report(GraphProblem("KG816", raw.node or self.topic, told))
-                continue
-            yield Received(value, raw.at, raw.node)
+    def _report_undecoded(self, error: RobotError, node: str | None) -> None:
+        told = f"a message on {self.topic} does not decode: {error.message}"
+        self._owner.watch.report(GraphProblem("KG816", node or self.topic, told))
 
     async def aclose(self) -> None:
         """Stop receiving."""

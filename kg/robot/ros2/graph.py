@@ -9,15 +9,16 @@ from __future__ import annotations
 import asyncio
 import re
 from collections import defaultdict
-from contextlib import aclosing, contextmanager
+from contextlib import aclosing
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveNode
+from kg.robot.inbox import Changes
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, Callable, Iterable, Iterator
+    from collections.abc import AsyncGenerator, Callable, Iterable
 
     from kg.facts import Qos
     from kg.robot.connection import LiveEnd
@@ -137,7 +138,7 @@ class Watch:
         self.amend: Callable[[ComputationGraph], ComputationGraph] = lambda seen: seen
         self._loop = asyncio.get_running_loop()
         self._settled = self._loop.time() + settle
-        self._watchers: set[asyncio.Event] = set()
+        self._changes = Changes()
         self._problems: dict[GraphProblem, None] = {}
         self._seen = False
         self._leaving: asyncio.TimerHandle | None = None
@@ -176,8 +177,7 @@ class Watch:
     def _tell(self) -> None:
         self._gathering = None
         self._count()
-        for watcher in self._watchers:
-            watcher.set()
+        self._changes.tell()
 
     def _count(self) -> None:
         """Notice that nobody is there any more, where somebody was."""
@@ -205,26 +205,9 @@ class Watch:
                     return True
         return False
 
-    async def changes(self) -> AsyncGenerator[ComputationGraph]:
+    def changes(self) -> AsyncGenerator[ComputationGraph]:
         """Yield the graph as it is, and each time that it has changed, until it is closed."""
-        last: ComputationGraph | None = None
-        with self._watching() as event:
-            while not self.closed:
-                event.clear()
-                if (graph := self.now()) != last:
-                    yield graph
-                    last = graph
-                    continue
-                await event.wait()
-
-    @contextmanager
-    def _watching(self) -> Iterator[asyncio.Event]:
-        event = asyncio.Event()
-        self._watchers.add(event)
-        try:
-            yield event
-        finally:
-            self._watchers.discard(event)
+        return self._changes.values(lambda: None if self.closed else self.now())
 
     def close(self) -> None:
         """End all watching."""
@@ -232,5 +215,4 @@ class Watch:
         for timer in (self._settling, self._leaving, self._gathering):
             if timer is not None:
                 timer.cancel()
-        for watcher in self._watchers:
-            watcher.set()
+        self._changes.tell()

@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 from uuid import uuid4
 
 from kg.errors import RobotError
+from kg.robot.clock import stamp
 from kg.robot.connecting import connect, default_address
 from kg.robot.memory import Bus
 from kg.robot.messages import Types
@@ -19,10 +20,10 @@ from kg.robot.ros1 import Master
 from kg.robot.ros1.xmlrpc import ask
 from kg.robot.simulation.drone import Drone
 from kg.robot.simulation.nodes import drone_nodes, office_nodes
-from kg.robot.simulation.stage import Stage, stamped
+from kg.robot.simulation.stage import Stage
 from kg.robot.simulation.view import TopView
 from kg.robot.simulation.world import World
-from kg.robot.tasks import ended
+from kg.robot.tasks import first
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -102,7 +103,7 @@ class Simulation:
         node = await self.stage.node("/simulator")
         if self.stage.simulated:
             kind = "rosgraph_msgs/Clock"
-            await node.tells("/clock", kind, self.world.step, lambda: {"clock": stamped(self.world.time)})
+            await node.tells("/clock", kind, self.world.step, lambda: {"clock": stamp(self.world.time)})
         places = await node.tell(PLACES, "std_msgs/String", latch=True)
         await places.publish({"data": self.world.plan.places()})
         await node.tells(VIEW, "std_msgs/String", 0.25 * (self._speed or 1), lambda: {"data": self.view.svg()})
@@ -265,15 +266,10 @@ async def opened(choice: Choice) -> AsyncIterator[tuple[Simulation, str]]:
 
 
 async def _run(simulation: Simulation, seconds: float | None) -> None:
-    running = asyncio.create_task(simulation.run(seconds))
-    lost = asyncio.create_task(simulation.stage.wait_lost())
-    try:
-        await asyncio.wait((running, lost), return_when=asyncio.FIRST_COMPLETED)
-        if not running.done():
-            raise RobotError("KG803", f"the simulation has lost its system: {lost.result()}")
-        running.result()
-    finally:
-        await ended(running, lost)
+    async def lost() -> None:
+        raise RobotError("KG803", f"the simulation has lost its system: {await simulation.stage.wait_lost()}")
+
+    await first(simulation.run(seconds), lost())
 
 
 @asynccontextmanager

@@ -12,9 +12,9 @@ from kg.errors import RobotError
 from kg.robot.clock import WallClock
 from kg.robot.connecting import of_robot
 from kg.robot.connection import Received
-from kg.robot.inbox import Inbox
+from kg.robot.inbox import Changes, Inbox
 from kg.robot.lifecycle import States
-from kg.robot.tasks import Tasks, ended, spawn
+from kg.robot.tasks import Tasks, ended, first, spawn
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Coroutine
@@ -41,23 +41,22 @@ class BridgeConnection:
         self._clock = WallClock()
         self._inboxes: dict[str, list[Inbox[Received]]] = {}
         self._offered: dict[str, _Publication] = {}
-        self._watchers: set[asyncio.Event] = set()
+        self._changes = Changes()
         self._lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         self._listening: dict[str, asyncio.Task[None]] = {}
         self._tasks = Tasks()
         self._closed = False
-        self._states = States(self, self._changed)
-        bridge.deliver, bridge.changed = self._deliver, self._changed
+        self._states = States(self, self._changes.tell)
+        bridge.deliver, bridge.changed = self._deliver, self._changes.tell
         self._receiving = spawn(self._receive(), f"receiving from {address}")
 
     async def begin(self) -> None:
         """Return when the bridge has told what there is; RobotError KG802 for what bridges no ROS, or has gone."""
-        beginning = asyncio.ensure_future(self._bridge.begin())
-        await asyncio.wait((beginning, self._lost), return_when=asyncio.FIRST_COMPLETED)
-        if not beginning.done():
-            await ended(beginning)
-            raise RobotError("KG802", f"{self.address} {self._lost.result()}")
-        beginning.result()
+
+        async def lost() -> None:
+            raise RobotError("KG802", f"{self.address} {await self.wait_lost()}")
+
+        await first(self._bridge.begin(), lost())
 
     @property
     def ros(self) -> int:
@@ -92,16 +91,12 @@ class BridgeConnection:
         self._bridge.lose(RobotError("KG803", f"the bridge at {self.address} {why}"))
         for inbox in [one for each in self._inboxes.values() for one in each]:
             inbox.end()
-        self._changed()
+        self._changes.tell()
 
     def _present(self) -> None:
         if self._closed or self._lost.done():
             why = self._lost.result() if self._lost.done() and not self._closed else "is not connected any more"
             raise RobotError("KG803", f"the bridge at {self.address} {why}")
-
-    def _changed(self) -> None:
-        for one in self._watchers:
-            one.set()
 
     async def graph(self) -> ComputationGraph:
         """Return the computation graph without nodes of bridges; RobotError KG802 when the bridge is lost."""
@@ -114,20 +109,9 @@ class BridgeConnection:
     def _now(self) -> ComputationGraph:
         return self._states.of(of_robot(self._bridge.graph()))
 
-    async def changes(self) -> AsyncIterator[ComputationGraph]:
+    def changes(self) -> AsyncIterator[ComputationGraph]:
         """Yield the graph as it is, and again each time that it has changed; it ends with the connection."""
-        news = asyncio.Event()
-        self._watchers.add(news)
-        last: ComputationGraph | None = None
-        try:
-            while not self._closed and not self._lost.done():
-                news.clear()
-                if (now := self._now()) != last:
-                    yield now
-                    last = now
-                await news.wait()
-        finally:
-            self._watchers.discard(news)
+        return self._changes.values(lambda: None if self._closed or self._lost.done() else self._now())
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Inbox[Received]:
         """Receive the messages of a topic; RobotError KG804 or KG806 as every connection.
