@@ -61,12 +61,8 @@ class MemorySubscription(Inbox[Received]):
         super().__init__(queue, self._leave)
         self.kind = kind
         self._owner = owner
+        self.node = owner.name
         self._topic = topic
-
-    @property
-    def node(self) -> str:
-        """The name of the node that reads."""
-        return self._owner.name
 
     def _leave(self) -> None:
         side = self._owner.bus.topics[self._topic]
@@ -81,18 +77,10 @@ class MemoryPublication:
         self.kind = kind
         self.last: Received | None = None
         self._owner = owner
+        self.node = owner.name
+        self.types = owner.types
         self._topic = topic
         self._latch = latch
-
-    @property
-    def node(self) -> str:
-        """The name of the node that writes."""
-        return self._owner.name
-
-    @property
-    def types(self) -> Types:
-        """The types that its node knows."""
-        return self._owner.types
 
     @property
     def peers(self) -> int:
@@ -129,14 +117,10 @@ class Service:
     ) -> None:
         self.kind = kind
         self._owner = owner
+        self.node = owner.name
         self._name = name
         self._answer = answer
         self._running: set[asyncio.Future[Value]] = set()
-
-    @property
-    def node(self) -> str:
-        """The name of the node that answers."""
-        return self._owner.name
 
     async def call(self, request: Value) -> Value:
         """Return the response; RobotError KG808 when the node that answers failed, KG803 when it was lost."""
@@ -230,15 +214,11 @@ class ActionServer:
         self.kind = kind
         self.clients: set[str] = set()
         self._owner = owner
+        self.node = owner.name
         self._name = name
         self._carry_out = carry_out
         self._goals: deque[_Work] = deque()
         self._worker: asyncio.Task[None] | None = None
-
-    @property
-    def node(self) -> str:
-        """The name of the node that carries goals out."""
-        return self._owner.name
 
     def complete(self, name: str, value: Value) -> Value:
         """Return a value of one of the messages of the action, checked and completed."""
@@ -300,21 +280,13 @@ class MemoryConnection:
 
     def __init__(self, bus: Bus, name: str, types: Types) -> None:
         self.bus = bus
+        self.ros = bus.ros
+        self.address = bus.address
         self.name = name
         self.types = types
         self._lost: asyncio.Future[str] | None = None
         self._why: str | None = None
         self._left = False
-
-    @property
-    def ros(self) -> int:
-        """The version of ROS that is spoken: 1 or 2."""
-        return self.bus.ros
-
-    @property
-    def address(self) -> str:
-        """Where it is connected to: `memory://NAME`."""
-        return self.bus.address
 
     @property
     def clock(self) -> Clock:
@@ -491,6 +463,7 @@ class Bus:
         if name in self._known:
             raise RobotError("KG801", f"this process already has a robot `memory://{name}`")
         self.name = name
+        self.address = f"memory://{name}"
         self.ros = ros
         self.clock: Clock = clock or WallClock()
         self.types = types or Types(ros)
@@ -506,11 +479,6 @@ class Bus:
     def named(cls, name: str) -> Bus | None:
         """Return the bus of that name, None when there is none."""
         return cls._known.get(name)
-
-    @property
-    def address(self) -> str:
-        """What connects to it."""
-        return f"memory://{self.name}"
 
     def join(self, name: str, types: Types | None = None) -> MemoryConnection:
         """Become a node of the bus; like ROS 1, a node of a name that is there already throws that one out."""

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from kg.robot.bag.files import Bag, Source
-    from kg.robot.clock import Clock
     from kg.robot.messages import Types
 
 __all__ = ["UNKNOWN", "BagAddress", "BagClock", "BagConnection"]
@@ -118,19 +117,14 @@ class BagConnection:
         self.name = name if name.startswith("/") else f"/{name}"
         self.types: Types = bag.types
         self._bag = bag
-        self._clock = BagClock(bag.start + address.start, address.speed)
-        self._began = self._clock.now()
+        self.clock = BagClock(bag.start + address.start, address.speed)
+        self._began = self.clock.now()
         self._playing: dict[Inbox[Received], asyncio.Task[None]] = {}
         self._tasks = Tasks()
         self._problems: dict[GraphProblem, None] = dict.fromkeys(bag.problems)
         self._changes = Changes()
         self._lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         self._closed = False
-
-    @property
-    def clock(self) -> Clock:
-        """The time of the recording; it goes on from the first subscription."""
-        return self._clock
 
     async def graph(self) -> ComputationGraph:
         """Return what was published by whom; RobotError KG802 when the recording was closed."""
@@ -181,10 +175,10 @@ class BagConnection:
         if kind is not None and (other := {one.type for one in sources} - {kind}):
             raise RobotError("KG806", f"`{topic}` is of the type {min(other)}, not {kind}")
         inbox: Inbox[Received] = Inbox(queue, lambda: self._leave(inbox))
-        since = self._clock.now()
-        if not self._clock.begun:
+        since = self.clock.now()
+        if not self.clock.begun:
             self._tasks.spawn(self._end(), "playing a recording")
-        self._clock.begin()
+        self.clock.begin()
         self._playing[inbox] = self._tasks.spawn(self._play(inbox, sources, since), f"playing `{topic}`")
         return inbox
 
@@ -192,9 +186,9 @@ class BagConnection:
         try:
             self._put_latched(inbox, [one for one in sources if one.latched], since)
             for source, at, content in self._bag.messages(sources, since):
-                await self._clock.until(at)
+                await self.clock.until(at)
                 self._put(inbox, source, at, content)
-            await self._clock.until(self._bag.end)
+            await self.clock.until(self._bag.end)
         except RobotError as error:
             self._report(GraphProblem(error.code, sources[0].topic, error.message))
         finally:
@@ -222,7 +216,7 @@ class BagConnection:
 
     async def _end(self) -> None:
         """Be lost when all has been played."""
-        await self._clock.until(self._bag.end)
+        await self.clock.until(self._bag.end)
         await asyncio.gather(*self._playing.values(), return_exceptions=True)
         self._lost.set_result(_OVER)
 

@@ -95,37 +95,17 @@ async def _parameter(master: str, caller: str, name: str) -> Any:
 class Ros1Connection:
     """A node of ours in a system of ROS 1; every method is that of `kg.robot.connection.Connection`."""
 
+    ros = 1
+
     def __init__(self, node: Node, address: str) -> None:
         self.node = node
-        self._address = address
+        self.address = address
+        self.name = node.name
+        self.clock: Clock = node.clock
+        self.types = node.types
         self._analyzer = Analyzer(node)
         self._clients: dict[tuple[str, str], ActionClient] = {}
         self._opening = asyncio.Lock()
-
-    @property
-    def ros(self) -> int:
-        """The version of ROS that is spoken."""
-        return 1
-
-    @property
-    def address(self) -> str:
-        """Where it is connected to."""
-        return self._address
-
-    @property
-    def name(self) -> str:
-        """The name of our node, absolute."""
-        return self.node.name
-
-    @property
-    def clock(self) -> Clock:
-        """The time of the robot."""
-        return self.node.clock
-
-    @property
-    def types(self) -> Types:
-        """The types of messages that are known; it learns those that peers tell."""
-        return self.node.types
 
     async def graph(self) -> ComputationGraph:
         """Return the computation graph without our own node; RobotError KG802 when the master does not answer."""

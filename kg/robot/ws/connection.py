@@ -38,7 +38,7 @@ class BridgeConnection:
         self.name = name
         self._socket = socket
         self._bridge = bridge
-        self._clock = WallClock()
+        self.clock: Clock = WallClock()  # bridges tell none
         self._inboxes: dict[str, list[Inbox[Received]]] = {}
         self._offered: dict[str, _Publication] = {}
         self._changes = Changes()
@@ -67,11 +67,6 @@ class BridgeConnection:
     def types(self) -> Types:
         """The types of messages that are known."""
         return self._bridge.types
-
-    @property
-    def clock(self) -> Clock:
-        """The time of this machine: bridges tell none."""
-        return self._clock
 
     async def _receive(self) -> None:
         why = "has closed the connection"
@@ -139,7 +134,7 @@ class BridgeConnection:
 
     def _deliver(self, topic: str, value: Value) -> None:
         for inbox in self._inboxes.get(topic, ()):
-            inbox.put(Received(value, self._clock.now()))
+            inbox.put(Received(value, self.clock.now()))
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> _Publication:
         """Offer a topic; RobotError KG804 for an unknown type, KG852 where the bridge takes no messages."""
