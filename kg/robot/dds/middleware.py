@@ -21,9 +21,8 @@ from kg.facts import Qos, Role
 from kg.robot.connection import GraphProblem
 from kg.robot.dds.discovery import INFO, LONG, SHORT, Discovery, Endpoint, decode_info, encode_info
 from kg.robot.dds.domains import join, leave
-from kg.robot.dds.entities import Bell, DdsReader, DdsWriter
+from kg.robot.dds.entities import Bell, DdsCaller, DdsReader, DdsServer, DdsWriter
 from kg.robot.dds.qos import from_dds, to_dds, told, user_data, written
-from kg.robot.dds.services import DdsCaller, DdsServer
 from kg.robot.dds.types import Classes, learned
 from kg.robot.ros2.middleware import ANSWERS
 from kg.robot.ros2.names import dds_topic, replies

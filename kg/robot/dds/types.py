@@ -18,7 +18,7 @@ from cyclonedds.idl.types import array, bounded_str, sequence
 from cyclonedds.util import duration
 
 from kg.errors import RobotError
-from kg.robot.messages.foreign import learn_all
+from kg.robot.messages.types import learn_all
 from kg.robot.messages.values import MEMBER_OF_NOTHING
 from kg.robot.ros2.names import dds_type, ros_type
 

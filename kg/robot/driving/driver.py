@@ -11,8 +11,7 @@ from kg.robot.capability import role_of
 from kg.robot.connecting import is_recording, not_commanded, of_robot
 from kg.robot.driving.arguments import given
 from kg.robot.driving.doing import Command, Doing, Parts
-from kg.robot.driving.newest import NewestMessages, Throttle
-from kg.robot.driving.observing import MEASURED, Observation, other_controllers
+from kg.robot.driving.observing import MEASURED, NewestMessages, Observation, Throttle, other_controllers
 from kg.robot.driving.routes import Outcome, Plan, route
 from kg.robot.driving.ways import choose, doubts_of, find, named
 from kg.robot.lifecycle import idle, in_words

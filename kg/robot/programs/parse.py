@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
 
 import msgspec
 
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 
     from kg.errors import RobotError
     from kg.robot.programs.tree import Expression, Statement
+
+_Loop = TypeVar("_Loop", While, Forever, Repeat, For)
 
 __all__ = ["LEVELS", "Parsed", "expression", "parse", "parse_with_places"]
 
@@ -357,30 +359,27 @@ def _if(cursor: Cursor, path: str, depth: int) -> If:
     return If(id=identifier, comment=comment, condition=condition, then=then, otherwise=otherwise)
 
 
+def _loop(cursor: Cursor, path: str, depth: int, kind: type[_Loop], word: str, **given: Any) -> _Loop:
+    """Read what follows the head of a loop, with a word that may stand there."""
+    cursor.phrase(word)
+    identifier = _id(cursor)
+    body, comment = _block(cursor, f"{path}/body", kind.__name__.lower(), depth)
+    return kind(id=identifier, comment=comment, body=body, **given)
+
+
 def _while(cursor: Cursor, path: str, depth: int) -> While:
     cursor.take()
-    condition = expression(cursor, f"{path}/condition")
-    cursor.phrase("do")
-    identifier = _id(cursor)
-    body, comment = _block(cursor, f"{path}/body", "while", depth)
-    return While(id=identifier, comment=comment, condition=condition, body=body)
+    return _loop(cursor, path, depth, While, "do", condition=expression(cursor, f"{path}/condition"))
 
 
 def _forever(cursor: Cursor, path: str, depth: int) -> Forever:
     cursor.take()
-    cursor.phrase("do")
-    identifier = _id(cursor)
-    body, comment = _block(cursor, f"{path}/body", "forever", depth)
-    return Forever(id=identifier, comment=comment, body=body)
+    return _loop(cursor, path, depth, Forever, "do")
 
 
 def _repeat(cursor: Cursor, path: str, depth: int) -> Repeat:
     cursor.take()
-    times = expression(cursor, f"{path}/times")
-    cursor.phrase("times")
-    identifier = _id(cursor)
-    body, comment = _block(cursor, f"{path}/body", "repeat", depth)
-    return Repeat(id=identifier, comment=comment, times=times, body=body)
+    return _loop(cursor, path, depth, Repeat, "times", times=expression(cursor, f"{path}/times"))
 
 
 def _variable(cursor: Cursor) -> str:
@@ -408,10 +407,7 @@ def _for(cursor: Cursor, path: str, depth: int) -> For:
         raise cursor.expected(
             "`from` or `in`", hint="Write `for i from 1 to 5` or `for each tag in tags of recognizingTags`."
         )
-    cursor.phrase("do")
-    identifier = _id(cursor)
-    body, comment = _block(cursor, f"{path}/body", "for", depth)
-    return For(id=identifier, comment=comment, variable=variable, start=start, end=end, step=step, of=of, body=body)
+    return _loop(cursor, path, depth, For, "do", variable=variable, start=start, end=end, step=step, of=of)
 
 
 def _break(cursor: Cursor, path: str, depth: int) -> Break:

@@ -20,9 +20,8 @@ from kg.robot.programs import values
 from kg.robot.programs.check import check, doubts
 from kg.robot.programs.events import Ended, Events, Problem
 from kg.robot.programs.names import Known
-from kg.robot.programs.pace import Pace
 from kg.robot.programs.places import offered, placed, read_places
-from kg.robot.programs.statements import Evaluation, Failed, Statements, Stopped
+from kg.robot.programs.statements import Evaluation, Failed, Pace, Statements, Stopped
 from kg.robot.tasks import ended, finished, first, spawn
 
 if TYPE_CHECKING:

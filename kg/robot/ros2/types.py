@@ -16,7 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.messages.foreign import learn_all, short
+from kg.robot.messages.types import learn_all, short
 from kg.robot.messages.values import MEMBER_OF_NOTHING
 from kg.robot.ros2.names import family
 

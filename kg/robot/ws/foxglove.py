@@ -16,7 +16,7 @@ from websockets.typing import Subprotocol
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
-from kg.robot.messages.foreign import learn, short
+from kg.robot.messages.types import learn, short
 from kg.robot.ws.bridge import Bridge
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
-from kg.robot.messages.foreign import learn, short
+from kg.robot.messages.types import learn, short
 from kg.robot.tasks import spawn
 from kg.robot.ws.bridge import Bridge
 

@@ -41,8 +41,7 @@ from kg.robot.programs.tree import (
     statements,
     variables_of,
 )
-from kg.robot.programs.trees.bare import COUNT, OWN, Bare, counted, identifier, reading
-from kg.robot.programs.trees.scripts import ScriptError, number, script
+from kg.robot.programs.trees.scripts import COUNT, OWN, Bare, ScriptError, counted, identifier, number, reading, script
 from kg.robot.programs.units import described
 from kg.robot.programs.write import headline
 

@@ -41,9 +41,8 @@ from kg.robot.programs.tree import (
     Written,
     rewritten,
 )
-from kg.robot.programs.trees.bare import COUNT, OWN, Bare, counted, reading
 from kg.robot.programs.trees.exporting import DURATION, HINT, PLACE, port
-from kg.robot.programs.trees.scripts import ScriptError, assignments, expression_of
+from kg.robot.programs.trees.scripts import COUNT, OWN, Bare, ScriptError, assignments, counted, expression_of, reading
 from kg.robot.programs.units import UNITS, described
 from kg.xmltext import line_of, parse_xml
 
