@@ -31,18 +31,7 @@ if TYPE_CHECKING:
     from kg.robot.clock import Clock
     from kg.robot.connection import Accepted, Value
 
-__all__ = [
-    "ActionServer",
-    "Bus",
-    "MemoryCanceller",
-    "MemoryConnection",
-    "MemoryGoal",
-    "MemoryPublication",
-    "MemorySubscription",
-    "Service",
-    "Topic",
-    "connect",
-]
+__all__ = ["Bus", "MemoryConnection", "connect"]
 
 
 @dataclass(slots=True)

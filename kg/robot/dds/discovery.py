@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kg.facts import Qos, Role
     from kg.robot.messages import Types
 
-__all__ = ["INFO", "LONG", "SHORT", "Discovery", "Endpoint", "decode_info", "encode_info", "gid"]
+__all__ = ["INFO", "LONG", "SHORT", "Discovery", "Endpoint", "decode_info", "encode_info"]
 
 
 INFO: Final = "rmw_dds_common/ParticipantEntitiesInfo"

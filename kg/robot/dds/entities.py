@@ -30,18 +30,7 @@ if TYPE_CHECKING:
     from cyclonedds.core import Entity
     from cyclonedds.domain import DomainParticipant
 
-__all__ = [
-    "PREFIX",
-    "Bell",
-    "DdsCaller",
-    "DdsReader",
-    "DdsServer",
-    "DdsWriter",
-    "Request",
-    "delete",
-    "headed",
-    "unheaded",
-]
+__all__ = ["PREFIX", "Bell", "DdsCaller", "DdsReader", "DdsServer", "DdsWriter", "delete"]
 
 
 _EVER: Final = duration(infinite=True)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from kg.robot.messages import Field, Types
 
-__all__ = ["HEADER", "Classes", "definition", "learned"]
+__all__ = ["Classes", "learned"]
 
 
 _BASE: Final[dict[str, Any]] = {

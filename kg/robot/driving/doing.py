@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kg.robot.driving.routes import Plan, Route
     from kg.robot.driving.watchdog import Watchdog
 
-__all__ = ["Channel", "Command", "Doing", "Ending", "Feedback", "Parts", "robots_of"]
+__all__ = ["Command", "Doing", "Feedback", "Parts", "robots_of"]
 
 
 Ending: TypeAlias = Literal["taken over", "stopped"] | RobotError

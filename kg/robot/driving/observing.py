@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kg.robot.connection import ComputationGraph, Connection, Received, Subscription
     from kg.robot.driving.routes import Route
 
-__all__ = ["MEASURED", "Newest", "NewestMessages", "Observation", "Throttle", "other_controllers"]
+__all__ = ["MEASURED", "NewestMessages", "Observation", "Throttle", "other_controllers"]
 
 
 _EARLY: Final = 0.1

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from kg.robot.connection import ComputationGraph, GraphProblem
     from kg.robot.programs.tree import Expression, Program, Statement
 
-__all__ = ["check", "collisions", "doubts", "kinds_of"]
+__all__ = ["check", "doubts", "kinds_of"]
 
 
 def collisions(statement: Parallel | OnEvent, path: str, known: Known) -> Iterator[tuple[str, str, bool]]:

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 _Loop = TypeVar("_Loop", While, Forever, Repeat, For)
 
-__all__ = ["LEVELS", "Parsed", "expression", "parse", "parse_with_places"]
+__all__ = ["LEVELS", "parse", "parse_with_places"]
 
 
 LEVELS: Final = (("or",), ("and",), ("not",), ("<", "<=", "=", "!=", ">=", ">", "contains"), ("+", "-"), ("*", "/"))

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from kg.robot.programs.names import Known
     from kg.robot.programs.tree import Expression, Statement
 
-__all__ = ["MOST_STEPS", "Evaluation", "Failed", "Pace", "Statements", "Stopped", "together"]
+__all__ = ["Evaluation", "Failed", "Pace", "Statements", "Stopped"]
 
 
 MOST_STEPS: Final = 20_000

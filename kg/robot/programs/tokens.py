@@ -18,21 +18,16 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 __all__ = [
-    "BARE",
     "BEGINNINGS",
     "ENDINGS",
     "FOREIGN",
     "FUNCTIONS",
     "RESERVED",
     "Cursor",
-    "Kind",
-    "Token",
     "bare_name",
     "bare_phrase",
     "quoted",
     "quoted_name",
-    "refusal",
-    "tokens",
 ]
 
 

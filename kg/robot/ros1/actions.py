@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kg.robot.ros1.connection import Ros1Connection
     from kg.robot.ros1.topics import Ros1Subscription
 
-__all__ = ["ENDED", "ActionClient", "ActionServer", "Part", "Ros1Canceller", "Ros1Goal", "Status", "topics"]
+__all__ = ["ActionClient", "ActionServer", "Ros1Canceller", "Ros1Goal", "Status", "topics"]
 
 
 class Status(IntEnum):

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from kg.robot.ros1.node import Node
 
-__all__ = ["Analyzer", "StateReader", "SystemState", "fold", "multicall", "pause", "system_state", "topic_types"]
+__all__ = ["Analyzer", "fold", "pause", "system_state", "topic_types"]
 
 
 _GOAL: Final = "ActionGoal"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from types import TracebackType
 
-__all__ = ["Master", "Parameters"]
+__all__ = ["Master"]
 
 
 class Parameters:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kg.robot.messages import Types
     from kg.robot.ros1.node import Node
 
-__all__ = ["Offer", "Ros1Publication", "Ros1Subscription", "learn", "told_type"]
+__all__ = ["Offer", "Ros1Publication", "Ros1Subscription", "learn"]
 
 
 _QUEUE: Final = 100

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from kg.robot.ros2.connection import Ros2Connection
     from kg.robot.ros2.ends import Client
 
-__all__ = ["ActionServer", "Ros2Canceller", "Ros2Goal", "canceller", "send_goal"]
+__all__ = ["ActionServer", "Ros2Canceller", "canceller", "send_goal"]
 
 
 _ACCEPTED, _EXECUTING, _CANCELLING, _SUCCEEDED, _CANCELLED, _ABORTED = range(1, 7)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from kg.robot.messages import Field, Types
     from kg.robot.ros2.connection import Ros2Connection
 
-__all__ = ["describe", "texts", "type_hash"]
+__all__ = ["describe", "type_hash"]
 
 
 _EVENT: Final = "service_msgs/ServiceEventInfo"

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kg.robot.connection import Accepted, Publication, Value
     from kg.robot.simulation.plan import Plan
 
-__all__ = ["REACHED", "Cell", "Follower", "Grid", "Navigator", "Planner", "free_ahead"]
+__all__ = ["Follower", "Grid", "Navigator", "Planner", "free_ahead"]
 
 
 Cell = tuple[int, int]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kg.robot.connection import Value
     from kg.robot.simulation.drone import Drone
 
-__all__ = ["camera", "drone_nodes", "office_nodes", "tag_finder"]
+__all__ = ["drone_nodes", "office_nodes"]
 
 
 Turned = Callable[[Vector], Vector]

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Final
 
-__all__ = ["STALE", "Battery", "Command", "Pose", "Trail", "approached", "heading_of", "quaternion_of", "wrapped"]
+__all__ = ["Battery", "Command", "Pose", "Trail", "approached", "heading_of", "quaternion_of", "wrapped"]
 
 
 @dataclass(frozen=True, slots=True)

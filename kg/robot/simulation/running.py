@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from kg.robot.simulation.plan import Place
     from kg.robot.simulation.stage import Join
 
-__all__ = ["VIEW", "Choice", "Simulation", "at_address", "hosted_in_memory", "opened", "running", "simulate"]
+__all__ = ["VIEW", "Choice", "Simulation", "hosted_in_memory", "opened", "running", "simulate"]
 
 
 VIEW: Final = "/simulator/view"

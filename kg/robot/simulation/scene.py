@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from kg.robot.simulation.plan import Plan, TagPlace
 
-__all__ = ["BORDER", "Camera", "Scene", "Sighting", "Vector", "find_tags", "opencv", "physics", "picture_of"]
+__all__ = ["Camera", "Scene", "Sighting", "Vector", "find_tags"]
 
 
 _STREAMS: Final = (1, 2)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from zenoh import Query, Reply, Session
 
-__all__ = ["Attachment", "End", "ZenohCaller", "ZenohReader", "ZenohServer", "ZenohWriter", "passing"]
+__all__ = ["Attachment", "ZenohCaller", "ZenohReader", "ZenohServer", "ZenohWriter", "passing"]
 
 
 _GID: Final = 16

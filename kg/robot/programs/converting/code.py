@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, Literal
 if TYPE_CHECKING:
     from kg.robot.capability import Way
 
-__all__ = ["COMMON", "Dialect", "Names", "Pieces", "camel", "indented", "plain", "snake"]
+__all__ = ["COMMON", "Dialect", "Names", "camel", "indented", "plain", "snake"]
 
 _TAKEN: Final = frozenset(
     {"self", "math", "signal", "sys", "time", "threading", "rospy", "rclpy", "actionlib"}

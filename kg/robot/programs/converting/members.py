@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kg.robot.messages import Field as FieldOfMessage
     from kg.robot.programs.converting.code import Dialect, Names
 
-__all__ = ["Members", "Reading", "setting"]
+__all__ = ["Members"]
 
 
 _NEEDS: Final = {"reading": ("valid",)}

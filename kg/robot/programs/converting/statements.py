@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from kg.robot.programs.names import Known
     from kg.robot.programs.tree import Expression, Program, Statement
 
-__all__ = ["Code", "Expressions", "number"]
+__all__ = ["Code"]
 
 
 _LEVELS: Final = {"or": 0, "and": 1, "not": 2, "+": 4, "-": 4, "*": 5, "/": 5}

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from kg.robot.programs.tree import Expression, Statement
     from kg.robot.programs.units import Dimension
 
-__all__ = ["program_of", "with_units"]
+__all__ = ["program_of"]
 
 
 _ALIKE: Final = frozenset({"<", "<=", "=", "!=", ">=", ">", "+", "-"})

@@ -39,9 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "COUNT",
-    "MOST",
     "OWN",
-    "Assignment",
     "Bare",
     "ScriptError",
     "assignments",
