@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 from kg.robot.tasks import ended
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable
+    from collections.abc import AsyncIterable, Awaitable
+
+    from kg.robot.connection import Received
 
 __all__ = ["Clock", "SimulatedClock", "WallClock", "stamp", "within"]
 
@@ -65,6 +67,12 @@ class SimulatedClock:
             _, _, sleeper = heapq.heappop(self._sleepers)
             if not sleeper.done():
                 sleeper.set_result(None)
+
+    async def follow(self, ticks: AsyncIterable[Received]) -> None:
+        """Take the time of the messages of the topic `/clock` as they come."""
+        async for tick in ticks:
+            now = tick.value["clock"]
+            self.tell(now["sec"] + now["nanosec"] / 1e9)
 
     async def begun(self, seconds: float) -> None:
         """Return when a time was told, or so many seconds of the wall have passed: who measures before starts at 0."""

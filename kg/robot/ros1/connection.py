@@ -226,18 +226,11 @@ class Ros1Connection:
 
     async def follow_clock(self) -> None:
         """Take the time of the topic `/clock`."""
-        clock = self.clock
-        subscription = await self.subscribe("/clock", "rosgraph_msgs/Clock", queue=1)
-
-        async def follow() -> None:
-            async for received in subscription:
-                now = received.value["clock"]
-                if isinstance(clock, SimulatedClock):
-                    clock.tell(now["sec"] + now["nanosec"] / 1e9)
-
-        self.node.spawn(follow(), "following /clock")
-        if isinstance(clock, SimulatedClock) and subscription.links:  # somebody tells it
-            await clock.begun(_TICKING)
+        if isinstance(self.clock, SimulatedClock):
+            ticks = await self.subscribe("/clock", "rosgraph_msgs/Clock", queue=1)
+            self.node.spawn(self.clock.follow(ticks), "following /clock")
+            if ticks.links:  # somebody tells it
+                await self.clock.begun(_TICKING)
 
     async def _learn(self, topic: str, kind: str) -> None:
         """Learn a type from one who publishes the topic; RobotError KG804 when nobody does."""

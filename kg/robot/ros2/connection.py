@@ -75,13 +75,8 @@ class Ros2Connection:
         """Take the time of the topic `/clock` where the address asks for it."""
         if isinstance(self.clock, SimulatedClock):
             ticks = await self.subscribe("/clock", "rosgraph_msgs/Clock", queue=1)
-            self._ticking = spawn(self._tick(self.clock, ticks), "following /clock")
+            self._ticking = spawn(self.clock.follow(ticks), "following /clock")
             await self.clock.begun(self._settle)
-
-    async def _tick(self, clock: SimulatedClock, ticks: Ros2Subscription) -> None:
-        async for tick in ticks:
-            time = tick.value["clock"]
-            clock.tell(time["sec"] + time["nanosec"] / 1e9)
 
     async def _suit(self) -> None:
         async def suited(one: Ros2Subscription, graph: ComputationGraph) -> None:
