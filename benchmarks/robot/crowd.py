@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from kg.robot.messages import Types
 from kg.robot.ros1.header import pack, read_header
-from kg.robot.ros1.http import XmlRpcServer, call
+from kg.robot.ros1.xmlrpc import XmlRpcServer, call
 
 _KINDS: Final = ("std_msgs/String", "geometry_msgs/Twist", "sensor_msgs/LaserScan", "nav_msgs/Odometry")
 _SERVICES: Final = {"get_loggers": "roscpp/GetLoggers", "set_logger_level": "roscpp/SetLoggerLevel"}

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.errors import RobotError
 from kg.robot.ros1 import Master, connect
 from kg.robot.ros1.graph import Analyzer
-from kg.robot.ros1.http import ask
+from kg.robot.ros1.xmlrpc import ask
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -190,7 +190,7 @@ def _many_dds(place: str) -> None:
     from cyclonedds.pub import DataWriter  # noqa: PLC0415 - see above
     from cyclonedds.topic import Topic  # noqa: PLC0415 - see above
 
-    from kg.robot.dds.classes import Classes  # noqa: PLC0415 - see above
+    from kg.robot.dds.types import Classes  # noqa: PLC0415 - see above
     from kg.robot.messages import Types  # noqa: PLC0415 - see above
 
     types = Types(2)

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Final
 
 from kg.robot.connecting import connect
 from kg.robot.simulation.drone import Drone
-from kg.robot.simulation.hosting import hosted_in_memory
 from kg.robot.simulation.robots import Command
+from kg.robot.simulation.running import hosted_in_memory
 from kg.robot.simulation.world import World
 
 if TYPE_CHECKING:

@@ -14,10 +14,10 @@ from kg.cli.numbers import frequency, whole
 from kg.cli.numbers import seconds as seconds_of
 from kg.errors import RobotError, UsageError
 from kg.robot.clock import within
-from kg.robot.connecting import is_recording, not_commanded
+from kg.robot.connecting import address_of, connected, inhabited, is_recording, not_commanded
 from kg.robot.driving import Driver, Watchdog, find
-from kg.robot.driving.newest import Throttle
-from kg.robot.live import address_of, connected, infer, inhabited
+from kg.robot.driving.observing import Throttle
+from kg.robot.live import infer
 from kg.robot.programs.names import AT
 from kg.robot.programs.places import at_place, offered, read_places
 from kg.robot.tasks import ended, spawn

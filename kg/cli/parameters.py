@@ -11,8 +11,7 @@ import msgspec
 from kg.cli.diagnostics import note, problem
 from kg.cli.output import Column, json_line, listing, terminal, write
 from kg.render.text import json_text, printable
-from kg.robot.connecting import is_recording, not_commanded
-from kg.robot.live import address_of, connected, inhabited
+from kg.robot.connecting import address_of, connected, inhabited, is_recording, not_commanded
 from kg.robot.parameters import NodeParameter, find, parsed, read
 from kg.robot.parameters import write as write_parameter
 

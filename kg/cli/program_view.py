@@ -13,9 +13,9 @@ from kg.cli.diagnostics import colored, dim, report
 from kg.cli.output import json_line, json_lines, write
 from kg.errors import Exit, Place, RobotError
 from kg.render.text import count, printable
+from kg.robot.programs.events import Problem
 from kg.robot.programs.files import load
-from kg.robot.programs.problems import Problem
-from kg.robot.programs.walk import statements
+from kg.robot.programs.tree import statements
 from kg.robot.programs.write import headline
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from kg.facts import Role
 from kg.render.text import count
 from kg.robot.bag.recording import Recorder
 from kg.robot.clock import within
-from kg.robot.live import address_of, connected, inhabited, look
+from kg.robot.connecting import address_of, connected, inhabited, look
 from kg.robot.live.systems import is_implicit
 
 if TYPE_CHECKING:

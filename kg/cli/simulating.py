@@ -21,7 +21,7 @@ from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from kg.robot.simulation.plan import Place
-    from kg.robot.simulation.session import Choice
+    from kg.robot.simulation.running import Choice
     from kg.settings import Settings
 
 __all__ = ["chosen", "simulated"]
@@ -46,7 +46,7 @@ def chosen(  # noqa: PLR0913 - the options of a command
     """
     from kg.robot.connecting import scheme_of  # noqa: PLC0415 - start-up time
     from kg.robot.simulation.plan import PLANS  # noqa: PLC0415 - start-up time
-    from kg.robot.simulation.session import Choice  # noqa: PLC0415 - the same
+    from kg.robot.simulation.running import Choice  # noqa: PLC0415 - the same
 
     if world not in PLANS:
         hint = did_you_mean(world, PLANS) or f"One of {', '.join(PLANS)}."
@@ -83,9 +83,9 @@ def _start(world: str, number: int) -> Place | None:
 async def simulated(choice: Choice, settings: Settings | None) -> None:
     """Simulate a robot until it is enough, and say where it is; with `settings`, `kg serve` shows it meanwhile.
 
-    Raises as `kg.robot.simulation.session.simulate`.
+    Raises as `kg.robot.simulation.running.simulate`.
     """
-    from kg.robot.simulation.session import simulate  # noqa: PLC0415 - start-up time
+    from kg.robot.simulation.running import simulate  # noqa: PLC0415 - start-up time
 
     pages: list[asyncio.Task[None]] = []
 

@@ -15,7 +15,7 @@ from kg.robot.connecting import connect
 from kg.robot.live import infer
 from kg.robot.programs.converting import convert
 from kg.robot.programs.metrics import code_metrics, metrics
-from kg.robot.simulation.hosting import hosted_in_memory
+from kg.robot.simulation.running import hosted_in_memory
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

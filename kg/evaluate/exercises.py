@@ -23,8 +23,8 @@ from kg.robot.programs.files import load
 from kg.robot.programs.places import placed, read_places
 from kg.robot.programs.runner import Runner
 from kg.robot.simulation.drone import Drone, State
-from kg.robot.simulation.hosting import hosted_in_memory
 from kg.robot.simulation.plan import Place  # noqa: TC001 - msgspec reads the annotation
+from kg.robot.simulation.running import hosted_in_memory
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from kg.robot.capability import Capabilities
     from kg.robot.programs.tree import Program
     from kg.robot.simulation.plan import TagPlace
-    from kg.robot.simulation.pose import Pose
+    from kg.robot.simulation.robots import Pose
     from kg.robot.simulation.world import World
     from kg.settings import Settings
 

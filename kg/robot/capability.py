@@ -35,7 +35,7 @@ class Way(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     `fields` are the paths of message fields by the names of parameters (`{"forward": "linear.x"}`), relative to the
     message of the topic, the request or response of the service, the goal or feedback or result of the action; a list's
-    field is taken for each element by `[]` (`markers[].id`), and a function of `kg.robot.driving.functions` stands
+    field is taken for each element by `[]` (`markers[].id`), and a function of `kg.robot.driving.paths` stands
     before a path (`yaw(pose.pose.orientation)`, `minimum(ranges)`). `constants` are values of fields that are always
     the same (`{"header.frame_id": "map"}`). `rate` is how often a second a command has to be renewed, 0 for never.
     """

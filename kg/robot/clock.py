@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 from kg.robot.tasks import ended
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable
+    from collections.abc import AsyncIterable, Awaitable
 
-__all__ = ["Clock", "SimulatedClock", "WallClock", "within"]
+    from kg.robot.connection import Received
+
+__all__ = ["Clock", "SimulatedClock", "WallClock", "stamp", "within"]
 
 Result = TypeVar("Result")
 
@@ -66,6 +68,12 @@ class SimulatedClock:
             if not sleeper.done():
                 sleeper.set_result(None)
 
+    async def follow(self, ticks: AsyncIterable[Received]) -> None:
+        """Take the time of the messages of the topic `/clock` as they come."""
+        async for tick in ticks:
+            now = tick.value["clock"]
+            self.tell(now["sec"] + now["nanosec"] / 1e9)
+
     async def begun(self, seconds: float) -> None:
         """Return when a time was told, or so many seconds of the wall have passed: who measures before starts at 0."""
         with suppress(TimeoutError):
@@ -80,6 +88,12 @@ class SimulatedClock:
         sleeper: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         heapq.heappush(self._sleepers, (self._now + seconds, next(self._order), sleeper))
         await sleeper
+
+
+def stamp(seconds: float) -> dict[str, int]:
+    """Return a time in seconds as messages have it (`time`, builtin_interfaces/Time); it cannot be negative there."""
+    whole = int(max(seconds, 0.0))
+    return {"sec": whole, "nanosec": min(999_999_999, round((max(seconds, 0.0) - whole) * 1e9))}
 
 
 async def within(clock: Clock, seconds: float, work: Awaitable[Result], *, pauses: bool = False) -> Result:

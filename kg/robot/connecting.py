@@ -1,20 +1,66 @@
-"""Connections by address: the scheme says which middleware; its module is loaded when it is asked for."""
+"""Connections by address, and a first look at what runs there.
+
+The scheme of an address says which middleware; its module is loaded when it is asked for. Nodes of ROS itself, such as
+`/rosout`, are infrastructure and none of the robot's.
+"""
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
+import tomllib
+from contextlib import asynccontextmanager
+from dataclasses import replace
+from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
 from urllib.parse import urlsplit
 
 from kg.errors import RobotError
+from kg.resources import folder
 
 if TYPE_CHECKING:
-    from kg.robot.connection import Connection
-    from kg.robot.messages import Types
+    from collections.abc import AsyncIterator
 
-__all__ = ["SCHEMES", "connect", "default_address", "is_recording", "not_commanded", "scheme_of"]
+    from kg.robot.connection import ComputationGraph, Connection
+    from kg.robot.messages import Types
+    from kg.settings import Settings
+
+__all__ = [
+    "SCHEMES",
+    "address_of",
+    "connect",
+    "connected",
+    "default_address",
+    "inhabited",
+    "is_recording",
+    "look",
+    "not_commanded",
+    "of_robot",
+    "scheme_of",
+]
+
+
+def of_robot(graph: ComputationGraph) -> ComputationGraph:
+    """Return a computation graph without the nodes that `ontology/implicit.toml` calls infrastructure."""
+    pattern = _pattern(graph.ros)
+    if not any(pattern.fullmatch(one.name) for one in graph.nodes):
+        return graph
+    return replace(
+        graph,
+        nodes=tuple(one for one in graph.nodes if not pattern.fullmatch(one.name)),
+        ends=tuple(one for one in graph.ends if not pattern.fullmatch(one.node)),
+        problems=tuple(one for one in graph.problems if not pattern.fullmatch(one.subject)),
+    )
+
+
+@cache
+def _pattern(ros: int) -> re.Pattern[str]:
+    table = tomllib.loads((folder("ontology") / "implicit.toml").read_text(encoding="utf-8"))
+    rows = (row for row in table["infrastructure"] if row.get("ros", ros) == ros)
+    return re.compile("|".join(f"(?:{row['pattern']})" for row in rows))
+
 
 SCHEMES: Final = {
     "ros1": "kg.robot.ros1",
@@ -81,3 +127,47 @@ def _meant(address: str, known: str) -> str:
     if host != address.rstrip("/") or re.fullmatch(r"[\w.-]+:\d+", host):
         return f"A master of ROS 1 is written ros1://{host}."
     return f"An address begins with {known}."
+
+
+_DISCOVERED: Final = 2
+"""The version of ROS whose nodes are found by waiting, since no master lists them."""
+
+
+def address_of(settings: Settings) -> str:
+    """Return the address of the robot in force: that of the settings, else that of the environment."""
+    return settings.robot or default_address()
+
+
+@asynccontextmanager
+async def connected(address: str) -> AsyncIterator[Connection]:
+    """Be a node of the system at an address for a while, of a name that no other process has.
+
+    Raises:
+        RobotError: KG801 for an address of another form, KG802 when nothing answers there.
+    """
+    connection = await connect(address, name=f"/kg_{os.getpid()}")
+    try:
+        yield connection
+    finally:
+        await connection.aclose()
+
+
+async def inhabited(connection: Connection) -> ComputationGraph:
+    """Return the computation graph of a robot; RobotError KG802 when there is no node but ours and those of ROS itself.
+
+    A master whose robot does not run answers to everybody, and lists `/rosout`. A domain of
+    DDS answers to everybody, too: one without nodes is a wrong number, or a robot that does not run.
+    """
+    loop = asyncio.get_running_loop()
+    begun = loop.time()
+    graph = of_robot(await connection.graph())
+    if not graph.nodes:
+        waited = f" within {max(1, round(loop.time() - begun))} s" if graph.ros == _DISCOVERED else ""
+        raise RobotError("KG802", f"no node was found at {connection.address}{waited}")
+    return graph
+
+
+async def look(address: str) -> ComputationGraph:
+    """Return the computation graph of the system at an address; raises as `connected` and `inhabited`."""
+    async with connected(address) as connection:
+        return await inhabited(connection)

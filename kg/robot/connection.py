@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 
-from kg.errors import RobotError
+from kg.errors import KgError, RobotError
 from kg.facts import Qos, Role  # noqa: TC001 - read when the classes are made
 
 if TYPE_CHECKING:
@@ -35,11 +35,12 @@ __all__ = [
     "Subscription",
     "Value",
     "goal_lost",
+    "reason",
 ]
 
 Value: TypeAlias = dict[str, Any]
 """A message as plain values."""
-FAILURES: Final = (ArithmeticError, AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError)
+FAILURES: Final = (KgError, ArithmeticError, AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError)
 """What the code that answers may raise: to the client it is the failure of the service or goal."""
 
 
@@ -258,3 +259,8 @@ def goal_lost(action: str, what: str) -> RobotError:
     """Return the error of a goal of `action` whose server, or the robot, was lost while it was carried out (KG803)."""
     message = f"{what} was lost while executing `{action}`; the robot may still be moving"
     return RobotError("KG803", message, hint="Check whether the robot is moving, then restart the node.")
+
+
+def reason(error: BaseException) -> str:
+    """Return in words why code failed that answers a service or carries out a goal."""
+    return error.message if isinstance(error, KgError) else str(error)

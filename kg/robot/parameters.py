@@ -14,9 +14,8 @@ from yaml import BaseLoader, YAMLError
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.connecting import is_recording
+from kg.robot.connecting import is_recording, of_robot
 from kg.robot.connection import GraphProblem
-from kg.robot.infrastructure import of_robot
 from kg.similar import did_you_mean
 from kg.yamltext import load_yaml
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Coroutine
 
-__all__ = ["Tasks", "ended", "finished", "outcome", "report", "spawn"]
+__all__ = ["Tasks", "ended", "finished", "first", "outcome", "report", "spawn"]
 
 Result = TypeVar("Result")
 
@@ -99,3 +99,19 @@ async def outcome(work: Awaitable[Result]) -> Result | BaseException:
     if task.cancelled():
         return asyncio.CancelledError()
     return task.exception() or task.result()
+
+
+async def first(one: Awaitable[Result], other: Awaitable[Any]) -> tuple[Result] | None:
+    """Await two things at a time: return in a tuple what the one gives, or None when the other is there before it.
+
+    The later one is cancelled; an error of either is raised.
+    """
+    one_task, other_task = asyncio.ensure_future(one), asyncio.ensure_future(other)
+    try:
+        await asyncio.wait({one_task, other_task}, return_when=asyncio.FIRST_COMPLETED)
+        if one_task.done():
+            return (one_task.result(),)
+        other_task.result()
+        return None
+    finally:
+        await ended(one_task, other_task)

@@ -173,7 +173,7 @@ def test_a_program_runs_only_if_a_person_agrees(
     pytest.importorskip("cv2", reason="tags need OpenCV")
     from mcp.types import ElicitResult  # noqa: PLC0415 - needs the SDK
 
-    from kg.robot.simulation.session import Choice, simulate  # noqa: PLC0415 - needs pybullet
+    from kg.robot.simulation.running import Choice, simulate  # noqa: PLC0415 - needs pybullet
 
     shown: list[str] = []
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.cli.commands import robot
-from kg.robot import live
+from kg.robot import connecting
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveNode
 from kg.settings import Settings
 
@@ -20,7 +20,7 @@ def test_a_dead_node_is_told(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
         dead = GraphProblem("KG811", "/gone", "it does not answer at 127.0.0.1:4")
         return ComputationGraph(1, nodes=(LiveNode("/gone", problem=dead.message),), problems=(dead,))
 
-    monkeypatch.setattr(live, "look", look)
+    monkeypatch.setattr(connecting, "look", look)
     subject = robot._running(Settings(robot="ros1://127.0.0.1:9"))
     told = capsys.readouterr()
     assert subject.capabilities.capabilities == ()

@@ -20,10 +20,9 @@ from kg.evaluate.exercises import (
     perform,
     program_of,
 )
-from kg.robot.programs.files import SUFFIX, load
-from kg.robot.programs.form import decode, encode
-from kg.robot.simulation.hosting import hosted_in_memory
+from kg.robot.programs.files import SUFFIX, decode, encode, load
 from kg.robot.simulation.plan import read_plan
+from kg.robot.simulation.running import hosted_in_memory
 from kg.robot.simulation.world import World
 from kg.settings import Settings
 

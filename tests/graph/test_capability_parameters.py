@@ -8,8 +8,7 @@ import pytest
 from rdflib import RDF, Graph, Namespace, URIRef
 
 from kg.resources import folder
-from kg.robot.driving.functions import FUNCTIONS
-from kg.robot.driving.paths import Call, Each, Element, Field, parse
+from kg.robot.driving.paths import FUNCTIONS, Call, Each, Element, Field, parse
 from kg.robot.messages.types import Types
 from kg.robot.programs.units import UNITS
 

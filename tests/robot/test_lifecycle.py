@@ -12,8 +12,7 @@ from patience import patient
 from kg.facts import Role
 from kg.robot.capability import Capabilities, Capability, Way
 from kg.robot.connection import ComputationGraph, LiveEnd, LiveNode
-from kg.robot.driving.doubts import doubts_of
-from kg.robot.driving.ways import choose
+from kg.robot.driving.ways import choose, doubts_of
 from kg.robot.lifecycle import States, available
 from kg.robot.memory import Bus
 

@@ -91,7 +91,7 @@ def _running(settings: "Settings") -> "Subject":
     import asyncio  # noqa: PLC0415 - start-up time
 
     from kg.cli.robot_view import tell_problems  # noqa: PLC0415 - start-up time
-    from kg.robot.live import address_of, look  # noqa: PLC0415 - start-up time
+    from kg.robot.connecting import address_of, look  # noqa: PLC0415 - start-up time
     from kg.robot.live.asking import running  # noqa: PLC0415 - start-up time
 
     address = address_of(settings)
@@ -125,7 +125,8 @@ def watch(  # noqa: PLR0913 - the options of a command
     import asyncio  # noqa: PLC0415 - start-up time
 
     from kg.cli.robot_view import follow  # noqa: PLC0415 - start-up time
-    from kg.robot.live import Watching, address_of  # noqa: PLC0415 - start-up time
+    from kg.robot.connecting import address_of  # noqa: PLC0415 - start-up time
+    from kg.robot.live import Watching  # noqa: PLC0415 - start-up time
     from kg.store.opening import writable  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store, robot=robot, rules=rules, rule_families=rule_families)

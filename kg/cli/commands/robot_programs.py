@@ -14,8 +14,8 @@ from kg.errors import Exit, UsageError
 if TYPE_CHECKING:
     from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
-    from kg.robot.programs.executing import Execution
     from kg.robot.programs.places import Places as PlacesByName
+    from kg.robot.programs.runner import Execution
     from kg.settings import Settings
 
 __all__ = ["check", "convert", "run"]
@@ -64,8 +64,8 @@ def run(  # noqa: PLR0913 - the options of a command
     from kg.cli.interruptible import interruptible  # noqa: PLC0415 - start-up time
     from kg.cli.numbers import seconds as number_of_seconds  # noqa: PLC0415 - start-up time
     from kg.cli.program_view import Log, error_at, read, show_problems  # noqa: PLC0415 - start-up time
-    from kg.robot.live import address_of  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.executing import execute, limited  # noqa: PLC0415 - start-up time
+    from kg.robot.connecting import address_of  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.runner import execute, limited  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(
         store=store, robot=robot, places=places, watchdog=watchdog, rules=rules, rule_families=rule_families
@@ -119,7 +119,7 @@ def check(  # noqa: PLR0913 - the options of a command
     """
     from kg.cli.program_view import read, show_problems  # noqa: PLC0415 - start-up time
     from kg.robot.programs.check import check as problems_of  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.doubts import doubts  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.check import doubts  # noqa: PLC0415 - start-up time
     from kg.robot.programs.places import placed  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(
@@ -176,8 +176,7 @@ def convert(  # noqa: PLR0913 - the options of a command
     """
     from msgspec import to_builtins  # noqa: PLC0415 - start-up time
 
-    from kg.robot.programs.files import load, load_tree  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.form import encode  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.files import encode, load, load_tree  # noqa: PLC0415 - start-up time
     from kg.robot.programs.metrics import code_metrics, foreign_types  # noqa: PLC0415 - start-up time
     from kg.robot.programs.metrics import metrics as program_metrics  # noqa: PLC0415 - start-up time
     from kg.robot.programs.write import write as text_of  # noqa: PLC0415 - start-up time
@@ -225,11 +224,11 @@ def _known(
     import asyncio  # noqa: PLC0415 - start-up time
 
     from kg.cli.robot_view import tell_problems  # noqa: PLC0415 - start-up time
-    from kg.robot.live import address_of  # noqa: PLC0415 - start-up time
+    from kg.robot.connecting import address_of  # noqa: PLC0415 - start-up time
     from kg.robot.live.asking import launched, running  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.executing import seen  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.general import general  # noqa: PLC0415 - start-up time
+    from kg.robot.live.inference import general  # noqa: PLC0415 - start-up time
     from kg.robot.programs.places import read_places  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.runner import seen  # noqa: PLC0415 - start-up time
 
     own = read_places(settings.places)
     if launch is not None:

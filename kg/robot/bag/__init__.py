@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import asyncio
 
-from kg.robot.bag.address import BagAddress
-from kg.robot.bag.connection import BagConnection
+from kg.robot.bag.connection import BagAddress, BagConnection
 from kg.robot.bag.files import Bag
 from kg.robot.messages import Types  # noqa: TC001 - `connect` is looked up by its name
 

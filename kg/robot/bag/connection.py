@@ -1,17 +1,19 @@
-"""A recording that is played: a `Connection` whose topics can be read, and nothing commanded."""
+"""A recording that is played: a `Connection` whose topics can be read, and nothing commanded; its address and time."""
 
 from __future__ import annotations
 
 import asyncio
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn
+from urllib.parse import parse_qsl, unquote
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.bag.clock import BagClock
 from kg.robot.connecting import not_commanded
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode, Received, RecordedTopic
-from kg.robot.inbox import Inbox
-from kg.robot.ros1.folding import fold
+from kg.robot.inbox import Changes, Inbox
+from kg.robot.ros1.graph import fold
 from kg.robot.ros2.graph import computation_graph
 from kg.robot.ros2.middleware import Neighbourhood
 from kg.robot.tasks import Tasks
@@ -19,12 +21,85 @@ from kg.robot.tasks import Tasks
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from kg.robot.bag.address import BagAddress
     from kg.robot.bag.files import Bag, Source
-    from kg.robot.clock import Clock
     from kg.robot.messages import Types
 
-__all__ = ["UNKNOWN", "BagConnection"]
+__all__ = ["BagAddress", "BagConnection"]
+
+
+_OPTIONS: Final = {"speed": "as a multiple of the recorded one", "start": "seconds from the beginning"}
+
+
+@dataclass(frozen=True, slots=True)
+class BagAddress:
+    """An address that was read: the file or folder, how fast it is played (1: as recorded), from which second on."""
+
+    text: str
+    path: Path
+    speed: float = 1.0
+    start: float = 0.0
+
+    @classmethod
+    def read(cls, text: str) -> BagAddress:
+        """Return what an address says; RobotError KG801 for an option or a value that there is not."""
+        place, _, query = text.removeprefix("bag://").partition("?")
+        options = dict(parse_qsl(query, keep_blank_values=True))
+        if unknown := set(options) - set(_OPTIONS):
+            known = ", ".join(f"{name}= ({what})" for name, what in _OPTIONS.items())
+            raise RobotError("KG801", f"`{text}` has an option `{min(unknown)}`", hint=f"Valid: {known}.")
+        if not place:
+            raise RobotError("KG801", f"`{text}` names no file", hint="Write bag://FILE, as in bag://drive.mcap.")
+        speed, start = (_number(text, options, name, given) for name, given in (("speed", 1.0), ("start", 0.0)))
+        if speed == 0:
+            raise RobotError("KG801", f"`{text}`: the speed is 0", hint="Write speed=2 or speed=0.5.")
+        return cls(text, Path(unquote(place)).expanduser(), speed, start)
+
+
+def _number(address: str, options: dict[str, str], name: str, otherwise: float) -> float:
+    text = options.get(name, str(otherwise))
+    if not text.replace(".", "", 1).isdecimal() or not text.isascii():
+        raise RobotError("KG801", f"`{address}`: `{text}` is not a number", hint=f"{name} is {_OPTIONS[name]}.")
+    return float(text)
+
+
+_LEAD: Final = 0.2
+"""Seconds of the wall between the first subscription and the first message: others subscribe at the same time."""
+
+
+class BagClock:
+    """Stands still at the first moment until it is begun; then goes on, `speed` times as fast as the wall's."""
+
+    def __init__(self, start: float, speed: float) -> None:
+        self._start = start
+        self._speed = speed
+        self._begun: float | None = None
+
+    def begin(self) -> None:
+        """Let the time go on in a moment; beginning again is nothing."""
+        if self._begun is None:
+            self._begun = asyncio.get_running_loop().time() + _LEAD
+
+    @property
+    def begun(self) -> bool:
+        """Whether it goes on."""
+        return self._begun is not None
+
+    def now(self) -> float:
+        """Return the time of the recording in seconds since 1970."""
+        if self._begun is None:
+            return self._start
+        return self._start + max(asyncio.get_running_loop().time() - self._begun, 0.0) * self._speed
+
+    async def sleep(self, seconds: float) -> None:
+        """Return when so many seconds of the recording have passed."""
+        await asyncio.sleep(max(seconds, 0) / self._speed)
+
+    async def until(self, moment: float) -> None:
+        """Return when a moment of the recording has come; others get their turn also where it has already."""
+        loop = asyncio.get_running_loop()
+        due = (loop.time() if self._begun is None else self._begun) + (moment - self._start) / self._speed
+        await asyncio.sleep(max(due - loop.time(), 0))
+
 
 UNKNOWN: Final = "/_recorded"
 """The node that stands for the publishers that a recording does not name."""
@@ -42,19 +117,14 @@ class BagConnection:
         self.name = name if name.startswith("/") else f"/{name}"
         self.types: Types = bag.types
         self._bag = bag
-        self._clock = BagClock(bag.start + address.start, address.speed)
-        self._began = self._clock.now()
+        self.clock = BagClock(bag.start + address.start, address.speed)
+        self._began = self.clock.now()
         self._playing: dict[Inbox[Received], asyncio.Task[None]] = {}
         self._tasks = Tasks()
         self._problems: dict[GraphProblem, None] = dict.fromkeys(bag.problems)
-        self._news = asyncio.Event()
+        self._changes = Changes()
         self._lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         self._closed = False
-
-    @property
-    def clock(self) -> Clock:
-        """The time of the recording; it goes on from the first subscription."""
-        return self._clock
 
     async def graph(self) -> ComputationGraph:
         """Return what was published by whom; RobotError KG802 when the recording was closed."""
@@ -83,15 +153,9 @@ class BagConnection:
         count = sum(one.count for one in self._bag.sources if one.topic == topic)
         return RecordedTopic(topic, count, self._bag.end - self._bag.start)
 
-    async def changes(self) -> AsyncIterator[ComputationGraph]:
+    def changes(self) -> AsyncIterator[ComputationGraph]:
         """Yield the graph, and again when a message could not be understood."""
-        last: ComputationGraph | None = None
-        while not self._closed:
-            self._news.clear()
-            if (now := self._graph()) != last:
-                yield now
-                last = now
-            await self._news.wait()
+        return self._changes.values(lambda: None if self._closed else self._graph())
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Inbox[Received]:
         """Receive the messages of a topic in their time, from now on; the first subscription begins the recording.
@@ -111,10 +175,10 @@ class BagConnection:
         if kind is not None and (other := {one.type for one in sources} - {kind}):
             raise RobotError("KG806", f"`{topic}` is of the type {min(other)}, not {kind}")
         inbox: Inbox[Received] = Inbox(queue, lambda: self._leave(inbox))
-        since = self._clock.now()
-        if not self._clock.begun:
+        since = self.clock.now()
+        if not self.clock.begun:
             self._tasks.spawn(self._end(), "playing a recording")
-        self._clock.begin()
+        self.clock.begin()
         self._playing[inbox] = self._tasks.spawn(self._play(inbox, sources, since), f"playing `{topic}`")
         return inbox
 
@@ -122,9 +186,9 @@ class BagConnection:
         try:
             self._put_latched(inbox, [one for one in sources if one.latched], since)
             for source, at, content in self._bag.messages(sources, since):
-                await self._clock.until(at)
+                await self.clock.until(at)
                 self._put(inbox, source, at, content)
-            await self._clock.until(self._bag.end)
+            await self.clock.until(self._bag.end)
         except RobotError as error:
             self._report(GraphProblem(error.code, sources[0].topic, error.message))
         finally:
@@ -148,11 +212,11 @@ class BagConnection:
 
     def _report(self, problem: GraphProblem) -> None:
         self._problems[problem] = None
-        self._news.set()
+        self._changes.tell()
 
     async def _end(self) -> None:
         """Be lost when all has been played."""
-        await self._clock.until(self._bag.end)
+        await self.clock.until(self._bag.end)
         await asyncio.gather(*self._playing.values(), return_exceptions=True)
         self._lost.set_result(_OVER)
 
@@ -174,7 +238,7 @@ class BagConnection:
     async def aclose(self) -> None:
         """Stop playing; what is subscribed ends."""
         self._closed = True
-        self._news.set()
+        self._changes.tell()
         for inbox in list(self._playing):
             inbox.end()
         self._tasks.cancel()

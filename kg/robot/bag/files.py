@@ -19,7 +19,7 @@ from kg.errors import RobotError
 from kg.facts import Qos
 from kg.robot.connection import GraphProblem
 from kg.robot.messages import Types
-from kg.robot.messages.foreign import learn, short
+from kg.robot.messages.types import learn, short
 from kg.robot.ros2.names import is_name
 
 if TYPE_CHECKING:

@@ -27,8 +27,8 @@ from kg.errors import Place, RobotError, UsageError
 from kg.facts import Role
 from kg.robot.connecting import is_recording
 from kg.robot.connection import GraphProblem
-from kg.robot.ros2.hashes import type_hash
 from kg.robot.ros2.names import family
+from kg.robot.ros2.types import type_hash
 from kg.robot.tasks import Tasks, ended
 
 if TYPE_CHECKING:

@@ -1,25 +1,63 @@
-"""Domains of DDS that compare types by their names, as ROS 2 does.
+"""Domains of DDS: how far nodes look for others, and how types are compared.
 
-Cyclone DDS compares descriptions of types as well (DDS XTypes), and asks a peer for a description that differs from its
-own. The response reaches all participants of the domain, and the Cyclone DDS of ROS 2 up to Jazzy (0.10) crashes on it.
-So ours ignores the descriptions that others send. Its own are sent all the same, but nobody of ROS 2 asks for more.
+ROS_AUTOMATIC_DISCOVERY_RANGE is SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT, ROS_STATIC_PEERS lists hosts that are asked
+besides, and ROS_LOCALHOST_ONLY=1 is what they replace (docs.ros.org, "Improved dynamic discovery"). They become the
+settings of Cyclone DDS that rmw_cyclonedds_cpp makes of them (`check_create_domain`).
+
+Types are compared by their names, as ROS 2 does. Cyclone DDS compares descriptions of types as well (DDS XTypes), and
+asks a peer for a description that differs from its own. The response reaches all participants of the domain, and the
+Cyclone DDS of ROS 2 up to Jazzy (0.10) crashes on it. So ours ignores the descriptions that others send. Its own are
+sent all the same, but nobody of ROS 2 asks for more.
 """
 
 from __future__ import annotations
 
 import os
 from typing import TYPE_CHECKING, Final
+from xml.sax.saxutils import quoteattr
 
 from cyclonedds.core import DDSException
 from cyclonedds.domain import Domain, DomainParticipant
 
-from kg.robot.dds.bell import delete
-from kg.robot.dds.surroundings import discovery_settings
+from kg.errors import RobotError
+from kg.robot.dds.entities import delete
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from cyclonedds.core import Qos
 
-__all__ = ["join", "leave"]
+__all__ = ["discovery_settings", "join", "leave"]
+
+
+_RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
+
+
+def discovery_settings(environment: Mapping[str, str]) -> str:
+    """Return the settings that variables ask for, empty where none does.
+
+    Raises:
+        RobotError: KG817 for a range that there is not.
+    """
+    reach = environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or ""
+    peers = [one.strip() for one in (environment.get("ROS_STATIC_PEERS") or "").split(";") if one.strip()]
+    if environment.get("ROS_LOCALHOST_ONLY") == "1":
+        reach, peers = "LOCALHOST", []
+    if reach and reach not in _RANGES:
+        hint = f"Valid: {', '.join(_RANGES)}."
+        raise RobotError("KG817", f"ROS_AUTOMATIC_DISCOVERY_RANGE is `{reach}`", hint=hint)
+    if reach == "SYSTEM_DEFAULT" or not (reach or peers):
+        return ""
+    if reach == "OFF":
+        found = f"<ParticipantIndex>none</ParticipantIndex><Tag>ros_discovery_off_{os.getpid()}</Tag>"
+    else:
+        hosts = (["localhost"] if reach == "LOCALHOST" else []) + peers
+        listed = "".join(f"<Peer address={quoteattr(one)}/>" for one in hosts)
+        found = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
+        found += f"<Peers>{listed}</Peers>" if listed else ""
+    quiet = "<General><AllowMulticast>false</AllowMulticast></General>" if reach in {"LOCALHOST", "OFF"} else ""
+    return f"<CycloneDDS><Domain>{quiet}<Discovery>{found}</Discovery></Domain></CycloneDDS>"
+
 
 _BY_NAME: Final = (
     "<CycloneDDS><Domain><Compatibility><IgnoreTypeInformation>1.1,1.15,1.16</IgnoreTypeInformation>"

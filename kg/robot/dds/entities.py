@@ -1,24 +1,100 @@
-"""Readers and writers of DDS, as bytes."""
+"""Readers and writers of DDS, as bytes, the services that consist of them, and the thread that waits for both.
+
+Callbacks of the library into Python are avoided altogether: its threads would wait for the interpreter's lock while
+they hold locks of the library, for which a call of ours would wait that holds the interpreter's lock.
+
+Services are as rmw_cyclonedds_cpp has them: two topics, and a header before each message. The header is the identity
+of the client and the number of its request; the client picks its responses by it.
+"""
 
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, Final
+import struct
+import threading
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from cyclonedds import _clayer
-from cyclonedds.core import DDSException, DDSStatus, InstanceState, SampleState, ViewState
+from cyclonedds.core import DDSException, DDSStatus, GuardCondition, InstanceState, SampleState, ViewState, WaitSet
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
+from cyclonedds.util import duration
 
 from kg.errors import RobotError
-from kg.robot.dds.bell import delete
+from kg.robot.tasks import Tasks, outcome
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
 
-    from kg.robot.dds.bell import Bell
+    from cyclonedds.core import Entity
+    from cyclonedds.domain import DomainParticipant
 
-__all__ = ["PREFIX", "DdsReader", "DdsWriter"]
+__all__ = ["PREFIX", "Bell", "DdsCaller", "DdsReader", "DdsServer", "DdsWriter", "delete"]
+
+
+_EVER: Final = duration(infinite=True)
+
+
+def delete(entity: Entity) -> None:
+    """Delete an entity of DDS now, not when Python collects it."""
+    entity.__del__()
+
+
+class Bell:
+    """What rings in the loop when the status of an entity has changed."""
+
+    def __init__(self, participant: DomainParticipant) -> None:
+        self.participant = participant
+        self._loop = asyncio.get_running_loop()
+        self._set = WaitSet(participant)
+        self._stop = GuardCondition(participant)
+        self._set.attach(self._stop)
+        self._calls: dict[int, tuple[Entity, int, Callable[[], None]]] = {}
+        self._heard = threading.Event()
+        self._closed = False
+        self._thread = threading.Thread(target=self._wait, name="kg-dds", daemon=True)
+        self._thread.start()
+
+    def add(self, entity: Entity, mask: int, call: Callable[[], None]) -> None:
+        """Have `call` called in the loop when a status of the mask has changed."""
+        entity.set_status_mask(mask)
+        self._calls[id(entity)] = (entity, mask, call)
+        self._set.attach(entity)
+
+    def remove(self, entity: Entity) -> None:
+        """Call for an entity no more."""
+        if not self._closed and self._calls.pop(id(entity), None) is not None:
+            self._set.detach(entity)
+
+    def _wait(self) -> None:
+        """Wait, tell the loop, and wait until it has heard: a status stays set until it is taken."""
+        while not self._closed:
+            self._set.wait(_EVER)
+            self._heard.clear()
+            try:
+                self._loop.call_soon_threadsafe(self._ring)
+            except RuntimeError:
+                return  # the loop was closed without closing the connection
+            self._heard.wait()
+
+    def _ring(self) -> None:
+        try:
+            for entity, mask, call in list(self._calls.values()):
+                if not self._closed and id(entity) in self._calls and entity.take_status(mask):
+                    call()
+        finally:
+            self._heard.set()
+
+    def close(self) -> None:
+        """End the thread."""
+        self._closed = True
+        self._stop.set(True)
+        while self._thread.is_alive():
+            self._heard.set()
+            self._thread.join(0.01)
+        delete(self._set)
+
 
 PREFIX: Final = 12
 """Of the 16 bytes of an identifier the first 12 are those of the participant (DDSI-RTPS 2.5, 9.3.1)."""
@@ -152,3 +228,136 @@ class DdsWriter(_End):
             code = _clayer.ddspy_write(self._entity._ref, padded)  # noqa: SLF001 - the library has no public way to bytes
         if code < 0:
             raise RobotError("KG803", f"a message to `{self._name}` was not sent: {DDSException(code, 'writing').msg}")
+
+
+_HEADER: Final = struct.Struct("<Qq")
+_ENCAPSULATION: Final = 4
+_CLIENT_IS_READY: Final = 1.0
+"""Seconds that a response waits for the reader of its client to be found."""
+
+
+class Request(NamedTuple):
+    """A message with the header of a service taken off."""
+
+    client: int
+    number: int
+    content: bytes
+
+
+def headed(client: int, number: int, content: bytes) -> bytes:
+    """Return a message with the header of a service behind its encapsulation.
+
+    The header is 16 bytes long, so that everything behind it is aligned as before.
+    """
+    return content[:_ENCAPSULATION] + _HEADER.pack(client, number) + content[_ENCAPSULATION:]
+
+
+def unheaded(content: bytes) -> Request:
+    """Return the header and the message; RobotError KG816 for one that is too short."""
+    end = _ENCAPSULATION + _HEADER.size
+    if len(content) < end:
+        raise RobotError("KG816", f"a message of a service has {len(content)} bytes, too few for its header")
+    client, number = _HEADER.unpack(content[_ENCAPSULATION:end])
+    return Request(client, number, content[:_ENCAPSULATION] + content[end:])
+
+
+class DdsCaller:
+    """A client of a service."""
+
+    def __init__(self, identity: int) -> None:
+        self._identity = identity
+        self._number = 0
+        self._waiting: dict[int, asyncio.Future[bytes]] = {}
+        self._requests: DdsWriter
+        self._responses: DdsReader
+
+    def connect(self, requests: DdsWriter, responses: DdsReader) -> None:
+        """Take the two ends that it works with."""
+        self._requests, self._responses = requests, responses
+
+    @property
+    def peers(self) -> int:
+        """How many servers there are."""
+        return self._requests.peers
+
+    async def ready(self) -> None:
+        """Return when requests and responses are both connected."""
+        await self._requests.ready()
+        await self._responses.ready()
+
+    async def call(self, content: bytes) -> bytes:
+        """Return the response to a request."""
+        await self.ready()
+        self._number += 1
+        number = self._number
+        self._waiting[number] = asyncio.get_running_loop().create_future()
+        try:
+            self._requests.write(headed(self._identity, number, content))
+            return await self._waiting[number]
+        finally:
+            del self._waiting[number]
+
+    def take(self, content: bytes, _: int) -> None:
+        """Take a response; those to other clients are left."""
+        try:
+            response = unheaded(content)
+        except RobotError:
+            return  # nobody knows to whom it was
+        waiting = self._waiting.get(response.number) if response.client == self._identity else None
+        if waiting is not None and not waiting.done():
+            waiting.set_result(response.content)
+
+    def close(self) -> None:
+        """Stop being a client; who waits learns that it is lost."""
+        self._requests.close()
+        self._responses.close()
+        for waiting in self._waiting.values():
+            if not waiting.done():
+                waiting.set_exception(RobotError("KG803", "the connection was closed before the service answered"))
+
+
+class DdsServer:
+    """A service that is answered; a request that fails has no response, since ROS 2 has none for it."""
+
+    def __init__(self, answer: Callable[[bytes], Awaitable[bytes]]) -> None:
+        self._answer = answer
+        self._running = Tasks()
+        self._requests: DdsReader
+        self._responses: DdsWriter
+
+    def connect(self, requests: DdsReader, responses: DdsWriter) -> None:
+        """Take the two ends that it works with."""
+        self._requests, self._responses = requests, responses
+
+    @property
+    def peers(self) -> int:
+        """How many clients there are."""
+        return self._requests.peers
+
+    async def ready(self) -> None:
+        """Return when there is a client."""
+        await self._requests.ready()
+
+    def take(self, content: bytes, writer: int) -> None:
+        """Take a request, and answer it when there is an answer."""
+        self._running.spawn(self._respond(content, writer), "answering a request")
+
+    async def _respond(self, content: bytes, writer: int) -> None:
+        try:
+            request = unheaded(content)
+        except RobotError:
+            return  # nobody knows whose it is
+        response = await outcome(self._answer(request.content))
+        if isinstance(response, BaseException):
+            return  # it was reported where it failed
+        client = self._requests.origin(writer)
+        if client is not None:
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._responses.until(lambda: self._responses.reaches(client)), _CLIENT_IS_READY)
+        self._responses.write(headed(request.client, request.number, response))
+
+    def close(self) -> None:
+        """Stop answering."""
+        self._running.cancel()
+        self._requests.close()
+        self._responses.close()

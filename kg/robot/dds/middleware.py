@@ -19,25 +19,21 @@ from cyclonedds.topic import Topic
 from kg.errors import RobotError
 from kg.facts import Qos, Role
 from kg.robot.connection import GraphProblem
-from kg.robot.dds.bell import Bell
-from kg.robot.dds.classes import Classes
-from kg.robot.dds.discovery import Discovery, Endpoint
+from kg.robot.dds.discovery import INFO, LONG, SHORT, Discovery, Endpoint, decode_info, encode_info
 from kg.robot.dds.domains import join, leave
-from kg.robot.dds.entities import DdsReader, DdsWriter
-from kg.robot.dds.info import INFO, LONG, SHORT, decode, encode
-from kg.robot.dds.learning import learned
+from kg.robot.dds.entities import Bell, DdsCaller, DdsReader, DdsServer, DdsWriter
 from kg.robot.dds.qos import from_dds, to_dds, told, user_data, written
-from kg.robot.dds.services import DdsCaller, DdsServer
-from kg.robot.ros2.hashes import type_hash
+from kg.robot.dds.types import Classes, learned
 from kg.robot.ros2.middleware import ANSWERS
 from kg.robot.ros2.names import dds_topic, replies
+from kg.robot.ros2.types import type_hash
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from kg.robot.messages import Types
+    from kg.robot.ros2.graph import Watch
     from kg.robot.ros2.middleware import Deliver, Neighbourhood
-    from kg.robot.ros2.watch import Watch
 
 __all__ = ["DdsMiddleware"]
 
@@ -140,7 +136,7 @@ class DdsMiddleware:
 
     def _hear(self, content: bytes, _: int) -> None:
         try:
-            value, length = decode(self.types, content)
+            value, length = decode_info(self.types, content)
         except RobotError as error:
             self._watch.report(
                 GraphProblem("KG816", _TOPIC, f"a participant sent invalid discovery data: {error.message}")
@@ -153,7 +149,7 @@ class DdsMiddleware:
     def _tell(self) -> None:
         """Tell others which readers and writers are our node's."""
         node = (self._name, sorted(self._readers), sorted(self._writers))
-        self._info.write(encode(self.types, self._gid, [node], self._length))
+        self._info.write(encode_info(self.types, self._gid, [node], self._length))
 
     def _suit(self) -> None:
         """Tell of our node again when others use identifiers of another length than before."""

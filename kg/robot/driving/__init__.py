@@ -9,8 +9,8 @@ await driver.do("goingToPose", {"x": 3, "y": 1}, seconds=60)        # until it i
 from __future__ import annotations
 
 from kg.robot.driving.driver import Driver
-from kg.robot.driving.lookup import find
-from kg.robot.driving.plans import Outcome, Plan
+from kg.robot.driving.routes import Outcome, Plan
 from kg.robot.driving.watchdog import Watchdog
+from kg.robot.driving.ways import find
 
 __all__ = ["Driver", "Outcome", "Plan", "Watchdog", "find"]

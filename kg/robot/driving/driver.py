@@ -8,19 +8,12 @@ from typing import TYPE_CHECKING, Any, Final, Literal, Self, TypeAlias
 
 from kg.errors import RobotError
 from kg.robot.capability import role_of
-from kg.robot.connecting import is_recording, not_commanded
+from kg.robot.connecting import is_recording, not_commanded, of_robot
 from kg.robot.driving.arguments import given
-from kg.robot.driving.channels import Command
-from kg.robot.driving.doing import Doing
-from kg.robot.driving.doubts import doubts_of
-from kg.robot.driving.lookup import find
-from kg.robot.driving.newest import NewestMessages, Throttle
-from kg.robot.driving.observing import MEASURED, Observation, other_controllers
-from kg.robot.driving.parts import Parts
-from kg.robot.driving.plans import Outcome, Plan
-from kg.robot.driving.routes import route
-from kg.robot.driving.ways import choose, named
-from kg.robot.infrastructure import of_robot
+from kg.robot.driving.doing import Command, Doing, Parts
+from kg.robot.driving.observing import MEASURED, NewestMessages, Observation, Throttle, other_controllers
+from kg.robot.driving.routes import Outcome, Plan, route
+from kg.robot.driving.ways import choose, doubts_of, find, named
 from kg.robot.lifecycle import idle, in_words
 from kg.robot.tasks import finished, spawn
 
@@ -238,7 +231,7 @@ class Driver:
     async def doubts(
         self, capability: str, modality: Literal["read", "write"], *, way: str | None = None
     ) -> tuple[GraphProblem, ...]:
-        """Return why reading or doing something may come to nothing, as `kg.robot.driving.doubts` has it.
+        """Return why reading or doing something may come to nothing, as `kg.robot.driving.ways` has it.
 
         Nodes that are dead and still registered, or a topic that nobody listens to, are worth a word before what is
         sent there, or is waited for, is missed. RobotError KG821 or KG822 when there is no such capability or way.

@@ -9,13 +9,35 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from kg.errors import RobotError
+from kg.similar import did_you_mean
 
-__all__ = ["Argument", "Call", "Each", "Element", "Field", "Path", "parse"]
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.robot.connection import Value
+    from kg.robot.messages import Types
+
+__all__ = [
+    "FUNCTIONS",
+    "Argument",
+    "Call",
+    "Each",
+    "Element",
+    "Field",
+    "Path",
+    "check",
+    "look",
+    "parse",
+    "put",
+    "roots",
+    "type_at",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,3 +172,270 @@ class _Parser:
         rest = self._text[self._at :].strip()[:20]
         where = f"before `{rest}`" if rest else "at the end"
         return RobotError("KG826", f"the path `{self._text[:200]}` lacks {expected} {where}")
+
+
+Look: TypeAlias = "Callable[[Argument, Any], Any]"
+"""What a path is in a value, None where there is nothing: what functions look with."""
+
+Read: TypeAlias = "Callable[[Look, Any, tuple[Argument, ...]], Any]"
+"""What a function is of the arguments written, in a value."""
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A function of the language of paths.
+
+    `write` turns the value that is wanted, and the numbers behind the path, into the value of the field; without it
+    the function only reads. `least` and `most` are how many arguments there are.
+    """
+
+    read: Read
+    least: int = 1
+    most: int = 1
+    write: Callable[[float, tuple[float, ...]], Any] | None = None
+
+
+def numbers(value: Any) -> list[float]:
+    """Return the numbers in a list of any depth, without those that are NaN."""
+    if isinstance(value, list | tuple | bytes):
+        return [number for one in value for number in numbers(one)]
+    if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
+        return []
+    return [value]
+
+
+def _of_one(function: Callable[[Any], Any]) -> Read:
+    def read(look: Look, value: Any, arguments: tuple[Argument, ...]) -> Any:
+        found = look(arguments[0], value)
+        return None if found is None else function(found)
+
+    return read
+
+
+def _yaw(of: dict[str, float]) -> float:
+    x, y, z, w = of["x"], of["y"], of["z"], of["w"]
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def _pitch(of: dict[str, float]) -> float:
+    sine = 2 * (of["w"] * of["y"] - of["z"] * of["x"])
+    return math.asin(max(-1.0, min(1.0, sine)))
+
+
+def _roll(of: dict[str, float]) -> float:
+    x, y, z, w = of["x"], of["y"], of["z"], of["w"]
+    return math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+
+
+def _turned(yaw: float, _: tuple[float, ...]) -> dict[str, float]:
+    return {"x": 0.0, "y": 0.0, "z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
+
+
+def _distance(of: dict[str, float]) -> float:
+    return math.hypot(of["x"], of["y"], of.get("z", 0.0))
+
+
+def _beside(look: Look, value: Any, path: Argument) -> dict[str, Any]:
+    """Return the message that a list is a field of."""
+    if not isinstance(path, Field):
+        return {}
+    found = value if path.of is None else look(path.of, value)
+    return found if isinstance(found, dict) else {}
+
+
+def _counts(reading: float, scan: dict[str, Any]) -> bool:
+    nearest, farthest = scan.get("range_min", -math.inf), scan.get("range_max") or math.inf
+    return reading >= nearest and (reading <= farthest or math.isinf(reading))
+
+
+def _minimum(look: Look, value: Any, arguments: tuple[Argument, ...]) -> float | None:
+    scan = _beside(look, value, arguments[0])
+    return min((one for one in numbers(look(arguments[0], value)) if _counts(one, scan)), default=None)
+
+
+def _at(look: Look, value: Any, arguments: tuple[Argument, ...]) -> float | None:
+    ranges, scan = look(arguments[0], value), _beside(look, value, arguments[0])
+    angle, width = arguments[1], arguments[2] if len(arguments) > 2 else 0.0  # noqa: PLR2004 - the third of three
+    step = scan.get("angle_increment") or 0.0
+    if not ranges or not step or not isinstance(angle, float) or not isinstance(width, float):
+        return None
+    beams = round(width / 2 / abs(step))
+    middle = _beam(angle, scan.get("angle_min", 0.0), step, len(ranges))
+    seen = [ranges[index] for index in range(middle - beams, middle + beams + 1) if 0 <= index < len(ranges)]
+    return min((one for one in numbers(seen) if _counts(one, scan)), default=None)
+
+
+def _beam(angle: float, first: float, step: float, count: int) -> int:
+    """Return the index of the beam at an angle; scans that go around count angles from 0 or from -pi."""
+    turn = round(math.tau / abs(step))
+    index = round((angle - first) / step) % max(turn, 1)
+    return index if index < count else index - turn
+
+
+def _nearest(look: Look, value: Any, arguments: tuple[Argument, ...]) -> Any:
+    elements = look(arguments[0], value) or []
+    places = [(look(arguments[1], one), one) for one in elements]
+    seen = [(_distance(place), index) for index, (place, _) in enumerate(places) if isinstance(place, dict)]
+    return elements[min(seen)[1]] if seen else None
+
+
+def _scaled(look: Look, value: Any, arguments: tuple[Argument, ...]) -> float | None:
+    found = look(arguments[0], value)
+    return None if found is None or not isinstance(arguments[1], float) else found * arguments[1]
+
+
+FUNCTIONS: Final = {
+    "yaw": Function(_of_one(_yaw), write=_turned),
+    "pitch": Function(_of_one(_pitch)),
+    "roll": Function(_of_one(_roll)),
+    "distance": Function(_of_one(_distance)),
+    "count": Function(_of_one(len)),
+    "first": Function(_of_one(lambda found: found[0] if found else None)),
+    "minimum": Function(_minimum),
+    "maximum": Function(_of_one(lambda found: max(numbers(found), default=None))),
+    "at": Function(_at, least=2, most=3),
+    "nearest": Function(_nearest, least=2, most=2),
+    "scaled": Function(_scaled, least=2, most=2, write=lambda value, factors: value / factors[0]),
+}
+"""`yaw`, `pitch`, `roll` (rad) of a quaternion; `distance`: the length of a vector; `count`, `first`, `minimum`,
+`maximum` of a list; `at(ranges,ANGLE[,WIDTH])`: what a scan reads at an angle, the nearest within a width (rad);
+`nearest(list,PATH)`: the element whose vector at PATH is the shortest; `scaled(path,FACTOR)`. `yaw` and `scaled` can be
+written too."""
+
+
+def look(path: Argument, value: Any) -> Any:
+    """Return what is at a path of a value; None for what is not there, and for a number that is NaN."""
+    if isinstance(path, float):
+        return path
+    if isinstance(path, Call):
+        found = _called(path, value)
+    elif isinstance(path, Field):
+        found = _field(value if path.of is None else look(path.of, value), path.name, many=_many(path.of))
+    elif isinstance(path, Each):
+        found = _elements(look(path.of, value), many=_many(path.of))
+    else:
+        found = _element(look(path.of, value), path.index, many=_many(path.of))
+    return None if isinstance(found, float) and math.isnan(found) else found
+
+
+def _called(call: Call, value: Any) -> Any:
+    try:
+        return _function(call).read(look, value, call.arguments)
+    except (TypeError, KeyError, AttributeError, ArithmeticError):
+        raise RobotError("KG826", f"`{call}` is of a field of another kind") from None
+
+
+def _many(path: Path | None) -> bool:
+    """Tell whether what follows a path is taken of each of its elements."""
+    if path is None or isinstance(path, Call):
+        return False
+    return isinstance(path, Each) or _many(path.of)
+
+
+def _field(of: Any, name: str, *, many: bool) -> Any:
+    if many:
+        return [_field(one, name, many=False) for one in of or ()]
+    return of.get(name) if isinstance(of, dict) else None
+
+
+def _elements(of: Any, *, many: bool) -> Any:
+    if many:
+        return [element for one in of or () for element in one or ()]
+    return list(of) if isinstance(of, list | tuple | bytes) else []
+
+
+def _element(of: Any, index: int, *, many: bool) -> Any:
+    if many:
+        return [_element(one, index, many=False) for one in of or ()]
+    return of[index] if isinstance(of, list | tuple | bytes) and -len(of) <= index < len(of) else None
+
+
+def put(path: Path, message: Value, value: Any) -> None:
+    """Put a value at a path of a message, which may lack what is on the way there.
+
+    Raises:
+        RobotError: KG826 for a path that only reads.
+    """
+    if isinstance(path, Call):
+        write, (target, *others) = _function(path).write, path.arguments
+        numbers = tuple(one for one in others if isinstance(one, float))
+        if write is None or isinstance(target, float) or len(numbers) != len(others):
+            raise RobotError("KG826", f"`{path}` cannot be written")
+        put(target, message, write(value, numbers))
+    elif isinstance(path, Field):
+        _inner(path.of, message, path)[path.name] = value
+    else:
+        raise RobotError("KG826", f"`{path}` cannot be written")
+
+
+def _inner(path: Path | None, message: Value, whole: Path) -> Value:
+    """Return the message at a path, made where it is not there."""
+    if path is None:
+        return message
+    if not isinstance(path, Field):
+        raise RobotError("KG826", f"`{whole}` cannot be written")
+    inner: Value = _inner(path.of, message, whole).setdefault(path.name, {})
+    return inner
+
+
+def _function(call: Call) -> Function:
+    function = FUNCTIONS.get(call.function)
+    if function is None:
+        raise RobotError(
+            "KG826", f"`{call}` uses no function that there is", hint=did_you_mean(call.function, FUNCTIONS)
+        )
+    return function
+
+
+def roots(path: Argument) -> list[str]:
+    """Return the fields of the whole message that a path begins with; a function may look at several."""
+    if isinstance(path, float):
+        return []
+    if isinstance(path, Call):
+        paths = path.arguments[:1] if path.function == "nearest" else path.arguments
+        return [name for one in paths for name in roots(one)]
+    return [path.name] if isinstance(path, Field) and path.of is None else roots(path.of or 0.0)
+
+
+def check(path: Path, types: Types, kind: str) -> None:
+    """Raise RobotError KG826 for a path with a function that is not known, or to a field that a type does not have."""
+    type_at(path, types, kind)
+
+
+def type_at(path: Path, types: Types, kind: str) -> str | None:
+    """Return the type that is at a path of a type, None where it is not known.
+
+    Raises:
+        RobotError: KG826 as `check`, KG804 when the type of the message is not known.
+    """
+    return _kind(path, types, kind, str(path))
+
+
+def _kind(path: Argument, types: Types, kind: str, whole: str) -> str | None:
+    """Return the type that is at a path, None where it is not known."""
+    if isinstance(path, float):
+        return None
+    if isinstance(path, Call):
+        return _returned(path, types, kind, whole)
+    if not isinstance(path, Field):
+        return _kind(path.of, types, kind, whole)
+    inner = kind if path.of is None else _kind(path.of, types, kind, whole)
+    if inner is None:
+        return None
+    if "/" not in inner:
+        raise RobotError("KG826", f"`{whole}`: `{path.of}` has no fields, for it is a {inner}")
+    found = {one.name: one for one in types.fields(inner)}
+    if path.name not in found:
+        hint = did_you_mean(path.name, found) or f"Its fields are: {', '.join(found)}."
+        raise RobotError("KG826", f"`{whole}`: {inner} has no field `{path.name}`", hint=hint)
+    return found[path.name].type
+
+
+def _returned(call: Call, types: Types, kind: str, whole: str) -> str | None:
+    function = _function(call)
+    if not function.least <= len(call.arguments) <= function.most:
+        raise RobotError("KG826", f"`{call}` has {len(call.arguments)} arguments, not {function.least}")
+    inner = _kind(call.arguments[0], types, kind, whole)
+    if call.function == "nearest" and inner is not None:
+        _kind(call.arguments[1], types, inner, whole)
+    return inner if call.function in {"first", "nearest"} else None

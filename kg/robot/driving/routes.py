@@ -1,24 +1,69 @@
-"""A way to reach a capability, made ready: paths parsed and checked, messages from values, values from messages."""
+"""A way to reach a capability, made ready: paths parsed and checked, messages from values and back; plans."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import msgspec
 
 from kg.errors import RobotError
+from kg.robot.clock import stamp
+from kg.robot.connection import Value  # noqa: TC001 - read when the classes are made
 from kg.robot.driving.arguments import missing
-from kg.robot.driving.fields import check, look, put, roots
-from kg.robot.driving.paths import parse
+from kg.robot.driving.paths import check, look, parse, put, roots
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.robot.capability import Capability, Way
-    from kg.robot.connection import Value
     from kg.robot.driving.paths import Path
     from kg.robot.messages import Types
 
-__all__ = ["Route", "route", "stamp"]
+__all__ = ["Outcome", "Plan", "Route", "route"]
+
+
+class Plan(msgspec.Struct, frozen=True, kw_only=True):
+    """What would be sent: the whole message (request, goal), where to, and for how long.
+
+    `rate` is how often a second it is renewed, for `seconds` (None: until something else ends it); `afterwards` is the
+    command that ends a movement. Both are absent where a message is sent once.
+    """
+
+    capability: str
+    kind: Literal["topic", "service", "action"]
+    name: str
+    type: str
+    node: str
+    message: Value
+    rate: float = 0
+    seconds: float | None = None
+    afterwards: Value | None = None
+
+
+class Outcome(msgspec.Struct, frozen=True, kw_only=True):
+    """How a command ended.
+
+    `ended` is `done`, `taken over` (by a later command on the same channel), `stopped` (by `Driver.stop`), or `planned`
+    for a dry run. `values` is what a service answered or an action gave as its result: by parameter, as it is where no
+    parameter is known. `sent` counts the messages, without the one that ends a movement. `moved` tells whether the
+    robot measured a speed while it was told one; None where that is not known.
+    """
+
+    plan: Plan
+    ended: Literal["done", "taken over", "stopped", "planned"]
+    values: dict[str, Any] = {}
+    sent: int = 0
+    moved: bool | None = None
+
+    @property
+    def problem(self) -> RobotError | None:
+        """The error KG820 when the robot was told to move and did not."""
+        if self.moved is not False:
+            return None
+        told = f"{self.sent} messages were sent to `{self.plan.name}`, but the robot measured no speed: it did not move"
+        return RobotError("KG820", told)
+
 
 _GIVEN: Final = {"topic": "", "service": "_Request", "action": "_Goal"}
 _TOLD: Final = {"topic": ("",), "service": ("_Response",), "action": ("_Feedback", "_Result")}
@@ -97,12 +142,6 @@ class Route:
             raise RobotError("KG808", f"`{self.way.name}` did not succeed: {why}")
         told = {name: path for name, path in self.answers.items() if set(roots(path)) <= message.keys()}
         return {name: look(path, message) for name, path in told.items()} or message
-
-
-def stamp(now: float) -> Value:
-    """Return a time in seconds as messages have it."""
-    whole = int(now)
-    return {"sec": whole, "nanosec": int((now - whole) * 1e9)}
 
 
 def route(capability: Capability, way: Way, types: Types) -> Route:

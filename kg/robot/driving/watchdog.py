@@ -20,8 +20,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
+from kg.robot.clock import stamp
 from kg.robot.connecting import SCHEMES, connect, scheme_of
-from kg.robot.driving.routes import stamp
 from kg.robot.tasks import ended, spawn
 
 if TYPE_CHECKING:

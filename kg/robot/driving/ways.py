@@ -1,21 +1,58 @@
-"""Which of several ways to a capability is taken."""
+"""Which capability is meant, which of its ways is taken, and why what is done or read may come to nothing."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, Literal
 
 from kg.errors import RobotError
+from kg.facts import Role
 from kg.robot.capability import role_of
-from kg.robot.lifecycle import ACTIVE
-from kg.similar import did_you_mean
+from kg.robot.connection import GraphProblem
+from kg.robot.lifecycle import ACTIVE, idle
+from kg.similar import did_you_mean, folded
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Iterator
 
-    from kg.robot.capability import Capability, Way
+    from kg.robot.capability import Capabilities, Capability, Way
     from kg.robot.connection import ComputationGraph
 
-__all__ = ["choose", "named"]
+__all__ = ["choose", "doubts_of", "find", "named"]
+
+
+def find(capabilities: Capabilities, name: str, modality: Literal["read", "write"] | None = None) -> Capability:
+    """Return the capability of a name, label or alternative label, whatever its case, that is read or done.
+
+    Raises:
+        RobotError: KG821 when there is none, with those that were probably meant; KG822 for one that is only there the
+            other way, or that cannot be reached.
+    """
+    wanted = folded(name)
+    named = [one for one in capabilities.capabilities if folded(one.name) == wanted or one.iri == name]
+    found = named or [
+        one for one in capabilities.capabilities if wanted in {folded(each) for each in (one.label, *one.alternatives)}
+    ]
+    if not found:
+        raise _unknown(capabilities, name, modality)
+    fitting = [one for one in found if modality in {None, one.modality}]
+    if not fitting:
+        can = "be done" if found[0].modality == "write" else "be read"
+        raise RobotError("KG822", f"`{found[0].name}` can only {can}", hint=_other(found[0]))
+    return min(fitting, key=lambda one: not one.ways)
+
+
+def _other(capability: Capability) -> str:
+    return f"Use `kg robot {'do' if capability.modality == 'write' else 'read'} {capability.name}`."
+
+
+def _unknown(capabilities: Capabilities, name: str, modality: str | None) -> RobotError:
+    known = [one for one in capabilities.capabilities if modality in {None, one.modality} and one.ways]
+    words = {each: one.name for one in reversed(known) for each in (one.name, one.label, *one.alternatives)}
+    hint = did_you_mean(name, words)
+    if hint is None:
+        listed = ", ".join(f"`{one.name}`" for one in known)
+        hint = f"It can: {listed}." if listed else "No capabilities of it are known."
+    return RobotError("KG821", f"{capabilities.of} has no capability `{name}`", hint=hint)
 
 
 def named(capability: Capability, name: str | None) -> list[Way]:
@@ -58,3 +95,33 @@ def _alive(way: Way, graph: ComputationGraph, *, reads: bool) -> bool:
     role = role_of(way, reads=reads)
     dead = {one.name for one in graph.nodes if one.problem is not None or one.state not in {None, ACTIVE}}
     return any(one.name == way.name and one.role is role and one.node not in dead for one in graph.ends)
+
+
+_DEAD: Final = "KG811"
+_IDLE: Final = "KG819"
+_DOES: Final = {
+    Role.PUBLISHES: ("publishes", "KG825"),
+    Role.SUBSCRIBES: ("listens to", "KG824"),
+    Role.SERVICES: ("serves", "KG807"),
+    Role.ACTION_SERVERS: ("carries out goals of", "KG807"),
+}
+"""What the nodes of a way do, and the code of what happens where none does."""
+
+
+def doubts_of(way: Way, graph: ComputationGraph, *, reads: bool) -> Iterator[GraphProblem]:
+    """Yield what a computation graph says against a way: that its nodes are dead or not active, or that it has none.
+
+    Where one node works nothing comes to nothing. The code is KG811 for a node that does not answer, KG819 for one that
+    is not active, else that of the error to be expected.
+    """
+    role = role_of(way, reads=reads)
+    does, code = _DOES[role]
+    nodes = {one.node for one in graph.ends if one.name == way.name and one.role is role}
+    if not nodes:
+        yield GraphProblem(code, way.name, f"no node {does} `{way.name}`")
+    dead = [one for one in graph.problems if one.code == _DEAD and one.subject in nodes]
+    if nodes <= {one.subject for one in dead}:
+        for one in dead:
+            yield GraphProblem(_DEAD, one.subject, f"it {does} `{way.name}`, and does not answer: {one.message}")
+    for node in idle(graph, way.name, role):
+        yield GraphProblem(_IDLE, node.name, f"it {does} `{way.name}`, and is {node.state}")

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from kg.robot.live.inference import infer, infer_system
-from kg.robot.live.looking import address_of, connected, inhabited, look
 from kg.robot.live.systems import name_of
 from kg.robot.live.watching import Event, Watching
 
-__all__ = ["Event", "Watching", "address_of", "connected", "infer", "infer_system", "inhabited", "look", "name_of"]
+__all__ = ["Event", "Watching", "infer", "infer_system", "name_of"]

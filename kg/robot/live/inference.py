@@ -2,26 +2,33 @@
 
     capabilities = infer(await connection.graph(), settings, address=connection.address)
 
-What does not depend on the graph (rules, ontologies, definitions of capabilities) is read once a process.
+What does not depend on the graph (rules, ontologies, definitions of capabilities) is read once a process. What robots
+can do is kept between commands: rules run again only if the robot, they or an ontology changed. A file below the user's
+cache holds the capabilities of one graph. Its name is a digest of all that they follow from.
 """
 
 from __future__ import annotations
 
+import hashlib
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+import msgspec
 from pyoxigraph import DefaultGraph, NamedNode, RdfFormat, Store, parse
 
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.systems import system_triples
+from kg.pipeline.kept import installations, states
 from kg.pipeline.reasoning import digest, rule_folders, schema_of
 from kg.robot.capabilities import definitions, read
+from kg.robot.capability import Capabilities
 from kg.robot.lifecycle import available
-from kg.robot.live.remembering import key, remembered
 from kg.robot.live.systems import Seen, name_of, system_of
 from kg.rules.columns import read_columns, union_of, wanted
 from kg.rules.engine.evaluate import Program, evaluate
@@ -32,21 +39,85 @@ from kg.rules.patches import stated
 from kg.rules.reading import discover, packs
 from kg.rules.specialise import specialised
 from kg.store import bulk
+from kg.store.layout import user_cache, write_atomically
 from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from kg.facts import NodeReference, System
     from kg.graph.reading import NodeRecord
     from kg.robot.capabilities import Definition
-    from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
     from kg.rules.engine.facts import Facts
     from kg.rules.files import RuleSet
     from kg.settings import Settings
 
-__all__ = ["FAMILIES", "Knowledge", "infer", "infer_system", "knowledge", "now", "world_of"]
+__all__ = [
+    "FAMILIES",
+    "MOST",
+    "Knowledge",
+    "cache_folder",
+    "cache_key",
+    "general",
+    "infer",
+    "infer_system",
+    "knowledge",
+    "now",
+    "remembered",
+    "world_of",
+]
+
+
+MOST: Final = 64
+"""How many files there are at most; those used least recently go first."""
+_MOST_BYTES: Final = 1 << 20
+_CODE: Final = Path(__file__).resolve().parent.parent.parent
+
+
+def cache_folder() -> Path:
+    """Return where the files are."""
+    return user_cache() / "capabilities"
+
+
+def cache_key(graph: ComputationGraph, settings: Settings, names: tuple[str, ...]) -> str:
+    """Return a digest of what capabilities follow from: graph, names, rules, ontologies, and the code of kg.
+
+    The addresses of nodes do not count, which are others after each start. Raises as `kg.pipeline.reasoning.digest`.
+    """
+    nodes = [(node.name, node.problem) for node in graph.nodes]
+    seen = [graph.ros, nodes, graph.ends, graph.problems, graph.complete, names]
+    rules = [settings.base, [str(one) for one in rule_folders(settings)], digest(settings)]
+    code = [tuple(state) for state in (*states(_CODE), *installations())]
+    return hashlib.blake2b(msgspec.json.encode([seen, rules, code]), digest_size=16).hexdigest()
+
+
+def remembered(name: str, make: Callable[[], Capabilities]) -> Capabilities:
+    """Return the capabilities of that key, made now if no file has them.
+
+    Two processes may make the same file at once: each replaces it in one step by the same content. Without a folder
+    that can be written, nothing is kept.
+    """
+    place = cache_folder() / f"{name}.json"
+    with suppress(OSError, msgspec.MsgspecError):
+        found = msgspec.json.decode(place.read_bytes(), type=Capabilities)
+        place.touch()
+        return found
+    content = msgspec.json.encode(make())
+    if len(content) <= _MOST_BYTES:
+        with suppress(OSError):
+            place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            write_atomically(place, content, durable=False)
+            _prune(place.parent)
+    return msgspec.json.decode(content, type=Capabilities)  # what is left out as a default is the same each time
+
+
+def _prune(place: Path) -> None:
+    """Remove the files used least recently, and what writers that were killed left."""
+    found = [(path.stat().st_mtime_ns, path) for path in place.iterdir()]
+    for _, path in sorted(found)[:-MOST]:
+        path.unlink(missing_ok=True)
+
 
 FAMILIES: Final = ("capability", "communication")
 """The families of rules that capabilities follow from, with rules of these names that users keep."""
@@ -145,7 +216,7 @@ def now() -> str:
 
 
 def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", name: str = "") -> Capabilities:
-    """Return what a system can do by its graph; it is kept between processes (`kg.robot.live.remembering`).
+    """Return what a system can do by its graph; it is kept between processes (`kg.robot.live.inference`).
 
     What it cannot do now, because nodes are not active, is marked.
 
@@ -160,7 +231,7 @@ def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", nam
     called = name or name_of(address) or "robot"
     of = name or address or called
     found = remembered(
-        key(graph, settings, (called, of)),
+        cache_key(graph, settings, (called, of)),
         lambda: infer_system(system_of(graph, Seen(address, called, now())), settings, of=of),
     )
     return available(found, graph)
@@ -194,3 +265,12 @@ def world_of(
     """Return a system, and what follows from it, to be asked; `whole` as `Knowledge.world`."""
     content = system_triples(system, records or {}, Iris(settings.base), whole=True)
     return known.world(content, whole=whole)
+
+
+_OF: Final = "the ontology"
+
+
+def general(settings: Settings) -> Capabilities:
+    """Return every capability of the ontologies, without ways to reach them; raises as `knowledge`."""
+    found = [one.capability() for one in knowledge(settings).definitions.values()]
+    return Capabilities(of=_OF, capabilities=tuple(sorted(found, key=lambda each: (each.kinds, each.label))))

@@ -18,11 +18,10 @@ import msgspec
 from kg.errors import RobotError, StoreError
 from kg.facts import Role
 from kg.robot.clock import WallClock
+from kg.robot.connecting import connected, of_robot
 from kg.robot.connection import ComputationGraph
-from kg.robot.infrastructure import of_robot
 from kg.robot.live.inference import now
 from kg.robot.live.keeping import Keeper
-from kg.robot.live.looking import connected
 from kg.robot.live.systems import is_implicit, name_of
 from kg.robot.tasks import ended
 

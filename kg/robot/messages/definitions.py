@@ -1,21 +1,35 @@
-"""Definitions of message types as texts: their lines, and the sum over them that ROS 1 peers compare.
+"""Definitions of message types as texts: their lines, the sum over them that ROS 1 peers compare, and common packages.
 
 The text form is that of `.msg` files (wiki.ros.org/msg and the article on interfaces of ROS 2's documentation); what a
 publisher of ROS 1 tells holds several of them, behind lines of `=` that the name `MSG: package/Type` follows.
+
+The common packages come with `kg`: files of `ontology/definitions`, read when they are needed. A file holds one
+package; a line `= msg Name`, `= srv Name` or `= action Name` begins a definition. Of an action the messages are
+derived that its topics and services carry: in ROS 1 `NameActionGoal` and its like
+(wiki.ros.org/actionlib/DetailedDescription), in ROS 2 those of the two services and the topic of feedback
+(design.ros2.org/articles/actions.html).
 """
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import cache
+from itertools import takewhile
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from rosbags.interfaces import Nodetype
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+from kg.resources import folder
 
-__all__ = ["Definition", "Line", "is_type", "read", "split", "sum_text"]
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from rosbags.typesys.store import Typestore
+
+__all__ = ["Definition", "Line", "check_size", "derived", "is_type", "library", "parts", "read", "split", "sum_text"]
+
 
 _BASE: Final = frozenset(
     (
@@ -161,3 +175,123 @@ def sum_text(definition: Definition, sum_of: Callable[[str], str]) -> str:
         for field in definition.fields
     )
     return "\n".join((*definition.constants, *shown))
+
+
+_PARTS: Final = {"srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
+_DERIVED: Final[dict[int, dict[str, str]]] = {
+    1: {
+        "ActionGoal": "std_msgs/Header header\nactionlib_msgs/GoalID goal_id\n{0}Goal goal\n",
+        "ActionResult": "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n{0}Result result\n",
+        "ActionFeedback": "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n{0}Feedback feedback\n",
+        "Action": "{0}ActionGoal action_goal\n{0}ActionResult action_result\n{0}ActionFeedback action_feedback\n",
+    },
+    2: {
+        "_SendGoal_Request": "unique_identifier_msgs/UUID goal_id\n{0}_Goal goal\n",
+        "_SendGoal_Response": "bool accepted\nbuiltin_interfaces/Time stamp\n",
+        "_GetResult_Request": "unique_identifier_msgs/UUID goal_id\n",
+        "_GetResult_Response": "int8 status\n{0}_Result result\n",
+        "_FeedbackMessage": "unique_identifier_msgs/UUID goal_id\n{0}_Feedback feedback\n",
+    },
+}
+
+
+def parts(name: str, sort: str, text: str, ros: int) -> Iterator[tuple[str, str]]:
+    """Yield the names and texts of the messages of a definition; `sort` is `msg`, `srv` or `action`.
+
+    In ROS 1 the goal of an action `package/Name` is the message `package/NameGoal`, elsewhere `package/Name_Goal`.
+    Raises ValueError where the text has not as many parts as its sort asks for.
+    """
+    if sort == "msg":
+        yield name, text
+        return
+    texts = _cut(text)
+    if len(texts) != len(_PARTS[sort]):
+        raise ValueError(f"it has {len(texts)} parts, not {len(_PARTS[sort])}")
+    for suffix, part in zip(_PARTS[sort], texts, strict=True):
+        yield name + (suffix[1:] if sort == "action" and ros == 1 else suffix), part
+    if sort == "action":
+        yield from derived(name, ros)
+
+
+def derived(name: str, ros: int) -> Iterator[tuple[str, str]]:
+    """Yield the names and texts of what the topics and services of an action carry."""
+    for suffix, text in _DERIVED[ros].items():
+        yield name + suffix, text.format(name)
+
+
+def _cut(text: str) -> list[str]:
+    lines = iter(text.splitlines())
+    count = 1 + sum(line.strip() == "---" for line in text.splitlines())
+    return ["\n".join(takewhile(lambda line: line.strip() != "---", lines)) for _ in range(count)]
+
+
+@cache
+def library(ros: int) -> tuple[Mapping[str, str], Mapping[str, str]]:
+    """Return the texts of all messages by name, and the sort (`srv`, `action`) of what is none, for ROS 1 or 2."""
+    texts: dict[str, str] = {}
+    sorts: dict[str, str] = {}
+    for path in sorted((folder("ontology") / "definitions" / f"ros{ros}").glob("*.txt")):
+        for section in path.read_text(encoding="utf-8").removeprefix("= ").split("\n= "):
+            heading, _, text = section.partition("\n")
+            sort, _, name = heading.partition(" ")
+            full = f"{path.stem}/{name}"
+            texts |= parts(full, sort, text, ros)
+            if sort != "msg":
+                sorts[full] = sort
+    return MappingProxyType(texts), MappingProxyType(sorts)
+
+
+_MOST_PARTS: Final = 4096
+_DEEPEST: Final = 32
+_NUMBERS_OF_A_PART: Final = 1024
+
+
+def check_size(store: Typestore, new: Mapping[str, Definition], known: Callable[[str], str]) -> None:
+    """Raise ValueError for definitions whose values nobody could keep; `known` gives the names of the store.
+
+    Lists of messages without fields are refused too: four bytes could ask for billions of them.
+    """
+    _Measure(store, new, known).all()
+
+
+class _Measure:
+    def __init__(self, store: Typestore, new: Mapping[str, Definition], known: Callable[[str], str]) -> None:
+        self._store = store
+        self._new = new
+        self._known = known
+        self._parts: dict[str, int] = {}
+
+    def all(self) -> None:
+        for name in self._new:
+            self._of_message(name, ())
+
+    def _of_message(self, name: str, within: tuple[str, ...]) -> int:
+        """Return how many values a message has at least; those of an array of numbers count together."""
+        if name in within or len(within) > _DEEPEST:
+            raise ValueError(f"`{name}` contains itself" if name in within else "its messages are nested too deeply")
+        if name not in self._parts:
+            found = sum(self._of(kind, (*within, name)) for kind in self._kinds(name))
+            if found > _MOST_PARTS:
+                raise ValueError(f"a `{name}` has more than {_MOST_PARTS} values")
+            self._parts[name] = found
+        return self._parts[name]
+
+    def _kinds(self, name: str) -> list[Any]:
+        if name in self._new:
+            return [field.kind for field in self._new[name].fields]
+        return [kind for _, kind in self._store.fielddefs[self._known(name)][1]]
+
+    def _of(self, kind: Any, within: tuple[str, ...]) -> int:
+        sort, inner = kind
+        if sort is Nodetype.BASE:
+            return 1
+        if sort is Nodetype.NAME:
+            return self._of_message(inner.replace("/msg/", "/"), within)
+        element, length = inner
+        each = self._of(element, within)
+        if sort is Nodetype.SEQUENCE:
+            if not each:
+                raise ValueError(f"a list of `{element[1]}` has elements without content")
+            return 1
+        numbers = element[0] is Nodetype.BASE and element[1][0] != "string"
+        return 1 + length // _NUMBERS_OF_A_PART if numbers else int(length * each)

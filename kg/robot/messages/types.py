@@ -1,11 +1,13 @@
 """The types of messages that are known, by `rosbags`: what fields they have, and values to bytes and back.
 
 Names are `package/Type`; the two messages of a service are `package/Type_Request` and `package/Type_Response`, those of
-an action `_Goal`, `_Result` and `_Feedback`.
+an action `_Goal`, `_Result` and `_Feedback`. Types are also learned from definitions as recordings and bridges tell
+them: `.msg` texts with names of ROS 2, and IDL.
 """
 
 from __future__ import annotations
 
+import re
 import struct
 from dataclasses import dataclass
 from hashlib import md5
@@ -13,21 +15,21 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rosbags.interfaces import Nodetype
 from rosbags.serde import SerdeError
-from rosbags.typesys import Stores, TypesysError, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_typestore
 
 from kg.errors import RobotError
 from kg.robot.messages import definitions
-from kg.robot.messages.library import derived, library, parts
-from kg.robot.messages.limits import check_size
+from kg.robot.messages.definitions import check_size, derived, library, parts
 from kg.robot.messages.values import MEMBER_OF_NOTHING, plain, shaped
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from kg.robot.connection import Value
     from kg.robot.messages.definitions import Definition
 
-__all__ = ["Field", "Types"]
+__all__ = ["Field", "Types", "learn", "learn_all", "short"]
+
 
 _STORES: Final = {1: Stores.ROS1_NOETIC, 2: Stores.ROS2_JAZZY}
 _ACTION_PARTS: Final = ("_Goal", "_Result", "_Feedback")
@@ -72,7 +74,7 @@ class Types:
 
     def names(self) -> list[str]:
         """Return the names of all message types that are known, sorted, with the parts of services and actions."""
-        return sorted({_short(name) for name in self._store.fielddefs} | self._library.keys())
+        return sorted({short(name) for name in self._store.fielddefs} | self._library.keys())
 
     def sort(self, name: str) -> str | None:
         """Return `msg`, `srv` or `action`, or None when no such type is known."""
@@ -237,14 +239,50 @@ def _full(name: str) -> str:
     return f"{package}/msg/{kind}"
 
 
-def _short(name: str) -> str:
-    return name.replace("/msg/", "/")
-
-
 def _field(name: str, kind: Any) -> Field:
     sort, inner = kind
     if sort in {Nodetype.ARRAY, Nodetype.SEQUENCE}:
         element = _field(name, inner[0])
         length, most = (inner[1], 0) if sort is Nodetype.ARRAY else (0, inner[1])
         return Field(name, element.type, length, most, element.bound)
-    return Field(name, inner[0], bound=inner[1]) if sort is Nodetype.BASE else Field(name, _short(inner))
+    return Field(name, inner[0], bound=inner[1]) if sort is Nodetype.BASE else Field(name, short(inner))
+
+
+_HEADING: Final = re.compile(r"^(MSG: \w+)/msg/", re.MULTILINE)
+_FAMILY: Final = re.compile(r"/(?:msg|srv|action)/")
+_SEPARATOR: Final = "=" * 80 + "\n"
+
+
+def short(kind: str) -> str:
+    """Return `package/Type` for the name of a type in ROS 2 (`package/msg/Type`) or ROS 1."""
+    return _FAMILY.sub("/", kind)
+
+
+def learn(types: Types, kind: str, text: str, *, idl: bool = False) -> None:
+    """Learn a type by its definition with those it uses; RobotError as `Types.define`."""
+    types.define(kind, _HEADING.sub(r"\1/", _of_idl(kind, text) if idl else text))
+
+
+def learn_all(types: Types, texts: Mapping[str, str]) -> None:
+    """Learn types that use each other by their definitions in `.msg` form; those that are known stay as they are.
+
+    Raises as `Types.define`.
+    """
+    new = {name: text for name, text in texts.items() if not types.knows(name)}
+    for name, own in new.items():
+        others = (f"{_SEPARATOR}MSG: {one}\n{text}" for one, text in new.items() if one != name)
+        types.define(name, own + "".join(others))
+
+
+def _of_idl(kind: str, text: str) -> str:
+    """Return the definition of a type in `.msg` form; RobotError KG810 for IDL that cannot be read."""
+    store = get_typestore(Stores.EMPTY)
+    try:
+        parts = (
+            [one.partition("\n")[2] for one in text.split(_SEPARATOR)[1:]] if text.startswith(_SEPARATOR) else [text]
+        )
+        for part in parts:
+            store.register(get_types_from_idl(part))
+        return store.generate_msgdef(kind.replace("/", "/msg/"), ros_version=2)[0]
+    except Exception as error:  # noqa: BLE001 - the grammar raises errors of several kinds
+        raise RobotError("KG810", f"the definition of `{kind[:80]}` cannot be read: {error}") from None

@@ -1,18 +1,24 @@
-"""Whether a program can be run with certain capabilities: everything that can be told before."""
+"""Whether a program can be run with certain capabilities: everything that can be told before.
+
+Problems follow from the program and the capabilities alone; doubts, why parts of it may come to nothing although the
+robot has the capabilities, from its computation graph.
+"""
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from itertools import combinations
+from typing import TYPE_CHECKING, Final, Literal
 
 import msgspec
 
 from kg.errors import RobotError
+from kg.robot.driving.ways import choose, doubts_of
 from kg.robot.programs import kinds, values
-from kg.robot.programs.collisions import collisions
+from kg.robot.programs.events import Problem
 from kg.robot.programs.kinds import ANY, BOOLEAN, PLACE, TIME, Kind, Kinds
 from kg.robot.programs.names import AT, Known, takes_place
-from kg.robot.programs.problems import Problem
 from kg.robot.programs.tree import (
     Break,
     Do,
@@ -29,19 +35,57 @@ from kg.robot.programs.tree import (
     WaitUntil,
     While,
     Written,
+    expressions_of,
+    reads_of,
+    sequences_of,
+    statements,
+    variables_of,
 )
 from kg.robot.programs.units import PLAIN
-from kg.robot.programs.walk import expressions_of, reads_of, sequences_of, statements, variables_of
 from kg.robot.programs.write import written
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from kg.robot.capability import Capabilities, Capability, Parameter
+    from kg.robot.connection import ComputationGraph, GraphProblem
     from kg.robot.programs.tree import Expression, Program, Statement
 
-__all__ = ["check", "kinds_of"]
+__all__ = ["check", "doubts", "kinds_of"]
+
+
+def collisions(statement: Parallel | OnEvent, path: str, known: Known) -> Iterator[tuple[str, str, bool]]:
+    """Yield where two parts drive one thing: the path of the later one, in words, and whether it is surely the same."""
+    parts = [list(_driven(body, f"{path}/{part}", known)) for part, body in sequences_of(statement)]
+    told = set()
+    for earlier, later in combinations(parts, 2):
+        for _, one in earlier:
+            for where, other in later:
+                same = one.name == other.name or bool(_ends(one) & _ends(other))
+                if (same or _moves(one, other)) and where not in told:
+                    told.add(where)
+                    both = f"`{one.label}`" if one.name == other.name else f"`{one.label}` and `{other.label}`"
+                    what = "is" if one.name == other.name else "are"
+                    yield where, f"{both} {what} done in two parts that run at the same time", same
+
+
+def _driven(body: tuple[Statement, ...], path: str, known: Known) -> Iterator[tuple[str, Capability]]:
+    for where, statement in statements(body, path):
+        if isinstance(statement, Do):
+            try:
+                yield where, known.write(statement.capability)
+            except RobotError:
+                continue
+
+
+def _ends(capability: Capability) -> set[tuple[str, str]]:
+    return {(way.kind, way.name) for way in capability.ways}
+
+
+def _moves(one: Capability, other: Capability) -> bool:
+    return one.moves is not None and one.moves == other.moves
+
 
 _SLACK: Final = 1e-9
 
@@ -441,3 +485,52 @@ def _never(condition: Expression) -> bool:
     return isinstance(condition, Written | Variable) or (
         next(reads_of(condition), None) is None and next(variables_of(condition), None) is None
     )
+
+
+_MISFITS: Final = frozenset({"KG806", "KG815"})
+"""The codes of ends of a topic that are not connected, since their types or qualities of service do not fit."""
+_Used = tuple[str, str, Literal["read", "write"]]
+"""The part of the path that leads to something, the name of its capability, and whether that is read or done."""
+
+
+def doubts(program: Program, capabilities: Capabilities, graph: ComputationGraph) -> list[Problem]:
+    """Return warnings at what moves or reads something that no live node listens to, or tells.
+
+    Each is told once, at the first block that needs it. What the robot cannot do at all is told by `check`.
+    """
+    known = Known(capabilities)
+    told: set[GraphProblem] = set()
+    found = []
+    for path, statement in statements(program.body):
+        for part, name, modality in _used(statement):
+            with suppress(RobotError):
+                capability = known.read(name) if modality == "read" else known.write(name)
+                for doubt in _of(capability, graph):
+                    if doubt not in told:
+                        told.add(doubt)
+                        found.append(_warning(doubt, capability, f"{path}{part}", statement))
+    return found
+
+
+def _used(statement: Statement) -> Iterator[_Used]:
+    if isinstance(statement, Do):
+        yield "", statement.capability, "write"
+    for part, expression in expressions_of(statement):
+        for read in reads_of(expression):
+            yield f"/{part}", read.capability, "read"
+
+
+def _of(capability: Capability, graph: ComputationGraph) -> Iterator[GraphProblem]:
+    reads = capability.modality == "read"
+    ways = [one for one in capability.ways if not (reads and one.kind == "action")]
+    if not ways:
+        return
+    way = choose(ways, (), graph, reads=reads)
+    yield from doubts_of(way, graph, reads=reads)
+    if way.kind == "topic":
+        yield from (one for one in graph.problems if one.code in _MISFITS and one.subject == way.name)
+
+
+def _warning(doubt: GraphProblem, capability: Capability, path: str, statement: Statement) -> Problem:
+    message = f"`{capability.label}` may have no effect: {doubt.subject}: {doubt.message}"
+    return Problem(id=statement.id, path=path, message=message, code=doubt.code, severity="warning")

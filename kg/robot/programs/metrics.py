@@ -16,8 +16,7 @@ import msgspec
 
 from kg.robot.messages import Types
 from kg.robot.programs.names import named
-from kg.robot.programs.tree import Do
-from kg.robot.programs.walk import expressions_of, reads_of, statements
+from kg.robot.programs.tree import Do, expressions_of, reads_of, statements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

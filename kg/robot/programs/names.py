@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
-import msgspec
-
 from kg.errors import RobotError
-from kg.robot.driving.lookup import find
-from kg.robot.programs.tree import Program
+from kg.robot.driving.ways import find
+from kg.robot.programs.tree import rewritten
 from kg.similar import did_you_mean, folded
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.robot.capability import Capabilities, Capability, Parameter
+    from kg.robot.programs.tree import Program
 
 __all__ = ["AT", "Known", "labelled", "named", "takes_place"]
 
@@ -99,20 +99,13 @@ def labelled(program: Program, capabilities: Capabilities) -> Program:
 def _renamed(program: Program, capabilities: Capabilities, called: Callable[[Capability], str]) -> Program:
     known = Known(capabilities)
 
-    def walk(part: Any) -> Any:
-        if isinstance(part, list | tuple):
-            return [walk(one) for one in part]
-        if not isinstance(part, dict):
-            return part
-        walked = {key: walk(value) for key, value in part.items()}
-        if "capability" in part:
-            try:
-                _rename(walked, known, called)
-            except RobotError:
-                return walked
-        return walked
+    def change(part: dict[str, Any]) -> dict[str, Any]:
+        with suppress(RobotError):
+            if "capability" in part:
+                _rename(part, known, called)
+        return part
 
-    return msgspec.convert(walk(msgspec.to_builtins(program)), Program)
+    return rewritten(program, change)
 
 
 def _rename(part: dict[str, Any], known: Known, called: Callable[[Capability], str]) -> None:

@@ -16,8 +16,7 @@ from kg.errors import RobotError, UsageError
 from kg.facts import Role
 from kg.robot.programs import values
 from kg.robot.programs.names import AT, takes_place
-from kg.robot.programs.tree import For, Position, Program, Set, Written
-from kg.robot.programs.walk import statements
+from kg.robot.programs.tree import For, Position, Set, Written, rewritten, statements
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capability
     from kg.robot.connection import ComputationGraph, Connection
+    from kg.robot.programs.tree import Program
 
 __all__ = ["MOST", "TOPIC", "Places", "at_place", "offered", "offers", "placed", "places_of", "read_places"]
 
@@ -117,16 +117,10 @@ def placed(program: Program, places: Places) -> Program:
     if not known:
         return program
 
-    def walk(part: Any) -> Any:
-        if isinstance(part, list | tuple):
-            return [walk(one) for one in part]
-        if not isinstance(part, dict):
-            return part
-        if part.get("expression") == "variable" and part["name"] in known:
-            return known[part["name"]]
-        return {key: walk(value) for key, value in part.items()}
+    def change(part: dict[str, Any]) -> Any:
+        return known.get(part["name"], part) if part.get("expression") == "variable" else part
 
-    return msgspec.convert(walk(msgspec.to_builtins(program)), Program)
+    return rewritten(program, change)
 
 
 def at_place(capability: Capability, arguments: Mapping[str, Any], places: Places) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Programs carried out on a robot.
+"""Programs carried out on a robot, also from a file on the robot at an address.
 
 A pause is heeded at the next border of a statement; a movement or a goal that is going on is stopped at once, and
 continued for the rest of its time, or given again, when the program goes on. However a program ends, the robot is
@@ -8,25 +8,31 @@ stopped.
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from kg.errors import RobotError
+import msgspec
+
+from kg.errors import CATALOGUE, RobotError
+from kg.robot.connecting import connected, inhabited, of_robot
+from kg.robot.driving import Driver, Watchdog
+from kg.robot.live import infer
 from kg.robot.programs import values
-from kg.robot.programs.evaluate import Evaluation
-from kg.robot.programs.events import Ended, Events
+from kg.robot.programs.check import check, doubts
+from kg.robot.programs.events import Ended, Events, Problem
 from kg.robot.programs.names import Known
-from kg.robot.programs.pace import Pace, first
-from kg.robot.programs.problems import Problem
-from kg.robot.programs.statements import Failed, Statements, Stopped
-from kg.robot.tasks import ended, finished
+from kg.robot.programs.places import offered, placed, read_places
+from kg.robot.programs.statements import Evaluation, Failed, Pace, Statements, Stopped
+from kg.robot.tasks import ended, finished, first, spawn
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.robot.driving.driver import Driver
+    from kg.robot.connection import ComputationGraph, GraphProblem
+    from kg.robot.programs.places import Places
     from kg.robot.programs.tree import Program
+    from kg.settings import Settings
 
-__all__ = ["Runner"]
+__all__ = ["Execution", "Runner", "execute", "limited", "seen"]
 
 
 class Runner:
@@ -153,3 +159,85 @@ class Runner:
         elif await first(work, self._pace.sleep(seconds)) is None:
             shown = values.shown(values.Quantity(seconds, (("s", 1),)))
             raise RobotError("KG837", f"the program did not end within {shown}")
+
+
+class Execution(NamedTuple):
+    """What was wrong with a program, and how it ended; None when it was not begun, for there were errors."""
+
+    problems: list[Problem]
+    ended: Ended | None
+
+
+def limited(program: Program, seconds: float | None) -> Program:
+    """Return a program that is ended after so many seconds, if it has no shorter time of its own."""
+    if seconds is None or (program.seconds is not None and program.seconds <= seconds):
+        return program
+    return msgspec.structs.replace(program, seconds=seconds)
+
+
+async def seen(address: str) -> tuple[ComputationGraph, Places]:
+    """Return the computation graph of the system at an address, and the places it tells; raises as `look`."""
+    async with connected(address) as connection:
+        graph = await inhabited(connection)
+        return graph, await offered(connection, graph)
+
+
+async def execute(  # noqa: PLR0913 - what a run can say
+    program: Program,
+    address: str,
+    settings: Settings,
+    *,
+    on_event: Callable[[dict[str, Any]], None],
+    on_problems: Callable[[list[Problem]], None],
+    dry_run: bool = False,
+    exclusive: bool = False,
+) -> Execution:
+    """Connect, ask what the robot can do, check the program, and run it if it has no errors.
+
+    Places that the robot, or the file of the settings, tells stand for their names. `on_problems` is told what
+    is wrong, and what may come to nothing, before anything moves. With `exclusive` no other node may publish to topics
+    that the program moves; without it `on_event` gets a warning. Raises as `connected`, `inhabited` and `infer` of
+    `kg.robot.live`, and `read_places`.
+    """
+    own = read_places(settings.places)
+
+    def warn(problem: GraphProblem) -> None:
+        message, hint = f"{problem.subject}: {problem.message}", CATALOGUE[problem.code].way_out
+        runner.events.tell("warning", code=problem.code, message=message, hint=hint)
+
+    async with connected(address) as connection:
+        graph = await inhabited(connection)
+        places = {**await offered(connection, graph), **own}
+        program = placed(program, places)
+        # In a thread: a loop that stands still would take the time of a simulation for what it was before.
+        capabilities = await asyncio.to_thread(infer, graph, settings, address=address)
+        problems = [*check(program, capabilities, places), *doubts(program, capabilities, graph)]
+        on_problems(problems)
+        if any(problem.severity == "error" for problem in problems):
+            return Execution(problems, None)
+        watchdog = Watchdog(address, settings.watchdog)
+        driving = Driver(
+            connection,
+            capabilities,
+            dry_run=dry_run,
+            exclusive=exclusive,
+            on_problem=warn,
+            watchdog=watchdog,
+            graph=graph,
+        )
+        async with driving as driver:
+            following = spawn(_follow(driver, settings), "following what the robot can do")
+            runner = Runner(driver, program, on_event)
+            try:
+                return Execution(problems, await runner.run())
+            finally:
+                await ended(following)
+
+
+async def _follow(driver: Driver, settings: Settings) -> None:
+    """Let a program go on with what the robot can do, whatever comes and goes meanwhile."""
+    async for graph in driver.connection.changes():
+        driver.saw(graph)
+        found = await asyncio.to_thread(infer, of_robot(graph), settings, address=driver.connection.address)
+        if found != driver.capabilities:
+            await driver.take(found)

@@ -1,17 +1,18 @@
-"""The statements of a program, carried out one by one."""
+"""The statements of a program, carried out one by one, the values of its expressions meanwhile, and how time passes."""
 
 from __future__ import annotations
 
 import asyncio
+from contextlib import aclosing, asynccontextmanager
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from kg.errors import RobotError
 from kg.robot.programs import values
+from kg.robot.programs.events import Problem
 from kg.robot.programs.names import takes_place
-from kg.robot.programs.pace import first, together
-from kg.robot.programs.problems import Problem
 from kg.robot.programs.tree import (
+    Binary,
     Break,
     Do,
     For,
@@ -20,27 +21,207 @@ from kg.robot.programs.tree import (
     Log,
     OnEvent,
     Parallel,
+    Position,
+    Read,
     Repeat,
     Set,
     Stop,
+    Unary,
+    Variable,
     Wait,
     WaitUntil,
     While,
+    Written,
+    reads_of,
 )
-from kg.robot.tasks import ended
+from kg.robot.tasks import ended, first
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import AsyncIterator, Coroutine, Iterable
 
     from kg.robot.capability import Capability
+    from kg.robot.clock import Clock
     from kg.robot.driving.driver import Driver
-    from kg.robot.driving.plans import Outcome
-    from kg.robot.programs.evaluate import Evaluation
+    from kg.robot.driving.routes import Outcome
     from kg.robot.programs.events import Events
-    from kg.robot.programs.pace import Pace
+    from kg.robot.programs.names import Known
     from kg.robot.programs.tree import Expression, Statement
 
-__all__ = ["Failed", "Statements", "Stopped"]
+__all__ = ["Evaluation", "Failed", "Pace", "Statements", "Stopped"]
+
+
+MOST_STEPS: Final = 20_000
+"""How many statements may be carried out without one that waits or does something."""
+
+_T = TypeVar("_T")
+
+
+class Pace:
+    """Time as a program sees it, which stands still while the program is paused."""
+
+    def __init__(self, clock: Clock) -> None:
+        """Begin to go."""
+        self._clock = clock
+        self._steps = 0
+        self._going = asyncio.Event()
+        self._paused = asyncio.Event()
+        self._going.set()
+
+    @property
+    def paused(self) -> bool:
+        """Whether the program is paused, or will be at the next border of a statement."""
+        return self._paused.is_set()
+
+    def pause(self) -> None:
+        """Stand still from now on."""
+        self._going.clear()
+        self._paused.set()
+
+    def resume(self) -> None:
+        """Go on."""
+        self._paused.clear()
+        self._going.set()
+
+    def waited(self) -> None:
+        """Note that the program did wait, so that what comes next is no endless work."""
+        self._steps = 0
+
+    async def going(self) -> None:
+        """Return at once, or when the program goes on."""
+        await self._going.wait()
+
+    async def step(self) -> None:
+        """Pass the border of a statement; RobotError KG837 when there were too many without a wait."""
+        self._steps += 1
+        if self._steps > MOST_STEPS:
+            hint = "Put `wait 0.1 s` into the loop."
+            raise RobotError("KG837", f"more than {MOST_STEPS} statements without a wait", hint=hint)
+        await self._going.wait()
+        await asyncio.sleep(0)
+
+    async def sleep(self, seconds: float) -> None:
+        """Return when so much time has passed in which the program was not paused."""
+        left = seconds
+        while left > 0:
+            await self._going.wait()
+            begun = self._clock.now()
+            if await self.until_paused(self._clock.sleep(left)) is not None:
+                break
+            left -= max(self._clock.now() - begun, 0.0)
+        if seconds > 0:
+            self.waited()
+
+    async def until_paused(self, work: Coroutine[Any, Any, _T]) -> tuple[_T] | None:
+        """Do some work and return what it gives in a tuple; None when a pause came first, and the work is cancelled."""
+        return await first(work, self._paused.wait())
+
+
+async def together(*work: Coroutine[Any, Any, None]) -> None:
+    """Do things at a time and return when all are done; at the first error the others are cancelled."""
+    tasks = [asyncio.ensure_future(one) for one in work]
+    try:
+        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_EXCEPTION) if tasks else (set(), set())
+        for task in tasks:
+            if task in done:
+                task.result()
+    finally:
+        await ended(*tasks)
+
+
+_FIRST: Final = 10.0
+"""Seconds that are waited for the first message of a capability."""
+_ASKED: Final = 5.0
+"""How often a second a service is asked that a condition depends on."""
+
+
+class Evaluation:
+    """Variables, which all parts of a program share, and the senses of the robot."""
+
+    def __init__(self, driver: Driver, known: Known, events: Events) -> None:
+        """Begin without variables."""
+        self._driver = driver
+        self.known = known
+        self._events = events
+        self._variables: dict[str, values.Quantity] = {}
+        self._watchers: set[asyncio.Event] = set()
+
+    def give(self, name: str, value: values.Quantity) -> None:
+        """Give a variable a value; conditions that are watched are looked at again."""
+        self._variables[name] = value
+        for watcher in self._watchers:
+            watcher.set()
+
+    async def of(self, expression: Expression, path: str, statement: Statement) -> values.Quantity:
+        """Return the value of an expression at a statement; it waits for the first message of what is read.
+
+        Raises:
+            RobotError: KG833, KG838 when there is no value, KG836 for a variable without one, those of reading.
+        """
+        match expression:
+            case Written():
+                return values.written(expression)
+            case Variable():
+                if expression.name not in self._variables:
+                    raise RobotError("KG836", f"the variable `{expression.name}` has no value")
+                return self._variables[expression.name]
+            case Read():
+                return await self._read(expression, path, statement)
+            case Unary():
+                return values.unary(expression.operator, await self.of(expression.of, path, statement))
+            case Binary():
+                return await self._binary(expression, path, statement)
+            case Position():
+                said = {name: await self.of(one, path, statement) for name, one in expression.parts().items()}
+                return values.place(said)
+
+    async def truth(self, expression: Expression, path: str, statement: Statement) -> bool:
+        """Return whether a condition holds; RobotError as `of`."""
+        return values.truth(await self.of(expression, path, statement))
+
+    async def seconds(self, expression: Expression | None, path: str, statement: Statement) -> float | None:
+        """Return a time in seconds, None for none; RobotError as `of`, KG835 for a negative one."""
+        return None if expression is None else values.seconds(await self.of(expression, path, statement))
+
+    async def _binary(self, expression: Binary, path: str, statement: Statement) -> values.Quantity:
+        left = await self.of(expression.left, path, statement)
+        if expression.operator in {"and", "or"}:
+            if values.truth(left) == (expression.operator == "or"):
+                return left
+            return values.Quantity(await self.truth(expression.right, path, statement))
+        return values.binary(expression.operator, left, await self.of(expression.right, path, statement))
+
+    async def _read(self, read: Read, path: str, statement: Statement) -> values.Quantity:
+        capability = self.known.read(read.capability)
+        parameter = self.known.parameter(capability, read.parameter)
+        told = await self._driver.latest(capability.name, seconds=_FIRST)
+        value = told.get(parameter.name)
+        self._events.value(path, statement, capability, parameter, value)
+        return values.of_parameter(parameter, value)
+
+    @asynccontextmanager
+    async def watching(self, condition: Expression) -> AsyncIterator[asyncio.Event]:
+        """Yield an event that is set whenever something in a condition has changed, or can be sensed no more."""
+        news = asyncio.Event()
+        names = {self.known.read(read.capability).name for read in reads_of(condition)}
+        listening = [asyncio.ensure_future(self._listen(name, news)) for name in names]
+        self._watchers.add(news)
+        try:
+            yield news
+            for task in listening:
+                if task.done():
+                    task.result()
+        finally:
+            self._watchers.discard(news)
+            await ended(*listening)
+
+    async def _listen(self, name: str, news: asyncio.Event) -> None:
+        try:
+            async with aclosing(self._driver.changes(name, asked=_ASKED)) as told:
+                async for _ in told:
+                    news.set()
+        finally:
+            news.set()
+
 
 _REST: Final = 0.02
 """Seconds of a movement that are not worth to begin again for."""

@@ -1,4 +1,7 @@
-"""The text of a program as tokens: words, names and texts in quotes, numbers with their units, signs, ends of lines."""
+"""The text of a program as tokens, the words that reader and printer agree upon, and where the reader stands.
+
+Tokens are words, names and texts in quotes, numbers with their units, signs, ends of lines.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,63 @@ from typing import TYPE_CHECKING, Final, Literal
 
 from kg.errors import Place, RobotError
 from kg.robot.programs.units import ALIASES, UNITS
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["Kind", "Token", "quoted", "quoted_name", "refusal", "tokens"]
+__all__ = [
+    "BEGINNINGS",
+    "ENDINGS",
+    "FOREIGN",
+    "FUNCTIONS",
+    "RESERVED",
+    "Cursor",
+    "bare_name",
+    "bare_phrase",
+    "quoted",
+    "quoted_name",
+]
+
+
+FUNCTIONS: Final = ("absolute", "round", "count")
+"""Functions of one value, written with parentheses."""
+BEGINNINGS: Final = frozenset(
+    {"if", "while", "forever", "repeat", "for", "break", "set", "wait", "at", "whenever", "as", "log", "stop", "do"}
+    | {"program"}
+)
+"""Words that a statement of the language begins with; all else begins a capability."""
+ENDINGS: Final = frozenset({"end", "otherwise", "also", "during"})
+"""Words that end a sequence of statements."""
+FOREIGN: Final = {
+    "else": "Write `otherwise`.",
+    "elif": "Write `otherwise if`.",
+    "print": 'Write `log "..."`.',
+    "let": "Write `set x to 3`.",
+    "var": "Write `set x to 3`.",
+}
+"""Words that statements of other languages begin with, and what is written here; as a capability they are quoted."""
+RESERVED: Final = (
+    frozenset({"and", "or", "not", "of", "contains", "true", "false", "then", "do", "for", "within", "times"})
+    | frozenset({"to", "step"})
+    | ENDINGS
+)
+"""Words that an expression ends at, or that stand for something in it: no bare name of a variable or parameter."""
+BARE: Final = re.compile(r"[^\W\d]\w*")
+
+
+def bare_name(name: str) -> bool:
+    """Tell whether a variable, a parameter or a capability in an expression can be written without quotes."""
+    return BARE.fullmatch(name) is not None and name.lower() not in RESERVED | set(FUNCTIONS)
+
+
+def bare_phrase(capability: str) -> bool:
+    """Tell whether a statement can begin with a capability without quotes."""
+    words = capability.split(" ")
+    return all(BARE.fullmatch(word) and word.lower() not in ENDINGS for word in words) and (
+        words[0].lower() not in BEGINNINGS | FOREIGN.keys() or (words[0].lower() == "stop" and len(words) > 1)
+    )
+
 
 Kind = Literal["word", "name", "text", "number", "sign", "id", "comment", "line", "end of the program"]
 
@@ -113,3 +168,88 @@ def _unquoted(token: str) -> str:
         inner = re.sub(r"\\.|\"", lambda part: {"\\'": "'", '"': '\\"'}.get(part[0], part[0]), inner)
     value: str = json.loads(f'"{inner}"', strict=False)
     return value
+
+
+class Cursor:
+    """The tokens of a text, the comments that wait for a statement, and the places of the parts read so far.
+
+    `begun` are the lines of the statements that are being read, the innermost last.
+    """
+
+    def __init__(self, text: str, path: str) -> None:
+        """Read the tokens; RobotError KG830 at what can be none."""
+        self.text = text.replace("\r\n", "\n").removeprefix("\ufeff")
+        self.path = path
+        self.comments: list[str] = []
+        self.begun: list[int] = []
+        self.places: dict[str, tuple[int, int]] = {}
+        self._tokens = list(tokens(self.text, path))
+        self._next = 0
+
+    @property
+    def token(self) -> Token:
+        """The token that is read next."""
+        return self._tokens[self._next]
+
+    def ahead(self, far: int = 1) -> Token:
+        """Return a token behind the next one; the last one from there on."""
+        return self._tokens[min(self._next + far, len(self._tokens) - 1)]
+
+    def take(self) -> Token:
+        """Return the next token and step over it."""
+        token = self.token
+        self._next = min(self._next + 1, len(self._tokens) - 1)
+        return token
+
+    def kind(self, *kinds: Kind) -> bool:
+        """Tell whether the next token is of one of these kinds."""
+        return self.token.kind in kinds
+
+    def word(self, *words: str) -> bool:
+        """Tell whether the next token is one of these words, in capitals or not."""
+        return self.token.kind == "word" and self.token.value.lower() in words
+
+    def phrase(self, phrase: str) -> bool:
+        """Step over the words of a phrase if they are next, and tell whether they were."""
+        words = phrase.split()
+        found = [self.ahead(far) for far in range(len(words))]
+        if [one.value.lower() if one.kind == "word" else "" for one in found] != words:
+            return False
+        self._next += len(words)
+        return True
+
+    def sign(self, *signs: str) -> bool:
+        """Tell whether the next token is one of these signs."""
+        return self.token.kind == "sign" and self.token.value in signs
+
+    def note(self, path: str) -> None:
+        """Remember that what has this path in the tree begins here."""
+        self.places.setdefault(path, (self.token.line, self.token.column))
+
+    def skip(self) -> None:
+        """Step over ends of lines, and keep the comments."""
+        while self.kind("line", "comment"):
+            token = self.take()
+            if token.kind == "comment":
+                self.comments.append(token.value)
+
+    def told(self) -> str:
+        """Return the comments that waited, as one."""
+        comment = "\n".join(self.comments)
+        self.comments.clear()
+        return comment
+
+    def expected(self, what: str, *, hint: str | None = None) -> RobotError:
+        """Return the error (KG830) that something else should stand here, with the word that may have been meant."""
+        begin = self._next
+        while begin and self._tokens[begin - 1].kind != "line":
+            begin -= 1
+        first = self._tokens[begin]
+        meant = None
+        if first.kind == "word" and first.value.lower() not in BEGINNINGS | ENDINGS:
+            meant = did_you_mean(first.value, BEGINNINGS | ENDINGS)
+        return refusal(self.text, self.path, self.token, f"expected {what}, found {self.token}", meant or hint)
+
+    def refused(self, token: Token, message: str, hint: str | None = None) -> RobotError:
+        """Return the error (KG830) that the program cannot be read at a token."""
+        return refusal(self.text, self.path, token, message, hint)

@@ -1,4 +1,4 @@
-"""The tree of a program (onto-ros, section 4.1): statements and expressions, as JSON by msgspec.
+"""The tree of a program (onto-ros, section 4.1): statements and expressions, as JSON by msgspec, and going through it.
 
 The tags `block` and `expression` say in JSON what a part is. `id` names a statement for faces; it means nothing.
 What a part alone tells to be senseless is refused when it is made, so that every tree can be written as text.
@@ -7,13 +7,18 @@ What a part alone tells to be senseless is refused when it is made, so that ever
 from __future__ import annotations
 
 from math import isfinite
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
 import msgspec
 
 from kg.robot.programs.units import UNITS
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
 __all__ = [
+    "BLOCKS_DEEP",
+    "EXPRESSIONS_DEEP",
     "Binary",
     "Break",
     "Do",
@@ -37,6 +42,14 @@ __all__ = [
     "WaitUntil",
     "While",
     "Written",
+    "expressions_of",
+    "height",
+    "parts_of",
+    "reads_of",
+    "rewritten",
+    "sequences_of",
+    "statements",
+    "variables_of",
 ]
 
 
@@ -245,3 +258,68 @@ class Program(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, for
     comment: str = ""
     seconds: float | None = None
     body: tuple[Statement, ...] = ()
+
+
+BLOCKS_DEEP: Final = 50
+"""How many statements may stand within each other."""
+EXPRESSIONS_DEEP: Final = 40
+"""How many expressions may."""
+
+
+def expressions_of(part: Expression | Statement) -> Iterator[tuple[str, Expression]]:
+    """Yield the outermost expressions in a statement, but not in statements within it, or in an expression, by path."""
+    for name in part.__struct_fields__:
+        value = getattr(part, name)
+        for key, one in value.items() if isinstance(value, dict) else ((None, value),):
+            if isinstance(one, Expression):
+                yield name if key is None else f"{name}/{key}", one
+
+
+def height(expression: Expression) -> int:
+    """Return how many expressions may be nested."""
+    return 1 + max((height(inner) for _, inner in expressions_of(expression)), default=0)
+
+
+def sequences_of(statement: Statement) -> tuple[tuple[str, tuple[Statement, ...]], ...]:
+    """Return the sequences of statements within a statement, by the part of the path that leads to them."""
+    if isinstance(statement, Parallel):
+        return tuple((f"branches/{number}", branch) for number, branch in enumerate(statement.branches))
+    names = (name for name in statement.__struct_fields__ if name in {"then", "otherwise", "body"})
+    return tuple((name, getattr(statement, name) or ()) for name in names)
+
+
+def statements(body: Iterable[Statement], path: str = "/body") -> Iterator[tuple[str, Statement]]:
+    """Yield statements with their paths, each before those within it."""
+    for number, statement in enumerate(body):
+        here = f"{path}/{number}"
+        yield here, statement
+        for part, inner in sequences_of(statement):
+            yield from statements(inner, f"{here}/{part}")
+
+
+def parts_of(expression: Expression) -> Iterator[Expression]:
+    """Yield an expression and all that stand within it."""
+    yield expression
+    for _, inner in expressions_of(expression):
+        yield from parts_of(inner)
+
+
+def reads_of(expression: Expression) -> Iterator[Read]:
+    """Yield what an expression reads of the robot."""
+    return (part for part in parts_of(expression) if isinstance(part, Read))
+
+
+def variables_of(expression: Expression) -> Iterator[str]:
+    """Yield the names of the variables in an expression."""
+    return (part.name for part in parts_of(expression) if isinstance(part, Variable))
+
+
+def rewritten(program: Program, change: Callable[[dict[str, Any]], Any]) -> Program:
+    """Return a program each of whose parts, as JSON has it and the innermost first, is what `change` makes of it."""
+
+    def walk(part: Any) -> Any:
+        if isinstance(part, list | tuple):
+            return [walk(one) for one in part]
+        return change({key: walk(value) for key, value in part.items()}) if isinstance(part, dict) else part
+
+    return msgspec.convert(walk(msgspec.to_builtins(program)), Program)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.robot.programs.expressions import LEVELS
-from kg.robot.programs.tokens import quoted, quoted_name
+from kg.robot.programs.parse import LEVELS
+from kg.robot.programs.tokens import FUNCTIONS, bare_name, bare_phrase, quoted, quoted_name
 from kg.robot.programs.tree import (
     Binary,
     Break,
@@ -31,7 +31,6 @@ from kg.robot.programs.tree import (
     While,
     Written,
 )
-from kg.robot.programs.words import FUNCTIONS, bare_name, bare_phrase
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -11,16 +11,13 @@ from uuid import uuid4
 from kg.errors import RobotError
 from kg.robot.clock import SimulatedClock, WallClock, within
 from kg.robot.messages import Types
-from kg.robot.ros1.action_client import ActionClient, Ros1Canceller, Ros1Goal
-from kg.robot.ros1.action_server import ActionServer
-from kg.robot.ros1.graph import Analyzer
-from kg.robot.ros1.http import ask
+from kg.robot.ros1.actions import ActionClient, ActionServer, Ros1Canceller, Ros1Goal
+from kg.robot.ros1.graph import Analyzer, system_state, topic_types
 from kg.robot.ros1.names import absolute, netloc
 from kg.robot.ros1.node import Node
-from kg.robot.ros1.publishing import Ros1Publication
 from kg.robot.ros1.services import call_service, probe
-from kg.robot.ros1.state import system_state, topic_types
-from kg.robot.ros1.subscribing import Ros1Subscription, greet, learn, open_topic
+from kg.robot.ros1.topics import Ros1Publication, Ros1Subscription, greet, learn, open_topic
+from kg.robot.ros1.xmlrpc import ask
 from kg.robot.tasks import ended
 
 if TYPE_CHECKING:
@@ -98,37 +95,17 @@ async def _parameter(master: str, caller: str, name: str) -> Any:
 class Ros1Connection:
     """A node of ours in a system of ROS 1; every method is that of `kg.robot.connection.Connection`."""
 
+    ros = 1
+
     def __init__(self, node: Node, address: str) -> None:
         self.node = node
-        self._address = address
+        self.address = address
+        self.name = node.name
+        self.clock: Clock = node.clock
+        self.types = node.types
         self._analyzer = Analyzer(node)
         self._clients: dict[tuple[str, str], ActionClient] = {}
         self._opening = asyncio.Lock()
-
-    @property
-    def ros(self) -> int:
-        """The version of ROS that is spoken."""
-        return 1
-
-    @property
-    def address(self) -> str:
-        """Where it is connected to."""
-        return self._address
-
-    @property
-    def name(self) -> str:
-        """The name of our node, absolute."""
-        return self.node.name
-
-    @property
-    def clock(self) -> Clock:
-        """The time of the robot."""
-        return self.node.clock
-
-    @property
-    def types(self) -> Types:
-        """The types of messages that are known; it learns those that peers tell."""
-        return self.node.types
 
     async def graph(self) -> ComputationGraph:
         """Return the computation graph without our own node; RobotError KG802 when the master does not answer."""
@@ -249,18 +226,11 @@ class Ros1Connection:
 
     async def follow_clock(self) -> None:
         """Take the time of the topic `/clock`."""
-        clock = self.clock
-        subscription = await self.subscribe("/clock", "rosgraph_msgs/Clock", queue=1)
-
-        async def follow() -> None:
-            async for received in subscription:
-                now = received.value["clock"]
-                if isinstance(clock, SimulatedClock):
-                    clock.tell(now["sec"] + now["nanosec"] / 1e9)
-
-        self.node.spawn(follow(), "following /clock")
-        if isinstance(clock, SimulatedClock) and subscription.links:  # somebody tells it
-            await clock.begun(_TICKING)
+        if isinstance(self.clock, SimulatedClock):
+            ticks = await self.subscribe("/clock", "rosgraph_msgs/Clock", queue=1)
+            self.node.spawn(self.clock.follow(ticks), "following /clock")
+            if ticks.links:  # somebody tells it
+                await self.clock.begun(_TICKING)
 
     async def _learn(self, topic: str, kind: str) -> None:
         """Learn a type from one who publishes the topic; RobotError KG804 when nobody does."""

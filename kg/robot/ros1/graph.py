@@ -1,27 +1,171 @@
-"""The computation graph of a system of ROS 1: what its master tells, and what its nodes say themselves."""
+"""The computation graph of a system of ROS 1: what its master tells, checked, and what its nodes say themselves.
+
+Names that are none are left out and reported; the five topics of an action become one end of it.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
-from kg.robot.ros1.folding import fold
-from kg.robot.ros1.http import ask
-from kg.robot.ros1.names import shown
+from kg.robot.ros1.names import is_name, is_type, shown
 from kg.robot.ros1.services import probe
-from kg.robot.ros1.state import StateReader, SystemState, multicall, topic_types
+from kg.robot.ros1.xmlrpc import ask, call, exchange, value
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable
+    from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator
 
     from kg.robot.ros1.node import Node
 
-__all__ = ["Analyzer", "pause"]
+__all__ = ["Analyzer", "fold", "pause", "system_state", "topic_types"]
+
+
+_GOAL: Final = "ActionGoal"
+_TOPICS: Final = frozenset({"goal", "cancel", "status", "feedback", "result"})
+_SERVER: Final = {(Role.PUBLISHES, "result"), (Role.PUBLISHES, "status"), (Role.SUBSCRIBES, "goal")}
+_CLIENT: Final = (Role.PUBLISHES, "goal")
+
+
+def fold(ends: Iterable[LiveEnd]) -> list[LiveEnd]:
+    """Return ends with actions in the place of their topics.
+
+    A node is a server that hears goals and tells states and results; a client is one that gives goals. Who only listens
+    to the state, feedback or result of an action stays the subscriber that it is.
+    """
+    ends = list(ends)
+    kinds = {
+        one.name.removesuffix("/goal"): one.type.removesuffix(_GOAL)
+        for one in ends
+        if one.name.endswith("/goal") and one.type is not None and one.type.endswith(_GOAL)
+    }
+    parts: dict[tuple[str, str], set[tuple[Role, str]]] = {}
+    for one in ends:
+        action, _, part = one.name.rpartition("/")
+        if action in kinds and part in _TOPICS and one.role.channel == "topic":
+            parts.setdefault((action, one.node), set()).add((one.role, part))
+    found = {
+        (action, node): Role.ACTION_SERVERS if having >= _SERVER else Role.ACTION_CLIENTS
+        for (action, node), having in parts.items()
+        if having >= _SERVER or _CLIENT in having
+    }
+    left = [one for one in ends if not _is_of(one, found)]
+    return left + [LiveEnd(node, role, action, kinds[action]) for (action, node), role in found.items()]
+
+
+def _is_of(end: LiveEnd, found: dict[tuple[str, str], Role]) -> bool:
+    action, _, part = end.name.rpartition("/")
+    return part in _TOPICS and end.role.channel == "topic" and (action, end.node) in found
+
+
+_ROLES = (Role.PUBLISHES, Role.SUBSCRIBES, Role.SERVICES)
+_CALLS_AT_ONCE = 200
+
+
+@dataclass(frozen=True)
+class SystemState:
+    """Who publishes, subscribes and serves what: names of nodes by role and name; and what was wrong with the rest."""
+
+    ends: dict[tuple[Role, str], tuple[str, ...]] = field(default_factory=dict)
+    problems: tuple[GraphProblem, ...] = ()
+
+    @property
+    def nodes(self) -> set[str]:
+        """The names of all nodes."""
+        return {node for nodes in self.ends.values() for node in nodes}
+
+
+async def system_state(master: str, caller: str) -> SystemState:
+    """Ask a master for its state; RobotError KG810 for an answer that is none, and those of `ask`."""
+    return _state(master, await ask(master, "getSystemState", caller))
+
+
+class StateReader:
+    """Asks a master for its state again and again; an answer with the bytes of the one before is not read anew."""
+
+    def __init__(self, master: str, caller: str) -> None:
+        self._master = master
+        self._caller = caller
+        self._content = b""
+        self._state = SystemState()
+
+    async def read(self) -> SystemState:
+        """Return the state, the very object of the time before where it is the same; errors as `system_state`."""
+        content = await exchange(self._master, "getSystemState", self._caller)
+        if content != self._content:
+            state = _state(self._master, value(self._master, "getSystemState", content))
+            self._content = content
+            self._state = self._state if state == self._state else state
+        return self._state
+
+
+def _state(master: str, told: Any) -> SystemState:
+    ends: dict[tuple[Role, str], tuple[str, ...]] = {}
+    problems: dict[GraphProblem, None] = {}
+    try:
+        for role, rows in zip(_ROLES, told, strict=True):
+            for name, nodes in rows:
+                for bad in (one for one in (name, *nodes) if not is_name(one)):
+                    problems[
+                        GraphProblem("KG812", shown(bad), f"it is listed as {role.value}, but is not a ROS name")
+                    ] = None
+                if is_name(name):
+                    ends[role, name] = tuple(sorted({node for node in nodes if is_name(node)}))
+    except (TypeError, ValueError):
+        raise RobotError("KG810", f"{master} did not report the system state") from None
+    return SystemState(ends, tuple(problems))
+
+
+async def topic_types(master: str, caller: str) -> tuple[dict[str, str], tuple[GraphProblem, ...]]:
+    """Ask a master for the types of topics, and return those that are types; errors as those of `system_state`."""
+    told = await ask(master, "getTopicTypes", caller)
+    try:
+        rows = {name: kind for name, kind in told if is_name(name)}
+    except (TypeError, ValueError):
+        raise RobotError("KG810", f"{master} did not report topic types") from None
+    odd = tuple(
+        GraphProblem("KG812", name, f"its type `{shown(kind)}` is not a type")
+        for name, kind in rows.items()
+        if kind != "*" and not is_type(kind)
+    )
+    return {name: kind for name, kind in rows.items() if is_type(kind)}, odd
+
+
+async def multicall(master: str, method: str, caller: str, names: list[str]) -> dict[str, Any]:
+    """Ask a master the same of many names, and return the values of those that it knows.
+
+    Many calls go in one, as `system.multicall` of XML-RPC, which rosmaster has; of a master without it each is asked.
+    """
+    found: dict[str, Any] = {}
+    for start in range(0, len(names), _CALLS_AT_ONCE):
+        part = names[start : start + _CALLS_AT_ONCE]
+        calls = [{"methodName": method, "params": [caller, name]} for name in part]
+        try:
+            found |= _values(part, await call(master, "system.multicall", calls))
+        except RobotError:
+            for name in part:
+                try:
+                    found[name] = await ask(master, method, caller, name)
+                except RobotError as error:
+                    if error.code != "KG813":
+                        raise
+    return found
+
+
+def _values(names: list[str], told: Any) -> Iterator[tuple[str, Any]]:
+    if not isinstance(told, list) or len(told) != len(names):
+        raise RobotError("KG810", "a master answers many calls with as many answers")
+    for name, answer in zip(names, told, strict=True):
+        match answer:
+            case [[1, _, value]]:
+                yield name, value
+            case _:
+                continue
+
 
 _AT_ONCE: Final = 64
 _AT_ONCE_BESIDE: Final = 8

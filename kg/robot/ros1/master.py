@@ -1,6 +1,7 @@
 """A small master for simulations and tests where no ROS is installed: registrations, look-ups, parameters.
 
-It answers the Master and Parameter Server APIs of wiki.ros.org/ROS/Master_API and tells subscribers who publishes.
+It answers the Master and Parameter Server APIs (wiki.ros.org/ROS/Master_API and ROS/Parameter%20Server%20API), and
+tells subscribers who publishes.
 """
 
 from __future__ import annotations
@@ -11,9 +12,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Self
 
 from kg.errors import RobotError
-from kg.robot.ros1.http import XmlRpcServer, call
 from kg.robot.ros1.names import is_name, is_type, netloc, peer, shown
-from kg.robot.ros1.parameters import Parameters
+from kg.robot.ros1.xmlrpc import XmlRpcServer, call
 from kg.robot.tasks import Tasks
 
 if TYPE_CHECKING:
@@ -21,6 +21,74 @@ if TYPE_CHECKING:
     from types import TracebackType
 
 __all__ = ["Master"]
+
+
+class Parameters:
+    """The parameters of a system; a namespace is the dict of what is in it. A KeyError says that there is none."""
+
+    def __init__(self) -> None:
+        self._tree: dict[str, Any] = {}
+
+    def get(self, name: str) -> Any:
+        """Return a value, or all of a namespace."""
+        found: Any = self._tree
+        for part in _parts(name):
+            if not isinstance(found, dict):
+                raise KeyError(name)
+            found = found[part]
+        return found
+
+    def set(self, name: str, value: Any) -> None:
+        """Set a value, or all of a namespace."""
+        *spaces, last = _parts(name) or [""]
+        if not last:
+            self._tree = value if isinstance(value, dict) else {}
+            return
+        within = self._tree
+        for part in spaces:
+            inner = within.get(part)
+            within[part] = inner if isinstance(inner, dict) else {}
+            within = within[part]
+        within[last] = value
+
+    def delete(self, name: str) -> None:
+        """Forget a value or namespace."""
+        *spaces, last = _parts(name) or [""]
+        within = self.get("/".join(spaces))
+        if not isinstance(within, dict):
+            raise KeyError(name)
+        del within[last]
+
+    def search(self, space: str, name: str) -> str:
+        """Return the name under which a parameter is found from a namespace upwards."""
+        first = name.strip("/").partition("/")[0]
+        parts = _parts(space)
+        while True:
+            inner = "/".join(["", *parts, first])
+            try:
+                self.get(inner)
+            except KeyError:
+                if not parts:
+                    raise
+                parts.pop()
+            else:
+                return "/".join(["", *parts, name.strip("/")])
+
+    def names(self) -> list[str]:
+        """Return the names of all values."""
+        found: list[str] = []
+        rest: list[tuple[str, Any]] = [("", self._tree)]
+        while rest:
+            name, value = rest.pop()
+            if isinstance(value, dict):
+                rest += [(f"{name}/{part}", inner) for part, inner in value.items()]
+            else:
+                found.append(name)
+        return found
+
+
+def _parts(name: str) -> list[str]:
+    return [part for part in name.split("/") if part]
 
 
 @dataclass

@@ -14,10 +14,10 @@ from weakref import WeakValueDictionary
 from kg.errors import RobotError
 from kg.robot.connection import GraphProblem
 from kg.robot.ros1.header import pack, read_header
-from kg.robot.ros1.http import XmlRpcServer, ask, listen
 from kg.robot.ros1.names import listening, netloc, own_host, peer, shown
-from kg.robot.ros1.publishing import Offer
 from kg.robot.ros1.services import Service
+from kg.robot.ros1.topics import Offer
+from kg.robot.ros1.xmlrpc import XmlRpcServer, ask, listen
 from kg.robot.tasks import Tasks
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from kg.robot.clock import Clock
     from kg.robot.connection import Value
     from kg.robot.messages import Types
-    from kg.robot.ros1.subscribing import Ros1Subscription
+    from kg.robot.ros1.topics import Ros1Subscription
 
 __all__ = ["Node"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from kg.errors import KgError, RobotError
-from kg.robot.connection import FAILURES
+from kg.errors import RobotError
+from kg.robot.connection import FAILURES, reason
 from kg.robot.ros1.header import framed, pack, read_header, read_message
 from kg.robot.ros1.names import is_type, peer, shown
 
@@ -115,10 +115,8 @@ class Service:
         try:
             value = await self._answer(types.decode(f"{self.kind}_Request", request))
             return b"\x01" + framed(types.encode(f"{self.kind}_Response", value))
-        except KgError as error:
-            return b"\x00" + framed(error.message.encode())
         except FAILURES as error:
-            return b"\x00" + framed(str(error).encode())
+            return b"\x00" + framed(reason(error).encode())
 
     async def aclose(self) -> None:
         """Stop answering."""

@@ -12,13 +12,11 @@ from kg.facts import Role
 from kg.robot.clock import SimulatedClock, WallClock, within
 from kg.robot.connection import GraphProblem
 from kg.robot.lifecycle import States
-from kg.robot.ros2.action_client import Ros2Canceller, canceller, send_goal
-from kg.robot.ros2.action_server import ActionServer
-from kg.robot.ros2.describing import describe
+from kg.robot.ros2.actions import ActionServer, Ros2Canceller, canceller, send_goal
+from kg.robot.ros2.ends import Client, Ros2Publication, Ros2Subscription, Service
+from kg.robot.ros2.graph import Watch
 from kg.robot.ros2.middleware import LATCHED, OFFERED
-from kg.robot.ros2.services import Client, Service
-from kg.robot.ros2.topics import Ros2Publication, Ros2Subscription
-from kg.robot.ros2.watch import Watch
+from kg.robot.ros2.types import describe
 from kg.robot.tasks import outcome, spawn
 
 if TYPE_CHECKING:
@@ -77,13 +75,8 @@ class Ros2Connection:
         """Take the time of the topic `/clock` where the address asks for it."""
         if isinstance(self.clock, SimulatedClock):
             ticks = await self.subscribe("/clock", "rosgraph_msgs/Clock", queue=1)
-            self._ticking = spawn(self._tick(self.clock, ticks), "following /clock")
+            self._ticking = spawn(self.clock.follow(ticks), "following /clock")
             await self.clock.begun(self._settle)
-
-    async def _tick(self, clock: SimulatedClock, ticks: Ros2Subscription) -> None:
-        async for tick in ticks:
-            time = tick.value["clock"]
-            clock.tell(time["sec"] + time["nanosec"] / 1e9)
 
     async def _suit(self) -> None:
         async def suited(one: Ros2Subscription, graph: ComputationGraph) -> None:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from kg.robot.connection import GraphProblem, LiveEnd, LiveNode
     from kg.robot.messages import Types
-    from kg.robot.ros2.watch import Watch
+    from kg.robot.ros2.graph import Watch
 
 __all__ = ["ANSWERS", "LATCHED", "OFFERED", "Caller", "Deliver", "Handle", "Middleware", "Neighbourhood", "Writer"]
 

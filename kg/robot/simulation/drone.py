@@ -6,8 +6,7 @@ import math
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.robot.simulation.pose import Pose
-from kg.robot.simulation.robots import Battery, Command
+from kg.robot.simulation.robots import Battery, Command, Pose
 from kg.robot.simulation.scene import Camera
 
 if TYPE_CHECKING:

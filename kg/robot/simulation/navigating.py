@@ -1,23 +1,247 @@
-"""The node that carries out goals, as `move_base` of ROS 1 and the navigator of Nav2 do."""
+"""The node that carries out goals, as `move_base` of ROS 1 and the navigator of Nav2 do.
+
+Ways through the map of a plan are found by A* over its squares, away from walls, and then straight where nothing stands
+between. The next velocity follows from the pose and what the laser sees.
+"""
 
 from __future__ import annotations
 
+import heapq
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, Final
 
-from kg.robot.simulation.following import Follower
-from kg.robot.simulation.planning import Planner
-from kg.robot.simulation.pose import heading_of
-from kg.robot.simulation.robots import Command
+import numpy as np
+
+from kg.robot.simulation.robots import Command, Pose, heading_of, wrapped
 from kg.robot.simulation.stage import Node, point, posed
-from kg.robot.simulation.wheeled import RADIUS, Wheeled
+from kg.robot.simulation.wheeled import RADIUS, SPEED, Wheeled
 
 if TYPE_CHECKING:
-    from kg.robot.connection import Accepted, Publication, Value
-    from kg.robot.simulation.pose import Pose
+    from collections.abc import Iterator, Sequence
 
-__all__ = ["Navigator"]
+    from kg.robot.connection import Accepted, Publication, Value
+    from kg.robot.simulation.plan import Plan
+
+__all__ = ["Follower", "Grid", "Navigator", "Planner", "free_ahead"]
+
+
+Cell = tuple[int, int]
+"""Row and column: to the north and to the east."""
+
+_MARGIN: Final = 0.1
+_HALF_WALL: Final = 0.05
+
+
+class Grid:
+    """The map of a plan in squares of an edge of `resolution` metres, a little larger than the plan.
+
+    `taken` is true where something stands; `origin` is the corner of the first square, in both directions.
+    """
+
+    def __init__(self, plan: Plan, resolution: float) -> None:
+        self.resolution = resolution
+        self.origin = -_MARGIN
+        self.rows = math.ceil((plan.depth + 2 * _MARGIN) / resolution)
+        self.columns = math.ceil((plan.width + 2 * _MARGIN) / resolution)
+        self._north, self._east = np.indices((self.rows, self.columns)) * resolution + self.origin + resolution / 2
+        self.taken: np.ndarray[Any, Any] = np.zeros((self.rows, self.columns), dtype=bool)
+        self._draw(plan)
+
+    def _draw(self, plan: Plan) -> None:
+        for wall in plan.walls:
+            for x, y, to_x, to_y in wall.pieces():
+                self._box(
+                    (x + to_x) / 2, (y + to_y) / 2, abs(to_x - x) / 2 + _HALF_WALL, abs(to_y - y) / 2 + _HALF_WALL
+                )
+        for thing in plan.things:
+            if thing.shape == "box":
+                self._box(thing.x, thing.y, thing.width / 2, thing.depth / 2)
+            else:
+                self.taken |= np.hypot(self._east - thing.x, self._north - thing.y) <= thing.radius
+
+    def _box(self, x: float, y: float, half_width: float, half_depth: float) -> None:
+        slack = 1e-9
+        self.taken |= (abs(self._east - x) <= half_width + slack) & (abs(self._north - y) <= half_depth + slack)
+
+    def cell(self, x: float, y: float) -> Cell:
+        """Return the square that a point lies in; it may lie outside of the grid."""
+        return math.floor((y - self.origin) / self.resolution), math.floor((x - self.origin) / self.resolution)
+
+    def point(self, cell: Cell) -> tuple[float, float]:
+        """Return the middle of a square, as x and y."""
+        row, column = cell
+        return (
+            self.origin + (column + 0.5) * self.resolution,
+            self.origin + (row + 0.5) * self.resolution,
+        )
+
+    def near(self, distance: float) -> np.ndarray[Any, Any]:
+        """Return true for the squares that lie within a distance in metres of something."""
+        reach = int(distance / self.resolution)
+        padded = np.pad(self.taken, reach, constant_values=True)
+        found = np.zeros_like(self.taken)
+        for down in range(-reach, reach + 1):
+            for right in range(-reach, reach + 1):
+                if math.hypot(down, right) * self.resolution <= distance:
+                    rows = slice(reach + down, reach + down + self.rows)
+                    found |= padded[rows, reach + right : reach + right + self.columns]
+        return found
+
+    def occupancy(self) -> list[int]:
+        """Return the data of a `nav_msgs/OccupancyGrid`: 100 for what is taken, 0 for what is free, row by row."""
+        return [int(one) for one in np.where(self.taken, 100, 0).flatten()]
+
+
+_RESOLUTION: Final = 0.1
+_DETOUR: Final = 3.0
+"""A square beside a wall costs so many times as much: a way keeps to the middle where there is one."""
+
+_STEPS: Final = [(down, right) for down in (-1, 0, 1) for right in (-1, 0, 1) if down or right]
+
+
+class Planner:
+    """Finds ways for a round robot.
+
+    Args:
+        plan: where it drives.
+        radius: of the robot, in metres.
+        margin: how far it would like to stay from what stands there, in metres.
+    """
+
+    def __init__(self, plan: Plan, radius: float, margin: float = 0.2) -> None:
+        self._grid = Grid(plan, _RESOLUTION)
+        self._blocked = self._grid.near(radius + 0.02)
+        self._close = self._grid.near(radius + margin)
+
+    def way(self, start: tuple[float, float], goal: tuple[float, float]) -> list[tuple[float, float]] | None:
+        """Return the points of the way to a goal without the start; None when the goal cannot be reached."""
+        end = self._grid.cell(*goal) if math.isfinite(sum(goal)) else (-1, -1)
+        if not self._free(end):
+            return None
+        begin = self._nearest_free(self._grid.cell(*start))
+        cells = self._search(begin, end) if begin else None
+        return None if cells is None else [*self._straightened(cells)[1:-1], goal]
+
+    def _free(self, cell: Cell) -> bool:
+        row, column = cell
+        return 0 <= row < self._grid.rows and 0 <= column < self._grid.columns and not self._blocked[row, column]
+
+    def _nearest_free(self, cell: Cell) -> Cell | None:
+        around = range(-4, 5)
+        near = sorted((math.hypot(down, right), down, right) for down in around for right in around)
+        return next(
+            ((cell[0] + one, cell[1] + two) for _, one, two in near if self._free((cell[0] + one, cell[1] + two))), None
+        )
+
+    def _search(self, start: Cell, goal: Cell) -> list[Cell] | None:
+        cost = {start: 0.0}
+        before: dict[Cell, Cell] = {}
+        waiting = [(math.dist(start, goal), start)]
+        while waiting:
+            _, cell = heapq.heappop(waiting)
+            if cell == goal:
+                return _traced(before, goal)
+            for there, length in self._beside(cell):
+                now = cost[cell] + length
+                if now < cost.get(there, math.inf):
+                    cost[there], before[there] = now, cell
+                    heapq.heappush(waiting, (now + math.dist(there, goal), there))
+        return None
+
+    def _beside(self, cell: Cell) -> Iterator[tuple[Cell, float]]:
+        for down, right in _STEPS:
+            there = cell[0] + down, cell[1] + right
+            if self._free(there):
+                yield there, math.hypot(down, right) * (_DETOUR if self._close[there] else 1.0)
+
+    def _straightened(self, cells: list[Cell]) -> list[tuple[float, float]]:
+        """Return the points where the way bends, and not where it only follows the squares."""
+        kept = [cells[0]]
+        for last, cell in pairwise(cells):
+            if not self._clear(kept[-1], cell):
+                kept.append(last)
+        return [self._grid.point(one) for one in (*kept, cells[-1])]
+
+    def _clear(self, start: Cell, end: Cell) -> bool:
+        """Tell whether a straight line costs no more than squares that are away from walls."""
+        steps = 2 * max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)
+        return not any(
+            self._close[
+                round(start[0] + (end[0] - start[0]) * index / steps),
+                round(start[1] + (end[1] - start[1]) * index / steps),
+            ]
+            for index in range(steps + 1)
+        )
+
+
+def _traced(before: dict[Cell, Cell], goal: Cell) -> list[Cell]:
+    cells = [goal]
+    while cells[-1] in before:
+        cells.append(before[cells[-1]])
+    return cells[::-1]
+
+
+REACHED: Final = 0.1
+"""A goal is reached within so many metres, and then by the heading within `_TURNED` radians."""
+
+_TURNED: Final = 0.06
+_PASSED: Final = 0.25
+_ABOUT: Final = 0.6
+"""Where the way bends by more radians, the robot turns on the spot."""
+
+_STOP: Final = 0.08
+
+
+class Follower:
+    """Follows points to a last one and its heading; `done` once it is there."""
+
+    def __init__(self, points: Sequence[tuple[float, float]], heading: float) -> None:
+        self._points = list(points)
+        self._heading = heading
+        self.done = False
+
+    def left(self, pose: Pose) -> float:
+        """Return how far it still is, in metres."""
+        points = [(pose.x, pose.y), *self._points]
+        return sum(math.dist(one, two) for one, two in pairwise(points))
+
+    def next(self, pose: Pose, ranges: Sequence[float]) -> Command:
+        """Return the velocity for the next tenth of a second."""
+        while len(self._points) > 1 and pose.distance(*self._points[0]) < _PASSED:
+            self._points.pop(0)
+        if self._points and (len(self._points) > 1 or pose.distance(*self._points[0]) > REACHED):
+            return self._onwards(pose, ranges)
+        self._points.clear()
+        off = wrapped(self._heading - pose.heading)
+        self.done = abs(off) < _TURNED
+        return Command() if self.done else Command(turn=_turning(off))
+
+    def _onwards(self, pose: Pose, ranges: Sequence[float]) -> Command:
+        x, y = self._points[0]
+        off = wrapped(math.atan2(y - pose.y, x - pose.x) - pose.heading)
+        if abs(off) > _ABOUT:
+            return Command(turn=_turning(off))
+        slow = min(1.0, max(0.25, pose.distance(x, y)))
+        room = free_ahead(ranges) - _STOP
+        return Command(forward=max(0.0, min(SPEED * slow * math.cos(off) ** 2, 1.2 * room)), turn=2.0 * off)
+
+
+def _turning(off: float) -> float:
+    return math.copysign(min(1.5, max(0.25, 2.0 * abs(off))), off)
+
+
+def free_ahead(ranges: Sequence[float]) -> float:
+    """Return how far the robot can drive straight on, in metres, by a scan that begins behind it."""
+    free = math.inf
+    for index, length in enumerate(ranges):
+        angle = -math.pi + index * math.tau / len(ranges)
+        ahead, aside = length * math.cos(angle), length * math.sin(angle)
+        if ahead > 0 and abs(aside) <= RADIUS + 0.02:
+            free = min(free, ahead - RADIUS)
+    return free
+
 
 _PERIOD: Final = 0.1
 _PATIENCE: Final = 12.0

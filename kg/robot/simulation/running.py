@@ -1,26 +1,41 @@
-"""A simulation that runs: the world, the nodes, and the pace of time."""
+"""Simulations that run: the world, the nodes and the pace of time; in this process, or in a system at an address."""
 
 from __future__ import annotations
 
 import asyncio
+import os
+from contextlib import AsyncExitStack, asynccontextmanager, suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
+from urllib.parse import urlsplit
+from uuid import uuid4
 
+from kg.errors import RobotError
+from kg.robot.clock import stamp
+from kg.robot.connecting import connect, default_address
+from kg.robot.memory import Bus
+from kg.robot.messages import Types
 from kg.robot.programs.places import TOPIC as PLACES
+from kg.robot.ros1 import Master
+from kg.robot.ros1.xmlrpc import ask
 from kg.robot.simulation.drone import Drone
-from kg.robot.simulation.drone_nodes import drone_nodes
-from kg.robot.simulation.office_nodes import office_nodes
-from kg.robot.simulation.stage import Stage, stamped
+from kg.robot.simulation.nodes import drone_nodes, office_nodes
+from kg.robot.simulation.stage import Stage
 from kg.robot.simulation.view import TopView
 from kg.robot.simulation.world import World
+from kg.robot.tasks import first
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
     from types import TracebackType
     from typing import Self
 
+    from kg.robot.connection import Connection
     from kg.robot.simulation.plan import Place
     from kg.robot.simulation.stage import Join
 
-__all__ = ["VIEW", "Simulation"]
+__all__ = ["VIEW", "Choice", "Simulation", "hosted_in_memory", "opened", "running", "simulate"]
+
 
 VIEW: Final = "/simulator/view"
 """The topic (`std_msgs/String`) of the world from above, as SVG: a page shows it, wherever the simulation runs."""
@@ -88,7 +103,7 @@ class Simulation:
         node = await self.stage.node("/simulator")
         if self.stage.simulated:
             kind = "rosgraph_msgs/Clock"
-            await node.tells("/clock", kind, self.world.step, lambda: {"clock": stamped(self.world.time)})
+            await node.tells("/clock", kind, self.world.step, lambda: {"clock": stamp(self.world.time)})
         places = await node.tell(PLACES, "std_msgs/String", latch=True)
         await places.publish({"data": self.world.plan.places()})
         await node.tells(VIEW, "std_msgs/String", 0.25 * (self._speed or 1), lambda: {"data": self.view.svg()})
@@ -109,3 +124,174 @@ class Simulation:
             if wait < -_LATE:
                 begun, at = loop.time(), self.world.time
             await asyncio.sleep(max(0.0, wait))
+
+
+@asynccontextmanager
+async def hosted_in_memory(
+    world: str, *, ros: int = 1, seed: int = 0, start: Place | None = None
+) -> AsyncIterator[tuple[Simulation, str]]:
+    """Run a world in this process as fast as can be; yield it with its address. `start` is as for `Simulation`.
+
+    Raises:
+        RobotError: KG840 when pybullet or OpenCV is not installed.
+    """
+    with Bus(f"{world}-{uuid4().hex[:8]}", ros=ros) as bus:
+
+        async def join(name: str) -> Connection:
+            return bus.join(name)
+
+        simulation = Simulation(world, join, ros=ros, speed=None, seed=seed, start=start)
+        bus.clock = simulation.world.clock
+        async with simulation, running(simulation):
+            yield simulation, bus.address
+
+
+def at_address(  # noqa: PLR0913 - what can be chosen of a simulation
+    world: str,
+    address: str,
+    *,
+    ros: int = 1,
+    speed: float | None = 1.0,
+    seed: int = 0,
+    told: bool = False,
+    start: Place | None = None,
+) -> Simulation:
+    """Return a world as nodes of the system at an address; it is to be opened, and to be run.
+
+    `told` makes messages have the time of the world instead of the wall's, which is published on `/clock`.
+
+    Raises:
+        RobotError: KG840 when pybullet or OpenCV is not installed; opening it raises those of `connect`.
+    """
+    types = Types(ros)
+
+    async def join(name: str) -> Connection:
+        return await connect(address, name=name, types=types)
+
+    return Simulation(world, join, ros=ros, speed=speed, seed=seed, told=told, start=start)
+
+
+@asynccontextmanager
+async def running(simulation: Simulation) -> AsyncIterator[None]:
+    """Let time pass in a simulation that is open; when it fails, the body is ended, and that is raised in its place."""
+    body = asyncio.current_task()
+    task = asyncio.create_task(simulation.run())
+
+    def ended(_: asyncio.Task[None]) -> None:
+        if body is not None and _failure(task) is not None:
+            body.cancel()
+
+    task.add_done_callback(ended)
+    try:
+        try:
+            yield
+        finally:
+            task.remove_done_callback(ended)
+            task.cancel()
+            await asyncio.gather(task, return_exceptions=True)
+    except asyncio.CancelledError:  # of the body, or, where it was just at its end, of the waiting behind it
+        failure = _failure(task)
+        if failure is None or body is None:
+            raise
+        body.uncancel()
+        raise failure from None
+
+
+def _failure(task: asyncio.Task[None]) -> BaseException | None:
+    return task.exception() if task.done() and not task.cancelled() else None
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """What is simulated, and where.
+
+    `address` is that of a system that runs (`ros1://HOST:PORT`, `dds://DOMAIN`); without one the robot gets a ROS
+    master of its own at `port` (0: a free one), with `ros2` the domain of the environment. `speed` is None for as fast
+    as can be, `seconds` how long it goes on by the time of the world. The robot begins at `start`, by default where the
+    world says.
+    """
+
+    world: str
+    address: str | None = None
+    port: int = 0
+    ros2: bool = False
+    speed: float | None = 1.0
+    seconds: float | None = None
+    seed: int = 0
+    start: Place | None = None
+
+    @property
+    def told(self) -> bool:
+        """Whether the graph takes its time from the simulation, since it is not that of the wall."""
+        return self.speed != 1.0
+
+
+async def simulate(choice: Choice, begun: Callable[[str], None]) -> None:
+    """Simulate a robot; `begun` is told the address once its nodes are there.
+
+    Raises:
+        RobotError: those of `opened`, and KG803 when the system ends before the simulation.
+    """
+    async with opened(choice) as (simulation, address):
+        begun(address)
+        await _run(simulation, choice.seconds)
+
+
+@asynccontextmanager
+async def opened(choice: Choice) -> AsyncIterator[tuple[Simulation, str]]:
+    """Yield a simulation whose nodes are in their system, which is still to be run, and the address to connect to.
+
+    Raises:
+        RobotError: KG840 when pybullet or OpenCV is not installed, KG814 when the port is taken, KG801 and KG802 for an
+            address where there is no system.
+    """
+    async with AsyncExitStack() as stack:
+        address = await stack.enter_async_context(_system(choice))
+        ros = 1 if urlsplit(address).scheme == "ros1" else 2
+        if choice.told and ros == 1:
+            await stack.enter_async_context(_told(address))
+        if choice.told and ros > 1:
+            address = f"{address}?clock=simulated"
+        simulation = at_address(
+            choice.world,
+            address,
+            ros=ros,
+            speed=choice.speed,
+            seed=choice.seed,
+            told=choice.told,
+            start=choice.start,
+        )
+        await stack.enter_async_context(simulation)
+        yield simulation, address
+
+
+async def _run(simulation: Simulation, seconds: float | None) -> None:
+    async def lost() -> None:
+        raise RobotError("KG803", f"the simulation has lost its system: {await simulation.stage.wait_lost()}")
+
+    await first(simulation.run(seconds), lost())
+
+
+@asynccontextmanager
+async def _system(choice: Choice) -> AsyncIterator[str]:
+    """Yield the address of a system for the robot."""
+    if choice.address:
+        yield choice.address
+    elif choice.ros2:
+        known = default_address()
+        yield known if known.startswith("dds") else f"dds://{os.environ.get('ROS_DOMAIN_ID') or 0}"
+    else:
+        async with Master(port=choice.port) as master:
+            yield master.address
+
+
+@asynccontextmanager
+async def _told(address: str) -> AsyncIterator[None]:
+    """Let nodes that begin at a ROS master meanwhile take their time from `/clock`."""
+    master, name = f"http://{urlsplit(address).netloc}", "/use_sim_time"
+    await ask(master, "setParam", "/kg", name, True)
+    try:
+        yield
+    finally:
+        with suppress(RobotError):  # a master that is gone has forgotten it
+            await ask(master, "deleteParam", "/kg", name)

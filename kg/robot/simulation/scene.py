@@ -1,24 +1,158 @@
-"""The world as pybullet has it: what stands there, what a ray hits, what a camera sees."""
+"""The world as pybullet has it: what stands there, what a ray hits, what a camera sees, and tags by OpenCV's ArUco.
+
+pybullet and OpenCV, the extra `simulate`, are loaded where a simulation begins.
+"""
 
 from __future__ import annotations
 
+import ctypes
 import math
+import os
+import sys
 import tempfile
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from kg.robot.simulation.loading import physics
-from kg.robot.simulation.tags import BORDER, picture_of
+from kg.errors import RobotError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from kg.robot.simulation.plan import Plan, TagPlace
 
-__all__ = ["Camera", "Scene", "Vector"]
+__all__ = ["Camera", "Scene", "Sighting", "Vector", "find_tags"]
+
+
+_STREAMS: Final = (1, 2)
+
+
+def physics() -> Any:
+    """Return a new physics server of pybullet without a window; RobotError KG840 when pybullet is not installed."""
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    with _silence():
+        bullet = _loaded("pybullet")
+        return _loaded("pybullet_utils.bullet_client").BulletClient(bullet.DIRECT)
+
+
+def opencv() -> Any:
+    """Return OpenCV with its dictionaries of tags; RobotError KG840 when it is not installed."""
+    return _loaded("cv2")
+
+
+def _loaded(module: str) -> Any:
+    try:
+        return import_module(module)
+    except ImportError:
+        name = "opencv-python-headless" if module == "cv2" else "pybullet"
+        hint = "Install the extra: pip install 'kg-ros[simulate]'"
+        raise RobotError("KG840", f"the simulation needs {name}, which is not installed", hint=hint) from None
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep the greetings of pybullet's C code from the terminal, and off stdout, which is for data."""
+    flush = ctypes.CDLL(None).fflush
+    kept = [os.dup(stream) for stream in _STREAMS]
+    nothing = os.open(os.devnull, os.O_WRONLY)
+    try:
+        flush(None)
+        for stream in _STREAMS:
+            os.dup2(nothing, stream)
+        yield
+    finally:
+        flush(None)
+        for stream, copy in zip(_STREAMS, kept, strict=True):
+            os.dup2(copy, stream)
+            os.close(copy)
+        os.close(nothing)
+
+
+BORDER: Final = 1 / 6
+"""The white margin beside the black square, as a share of its edge: one cell of the dictionary."""
+
+_CELLS: Final = 6
+_PIXELS: Final = 32
+_LARGER: Final = 3
+"""Pictures are enlarged so much before tags are looked for, since cells of two pixels are lost otherwise."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """A tag that is seen: its position in metres in the optical frame (right, down, ahead) and its orientation."""
+
+    id: int
+    position: tuple[float, float, float]
+    orientation: tuple[float, float, float, float]
+
+
+def picture_of(tag: int) -> bytes:
+    """Return a PNG of a tag with its margin."""
+    cv = opencv()
+    square = cv.aruco.generateImageMarker(_dictionary(), tag, _CELLS * _PIXELS, borderBits=1)
+    framed = cv.copyMakeBorder(square, *[_PIXELS] * 4, cv.BORDER_CONSTANT, value=255)
+    return bytes(cv.imencode(".png", cv.cvtColor(framed, cv.COLOR_GRAY2BGR))[1])
+
+
+def find_tags(pixels: np.ndarray[Any, Any], matrix: Sequence[float], size: float) -> list[Sighting]:
+    """Return the tags in a picture, the nearest first.
+
+    Args:
+        pixels: rows of red, green and blue.
+        matrix: the camera's K, row by row.
+        size: the edge of the black square of every tag, in metres.
+    """
+    cv = opencv()
+    gray = cv.cvtColor(pixels, cv.COLOR_RGB2GRAY)
+    large = cv.resize(gray, None, fx=_LARGER, fy=_LARGER, interpolation=cv.INTER_CUBIC)
+    corners, numbers, _ = _detector().detectMarkers(large)
+    if numbers is None:
+        return []
+    inner = np.array(matrix, dtype=np.float64).reshape(3, 3)
+    found = [
+        _sighting(int(tag), (four.reshape(4, 2) + 0.5) / _LARGER, inner, size)
+        for tag, four in zip(numbers.flatten(), corners, strict=True)
+    ]
+    return sorted(found, key=lambda one: one.position[2])
+
+
+def _sighting(tag: int, corners: np.ndarray[Any, Any], matrix: np.ndarray[Any, Any], size: float) -> Sighting:
+    cv = opencv()
+    half = size / 2
+    square = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)], dtype=np.float64)
+    _, turn, shift = cv.solvePnP(square, corners.astype(np.float64), matrix, None, flags=cv.SOLVEPNP_IPPE_SQUARE)
+    x, y, z = (float(one) for one in shift.flatten())
+    return Sighting(tag, (x, y, z), _quaternion(turn.flatten()))
+
+
+def _quaternion(vector: np.ndarray[Any, Any]) -> tuple[float, float, float, float]:
+    angle = float(np.linalg.norm(vector))
+    axis = vector / angle if angle else vector
+    x, y, z = (float(one) * float(np.sin(angle / 2)) for one in axis)
+    return x, y, z, float(np.cos(angle / 2))
+
+
+@cache
+def _dictionary() -> Any:
+    cv = opencv()
+    return cv.aruco.getPredefinedDictionary(cv.aruco.DICT_4X4_50)
+
+
+@cache
+def _detector() -> Any:
+    cv = opencv()
+    settings = cv.aruco.DetectorParameters()
+    settings.adaptiveThreshWinSizeMin = 23
+    settings.adaptiveThreshWinSizeMax = 43
+    settings.adaptiveThreshWinSizeStep = 20
+    return cv.aruco.ArucoDetector(_dictionary(), settings)
+
 
 Vector = tuple[float, float, float]
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import time
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from kg.errors import RobotError
-from kg.robot.simulation.pose import Pose, quaternion_of
+from kg.robot.clock import stamp
+from kg.robot.simulation.robots import Pose, quaternion_of
 from kg.robot.tasks import ended, outcome, report, spawn
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     Join: TypeAlias = Callable[[str], Awaitable[Connection]]
 
-__all__ = ["Join", "Node", "Stage", "point", "posed", "stamped"]
+__all__ = ["Join", "Node", "Stage", "point", "posed"]
 
 
 @dataclass(slots=True)
@@ -68,7 +68,7 @@ class Stage:
 
     def stamp(self) -> dict[str, int]:
         """Return the time as a message has it."""
-        return stamped(self.world.time if self.simulated else time.time())
+        return stamp(self.world.time if self.simulated else time.time())
 
     def header(self, frame: str) -> Value:
         """Return a `std_msgs/Header` of now."""
@@ -132,12 +132,6 @@ class Node:
         """Leave the graph."""
         await ended(*self._hearing)
         await self.connection.aclose()
-
-
-def stamped(seconds: float) -> dict[str, int]:
-    """Return seconds as `{"sec": ..., "nanosec": ...}`."""
-    whole = math.floor(seconds)
-    return {"sec": whole, "nanosec": min(999_999_999, round((seconds - whole) * 1e9))}
 
 
 def point(x: float, y: float, z: float = 0.0) -> Value:

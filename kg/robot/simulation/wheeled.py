@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
-from kg.robot.simulation.pose import Pose, wrapped
-from kg.robot.simulation.robots import Battery, Command, approached
+from kg.robot.simulation.robots import Battery, Command, Pose, approached, wrapped
 from kg.robot.simulation.scene import Camera
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from kg.robot.simulation.plan import Place
-    from kg.robot.simulation.pose import Pose
+    from kg.robot.simulation.robots import Pose
 
 __all__ = ["World"]
 

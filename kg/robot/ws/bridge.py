@@ -1,68 +1,120 @@
-"""What a protocol of a bridge does for a connection."""
+"""What both protocols of bridges share: the version of ROS, calls that wait for an answer, the graph that was told."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+import asyncio
+import json
+import struct
+from itertools import count
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.connecting import of_robot
+from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
+from kg.robot.messages import Types
+from kg.robot.ros1.graph import fold
+from kg.robot.ros2.graph import computation_graph
+from kg.robot.ros2.middleware import Neighbourhood
+from kg.robot.ros2.names import family
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Iterable
 
-    from kg.errors import RobotError
-    from kg.robot.connection import ComputationGraph, Value
-    from kg.robot.messages import Types
+    from kg.robot.connection import Value
 
-__all__ = ["Bridge", "Deliver", "Send"]
+__all__ = ["Bridge", "Send"]
 
 Send: TypeAlias = "Callable[[str | bytes], Awaitable[None]]"
 """Sends a text or bytes to the server."""
-Deliver: TypeAlias = "Callable[[str, Value], None]"
-"""Takes a message of a topic."""
 
 
-class Bridge(Protocol):
-    """One side of a protocol; all of it is called in the event loop."""
+class Bridge:
+    """One side of a protocol; all of it is called in the event loop.
 
-    deliver: Deliver
-    """Gets the messages of topics that are listened to; set by the connection."""
-    changed: Callable[[], None]
-    """Is called when the graph has changed; set by the connection."""
+    `deliver` gets the messages of topics that are listened to, `changed` is called when the graph has changed; both are
+    set by the connection.
+    """
+
+    def __init__(self, send: Send, types: Types | None) -> None:
+        self.deliver: Callable[[str, Value], None] = lambda _topic, _value: None
+        self.changed: Callable[[], None] = lambda: None
+        self._send = send
+        self._given = types
+        self._types: Types | None = None
+        self._listening: dict[str, str] = {}
+        self._calls: dict[str, asyncio.Future[Any]] = {}
+        self._problems: dict[GraphProblem, None] = {}
+        self._numbers = count(1)
 
     @property
     def types(self) -> Types:
         """The types of messages that are known; there once `begin` has returned."""
+        assert self._types is not None  # noqa: S101 - `begin` has come to its end
+        return self._types
 
-    async def begin(self) -> None:
-        """Return when the version of ROS and the graph are known; RobotError KG802 for what bridges no ROS."""
+    def _bridges(self, ros: int) -> None:
+        """Note which version of ROS is bridged."""
+        self._types = self._given if self._given and self._given.ros == ros else Types(ros)
 
-    def take(self, message: str | bytes) -> None:
-        """Take what the server has sent; RobotError KG810 where that breaks the protocol."""
+    def _full(self, kind: str) -> str:
+        """Return the name that the version of ROS gives a type: `package/msg/Type` in ROS 2."""
+        package, _, name = kind.partition("/")
+        return kind if self.types.ros == 1 else f"{package}/{family(kind)}/{name}"
 
-    def graph(self) -> ComputationGraph:
-        """Return the graph that was told last, the bridge's own node included."""
+    async def _tell(self, op: str, **fields: Any) -> None:
+        await self._send(json.dumps({"op": op, **fields}))
 
-    async def know(self, topic: str, kind: str | None) -> str:
-        """Return the type of a topic that is to be read, and learn it; RobotError KG804 or KG806."""
+    async def _answered(self, number: object, asking: Awaitable[None]) -> Any:
+        """Ask something, and return what is answered under a number; the error that it failed with is raised."""
+        waiting = self._calls[str(number)] = asyncio.get_running_loop().create_future()
+        try:
+            await asking
+            return await waiting
+        finally:
+            del self._calls[str(number)]
 
-    async def listen(self, topic: str, kind: str) -> None:
-        """Have the messages of a topic delivered, also of publishers that come later; until it is cancelled."""
-
-    async def leave(self, topic: str) -> None:
-        """Have them delivered no more."""
-
-    async def offer(self, topic: str, kind: str, *, latch: bool) -> None:
-        """Offer a topic; RobotError KG852 where the bridge takes no messages, KG804 for an unknown type."""
-
-    async def send(self, topic: str, kind: str, value: Value) -> None:
-        """Send a message to a topic that is offered; RobotError KG805 for a value that does not fit."""
-
-    async def withdraw(self, topic: str) -> None:
-        """Offer a topic no more."""
-
-    async def call(self, service: str, kind: str | None, request: Value) -> Value:
-        """Call a service; RobotError KG806, KG807, KG808."""
-
-    def hears(self, topic: str) -> int:
-        """Return how many nodes subscribe to a topic, as far as the bridge tells; 1 where it does not."""
+    def _answer(self, number: object, answer: Any) -> None:
+        """Give the answer, or an error, to who waits for it, if anybody does."""
+        waiting = self._calls.get(str(number))
+        if waiting is not None and not waiting.done():
+            if isinstance(answer, RobotError):
+                waiting.set_exception(answer)
+            else:
+                waiting.set_result(answer)
 
     def lose(self, error: RobotError) -> None:
         """Let calls fail that wait for an answer."""
+        for number in self._calls:
+            self._answer(number, error)
+
+    def take(self, message: str | bytes) -> None:
+        """Take what the server has sent; RobotError KG810 where that breaks the protocol."""
+        try:
+            self._take(message)
+        except (AttributeError, KeyError, TypeError, ValueError, struct.error) as error:
+            raise RobotError("KG810", f"a message cannot be read: {error!r}") from None
+
+    def _take(self, message: str | bytes) -> None:
+        raise NotImplementedError
+
+    def _report(self, problem: GraphProblem) -> None:
+        if problem not in self._problems:
+            self._problems[problem] = None
+            self.changed()
+
+    def graph(self) -> ComputationGraph:
+        """Return the graph that was told last, the bridge's own node included."""
+        raise NotImplementedError
+
+    def _told(self, nodes: Iterable[LiveNode], ends: Iterable[LiveEnd]) -> ComputationGraph:
+        """Return the graph of these nodes and ends, with actions in the place of what they consist of."""
+        told = Neighbourhood(tuple(nodes), tuple(ends), tuple(self._problems))
+        if self.types.ros == 2:  # noqa: PLR2004 - the version
+            return computation_graph(told, complete=True)
+        ordered = sorted(fold(told.ends), key=lambda one: (one.name, one.role, one.node, one.type or ""))
+        return ComputationGraph(1, told.nodes, tuple(ordered), tuple(sorted(told.problems)))
+
+    def hears(self, topic: str) -> int:
+        """Return how many nodes subscribe to a topic, as far as the bridge tells."""
+        return sum(one.name == topic and one.role is Role.SUBSCRIBES for one in of_robot(self.graph()).ends)

@@ -10,11 +10,11 @@ from websockets.exceptions import ConnectionClosed
 
 from kg.errors import RobotError
 from kg.robot.clock import WallClock
+from kg.robot.connecting import of_robot
 from kg.robot.connection import Received
-from kg.robot.inbox import Inbox
-from kg.robot.infrastructure import of_robot
+from kg.robot.inbox import Changes, Inbox
 from kg.robot.lifecycle import States
-from kg.robot.tasks import Tasks, ended, spawn
+from kg.robot.tasks import Tasks, ended, first, spawn
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Coroutine
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from kg.robot.clock import Clock
     from kg.robot.connection import ComputationGraph, Value
     from kg.robot.messages import Types
-    from kg.robot.ws.bridge import Bridge
+    from kg.robot.ws.foxglove import Foxglove
+    from kg.robot.ws.rosbridge import Rosbridge
 
 __all__ = ["BridgeConnection"]
 
@@ -32,31 +33,30 @@ __all__ = ["BridgeConnection"]
 class BridgeConnection:
     """A client of a bridge; `connect` makes it. It counts nodes of bridges as its own: they are in no graph."""
 
-    def __init__(self, socket: ClientConnection, bridge: Bridge, address: str, name: str) -> None:
+    def __init__(self, socket: ClientConnection, bridge: Foxglove | Rosbridge, address: str, name: str) -> None:
         self.address = address
         self.name = name
         self._socket = socket
         self._bridge = bridge
-        self._clock = WallClock()
+        self.clock: Clock = WallClock()  # bridges tell none
         self._inboxes: dict[str, list[Inbox[Received]]] = {}
         self._offered: dict[str, _Publication] = {}
-        self._watchers: set[asyncio.Event] = set()
+        self._changes = Changes()
         self._lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         self._listening: dict[str, asyncio.Task[None]] = {}
         self._tasks = Tasks()
         self._closed = False
-        self._states = States(self, self._changed)
-        bridge.deliver, bridge.changed = self._deliver, self._changed
+        self._states = States(self, self._changes.tell)
+        bridge.deliver, bridge.changed = self._deliver, self._changes.tell
         self._receiving = spawn(self._receive(), f"receiving from {address}")
 
     async def begin(self) -> None:
         """Return when the bridge has told what there is; RobotError KG802 for what bridges no ROS, or has gone."""
-        beginning = asyncio.ensure_future(self._bridge.begin())
-        await asyncio.wait((beginning, self._lost), return_when=asyncio.FIRST_COMPLETED)
-        if not beginning.done():
-            await ended(beginning)
-            raise RobotError("KG802", f"{self.address} {self._lost.result()}")
-        beginning.result()
+
+        async def lost() -> None:
+            raise RobotError("KG802", f"{self.address} {await self.wait_lost()}")
+
+        await first(self._bridge.begin(), lost())
 
     @property
     def ros(self) -> int:
@@ -67,11 +67,6 @@ class BridgeConnection:
     def types(self) -> Types:
         """The types of messages that are known."""
         return self._bridge.types
-
-    @property
-    def clock(self) -> Clock:
-        """The time of this machine: bridges tell none."""
-        return self._clock
 
     async def _receive(self) -> None:
         why = "has closed the connection"
@@ -91,16 +86,12 @@ class BridgeConnection:
         self._bridge.lose(RobotError("KG803", f"the bridge at {self.address} {why}"))
         for inbox in [one for each in self._inboxes.values() for one in each]:
             inbox.end()
-        self._changed()
+        self._changes.tell()
 
     def _present(self) -> None:
         if self._closed or self._lost.done():
             why = self._lost.result() if self._lost.done() and not self._closed else "is not connected any more"
             raise RobotError("KG803", f"the bridge at {self.address} {why}")
-
-    def _changed(self) -> None:
-        for one in self._watchers:
-            one.set()
 
     async def graph(self) -> ComputationGraph:
         """Return the computation graph without nodes of bridges; RobotError KG802 when the bridge is lost."""
@@ -113,20 +104,9 @@ class BridgeConnection:
     def _now(self) -> ComputationGraph:
         return self._states.of(of_robot(self._bridge.graph()))
 
-    async def changes(self) -> AsyncIterator[ComputationGraph]:
+    def changes(self) -> AsyncIterator[ComputationGraph]:
         """Yield the graph as it is, and again each time that it has changed; it ends with the connection."""
-        news = asyncio.Event()
-        self._watchers.add(news)
-        last: ComputationGraph | None = None
-        try:
-            while not self._closed and not self._lost.done():
-                news.clear()
-                if (now := self._now()) != last:
-                    yield now
-                    last = now
-                await news.wait()
-        finally:
-            self._watchers.discard(news)
+        return self._changes.values(lambda: None if self._closed or self._lost.done() else self._now())
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Inbox[Received]:
         """Receive the messages of a topic; RobotError KG804 or KG806 as every connection.
@@ -154,7 +134,7 @@ class BridgeConnection:
 
     def _deliver(self, topic: str, value: Value) -> None:
         for inbox in self._inboxes.get(topic, ()):
-            inbox.put(Received(value, self._clock.now()))
+            inbox.put(Received(value, self.clock.now()))
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> _Publication:
         """Offer a topic; RobotError KG804 for an unknown type, KG852 where the bridge takes no messages."""

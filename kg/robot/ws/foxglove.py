@@ -9,7 +9,6 @@ import asyncio
 import json
 import struct
 from contextlib import suppress
-from itertools import count
 from typing import TYPE_CHECKING, Any, Final
 
 from websockets.typing import Subprotocol
@@ -17,19 +16,13 @@ from websockets.typing import Subprotocol
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
-from kg.robot.infrastructure import of_robot
-from kg.robot.messages import Types
-from kg.robot.messages.foreign import learn, short
-from kg.robot.ros1.folding import fold
-from kg.robot.ros2.graph import computation_graph
-from kg.robot.ros2.middleware import Neighbourhood
-from kg.robot.ros2.names import family
+from kg.robot.messages.types import learn, short
+from kg.robot.ws.bridge import Bridge
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from kg.robot.connection import Value
-    from kg.robot.ws.bridge import Deliver, Send
+    from kg.robot.messages import Types
+    from kg.robot.ws.bridge import Send
 
 __all__ = ["SUBPROTOCOLS", "UNKNOWN", "Foxglove"]
 
@@ -50,32 +43,18 @@ _QUIET: Final = 0.3
 """Seconds without news after which what there is counts as told: the protocol does not say."""
 
 
-class Foxglove:
+class Foxglove(Bridge):
     """A client of `foxglove_bridge`, or of another server that offers topics of ROS."""
 
     def __init__(self, send: Send, types: Types | None) -> None:
-        self.deliver: Deliver = lambda _topic, _value: None
-        self.changed: Callable[[], None] = lambda: None
-        self._send = send
-        self._given = types
-        self._types: Types | None = None
+        super().__init__(send, types)
         self._capabilities: set[str] = set()
         self._channels: dict[int, dict[str, Any]] = {}
         self._services: dict[int, dict[str, Any]] = {}
-        self._told: dict[tuple[Role, str], tuple[str, ...]] = {}
-        self._listening: dict[str, str] = {}
+        self._ends: dict[tuple[Role, str], tuple[str, ...]] = {}
         self._topics: dict[int, str] = {}
         self._offered: dict[str, int] = {}
-        self._calls: dict[int, tuple[asyncio.Future[Value], str]] = {}
-        self._problems: dict[GraphProblem, None] = {}
-        self._numbers = count(1)
         self._news = asyncio.Event()
-
-    @property
-    def types(self) -> Types:
-        """The types of the version of ROS that is bridged."""
-        assert self._types is not None  # noqa: S101 - `begin` has come to its end
-        return self._types
 
     async def begin(self) -> None:
         """Return when it is known what is bridged; RobotError KG802 where that is no ROS."""
@@ -93,18 +72,11 @@ class Foxglove:
         self._news.clear()
         await self._news.wait()
 
-    async def _tell(self, op: str, **fields: Any) -> None:
-        await self._send(json.dumps({"op": op, **fields}))
-
-    def take(self, message: str | bytes) -> None:
-        """Take what the server has sent; RobotError KG810 where that breaks the protocol."""
-        try:
-            if isinstance(message, bytes):
-                self._take_bytes(message)
-            else:
-                self._take_object(json.loads(message))
-        except (AttributeError, KeyError, TypeError, ValueError, struct.error) as error:
-            raise RobotError("KG810", f"a message cannot be read: {error!r}") from None
+    def _take(self, message: str | bytes) -> None:
+        if isinstance(message, bytes):
+            self._take_bytes(message)
+        else:
+            self._take_object(json.loads(message))
 
     def _take_object(self, told: dict[str, Any]) -> None:
         match told["op"]:
@@ -136,18 +108,17 @@ class Foxglove:
         """Learn the version of ROS: that of the first encoding that is one of ROS."""
         for one in encodings:
             if self._types is None and one in _ENCODINGS:
-                given = self._given
-                self._types = given if given and given.ros == _ENCODINGS[one] else Types(_ENCODINGS[one])
+                self._bridges(_ENCODINGS[one])
 
     def _take_graph(self, told: dict[str, Any]) -> None:
         for key, (field, role) in _GRAPH.items():
             for one in told.get(key, ()):
-                self._told[role, one["name"]] = tuple(one[field])
+                self._ends[role, one["name"]] = tuple(one[field])
         for name in told.get("removedTopics", ()):
-            self._told.pop((Role.PUBLISHES, name), None)
-            self._told.pop((Role.SUBSCRIBES, name), None)
+            self._ends.pop((Role.PUBLISHES, name), None)
+            self._ends.pop((Role.SUBSCRIBES, name), None)
         for name in told.get("removedServices", ()):
-            self._told.pop((Role.SERVICES, name), None)
+            self._ends.pop((Role.SERVICES, name), None)
 
     def _take_bytes(self, content: bytes) -> None:
         if content[0] == 1:
@@ -167,30 +138,11 @@ class Foxglove:
             return
         self.deliver(topic, value)
 
-    def _answer(self, call: int, answer: bytes | RobotError) -> None:
-        waiting, kind = self._calls.pop(call, (None, ""))
-        if waiting is None or waiting.done():
-            return
-        try:
-            waiting.set_result(self._response(kind, answer))
-        except RobotError as error:
-            waiting.set_exception(error)
-
-    def _response(self, kind: str, answer: bytes | RobotError) -> Value:
-        if isinstance(answer, RobotError):
-            raise answer
-        return self.types.decode(f"{kind}_Response", answer)
-
-    def _report(self, problem: GraphProblem) -> None:
-        if problem not in self._problems:
-            self._problems[problem] = None
-            self.changed()
-
     def graph(self) -> ComputationGraph:
         """Return the graph that was told last; without one, a node stands for all that publish and serve."""
         ends = [
             LiveEnd(node, role, name, self._kind(role, name))
-            for (role, name), nodes in self._told.items()
+            for (role, name), nodes in self._ends.items()
             for node in nodes
         ]
         if "connectionGraph" not in self._capabilities:
@@ -199,12 +151,7 @@ class Foxglove:
             services = {one["name"] for one in self._services.values()}
             ends += [LiveEnd(UNKNOWN, Role.SERVICES, one, self._kind(Role.SERVICES, one)) for one in services]
         names = sorted({one.node for one in ends})
-        nodes = tuple(LiveNode(one, None, _UNNAMED if one == UNKNOWN else None) for one in names)
-        problems = tuple(self._problems)
-        if self.types.ros == 2:  # noqa: PLR2004 - the version
-            return computation_graph(Neighbourhood(nodes, tuple(ends), problems), complete=True)
-        ordered = sorted(fold(ends), key=lambda one: (one.name, one.role, one.node, one.type or ""))
-        return ComputationGraph(1, nodes, tuple(ordered), tuple(sorted(problems)))
+        return self._told((LiveNode(one, None, _UNNAMED if one == UNKNOWN else None) for one in names), ends)
 
     def _kind(self, role: Role, name: str) -> str | None:
         if role is Role.SERVICES:
@@ -254,10 +201,8 @@ class Foxglove:
         if "clientPublish" not in self._capabilities:
             raise RobotError("KG852", f"the bridge takes no messages, so that `{topic}` cannot be published")
         number = self._offered[topic] = next(self._numbers)
-        package, _, name = kind.partition("/")
-        one, two = ("ros1", kind), ("cdr", f"{package}/{family(kind)}/{name}")
-        encoding, full = one if self.types.ros == 1 else two
-        channel = {"id": number, "topic": topic, "encoding": encoding, "schemaName": full}
+        encoding = "ros1" if self.types.ros == 1 else "cdr"
+        channel = {"id": number, "topic": topic, "encoding": encoding, "schemaName": self._full(kind)}
         await self._tell("advertise", channels=[channel])
 
     async def send(self, topic: str, kind: str, value: Value) -> None:
@@ -283,24 +228,16 @@ class Foxglove:
         content = self.types.encode(f"{told}_Request", request)
         encoding = b"ros1" if self.types.ros == 1 else b"cdr"
         number = next(self._numbers)
-        waiting: asyncio.Future[Value] = asyncio.get_running_loop().create_future()
-        self._calls[number] = waiting, told
-        try:
-            await self._send(_CALL.pack(2, found["id"], number, len(encoding)) + encoding + content)
-            return await waiting
-        finally:
-            self._calls.pop(number, None)
+        asking = self._send(_CALL.pack(2, found["id"], number, len(encoding)) + encoding + content)
+        return self.types.decode(f"{told}_Response", await self._answered(number, asking))
 
     def hears(self, topic: str) -> int:
         """Return how many nodes subscribe to a topic, 1 where the server does not tell."""
         if "connectionGraph" not in self._capabilities:
             return 1
-        ends = of_robot(self.graph()).ends
-        return sum(one.name == topic and one.role is Role.SUBSCRIBES for one in ends)
+        return super().hears(topic)
 
     def lose(self, error: RobotError) -> None:
-        """Let calls fail that wait."""
-        for waiting, _ in self._calls.values():
-            if not waiting.done():
-                waiting.set_exception(error)
+        """Let calls fail that wait, and look whether something is there no more."""
+        super().lose(error)
         self._news.set()

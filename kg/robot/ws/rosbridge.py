@@ -1,35 +1,92 @@
 """The protocol of rosbridge, version 2, as a client (rosbridge_suite, ROSBRIDGE_PROTOCOL.md), in JSON.
 
-Which nodes, topics and types there are, services of the node `rosapi` tell, which runs beside the bridge.
+Which nodes, topics and types there are, services of the node `rosapi` tell, which runs beside the bridge. In messages
+arrays of bytes are texts in base64, numbers that are not finite are null, times of ROS 1 have `secs` and `nsecs`
+(`message_conversion.py`).
 """
 
 from __future__ import annotations
 
 import asyncio
 import json
-from itertools import count
+import math
+from base64 import b64decode, b64encode
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
-from kg.robot.infrastructure import of_robot
-from kg.robot.messages import Types
-from kg.robot.messages.foreign import learn, short
-from kg.robot.ros1.folding import fold
-from kg.robot.ros2.graph import computation_graph
-from kg.robot.ros2.middleware import Neighbourhood
-from kg.robot.ros2.names import family
+from kg.robot.messages.types import learn, short
 from kg.robot.tasks import spawn
-from kg.robot.ws.json_values import from_json, to_json
+from kg.robot.ws.bridge import Bridge
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from kg.robot.connection import Value
-    from kg.robot.ws.bridge import Deliver, Send
+    from kg.robot.messages import Field, Types
+    from kg.robot.ws.bridge import Send
 
-__all__ = ["Rosbridge"]
+__all__ = ["Rosbridge", "from_json", "to_json"]
+
+
+_TIMES: Final = {"builtin_interfaces/Time", "builtin_interfaces/Duration"}
+_BYTES: Final = {"uint8", "char", "octet"}
+_SECONDS: Final = {1: ("secs", "nsecs"), 2: ("sec", "nanosec")}
+
+
+def from_json(types: Types, kind: str, told: Any) -> Value:
+    """Return the value of a message, whole; RobotError KG805 for what is none of that type, KG804 for no type."""
+    return types.complete(kind, _read(types, kind, told))
+
+
+def _read(types: Types, kind: str, told: Any) -> Any:
+    if not isinstance(told, dict):
+        return told  # which `complete` refuses, with the field
+    if kind in _TIMES:
+        names = _SECONDS[1] if "secs" in told else _SECONDS[2]
+        return {new: told.get(old, 0) for new, old in zip(_SECONDS[2], names, strict=True)}
+    fields = {one.name: one for one in types.fields(kind)}
+    return {name: _read_field(types, fields[name], one) if name in fields else one for name, one in told.items()}
+
+
+def _read_field(types: Types, field: Field, told: Any) -> Any:
+    if field.length is None:
+        return _read_one(types, field, told)
+    if field.type in _BYTES and isinstance(told, str):
+        return b64decode(told, validate=True)
+    return [_read_one(types, field, one) for one in told] if isinstance(told, list) else told
+
+
+def _read_one(types: Types, field: Field, told: Any) -> Any:
+    if field.is_message:
+        return _read(types, field.type, told)
+    return math.nan if told is None and field.type.startswith("float") else told
+
+
+def to_json(types: Types, kind: str, value: Value) -> dict[str, Any]:
+    """Return the object of a message, whole; RobotError KG805 and KG804 as `Types.complete`."""
+    written: dict[str, Any] = _write(types, kind, types.complete(kind, value))
+    return written
+
+
+def _write(types: Types, kind: str, value: Value) -> Any:
+    if kind in _TIMES:
+        return dict(zip(_SECONDS[types.ros], (value["sec"], value["nanosec"]), strict=True))
+    return {one.name: _write_field(types, one, value[one.name]) for one in types.fields(kind)}
+
+
+def _write_field(types: Types, field: Field, value: Any) -> Any:
+    if isinstance(value, bytes):
+        return b64encode(value).decode()
+    if field.length is not None:
+        return [_write_one(types, field, one) for one in value]
+    return _write_one(types, field, value)
+
+
+def _write_one(types: Types, field: Field, value: Any) -> Any:
+    if field.is_message:
+        return _write(types, field.type, value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
 
 _PERIOD: Final = 1.0
 """Seconds between two questions which nodes, topics and services there are."""
@@ -40,31 +97,17 @@ _FAILED: Final = "# failed"
 _FIELDS: Final = {"publishing": Role.PUBLISHES, "subscribing": Role.SUBSCRIBES, "services": Role.SERVICES}
 
 
-class Rosbridge:
+class Rosbridge(Bridge):
     """A client of `rosbridge_server`, or of another server of the protocol."""
 
     def __init__(self, send: Send, types: Types | None) -> None:
-        self.deliver: Deliver = lambda _topic, _value: None
-        self.changed: Callable[[], None] = lambda: None
-        self._send = send
-        self._given = types
-        self._types: Types | None = None
+        super().__init__(send, types)
         self._topics: dict[str, str] = {}
         self._services: dict[str, str] = {}
         self._nodes: dict[str, dict[str, list[str]]] = {}
-        self._listening: dict[str, str] = {}
         self._latched: dict[str, bool] = {}
         self._texts: dict[str, str] = {}
-        self._calls: dict[str, asyncio.Future[Any]] = {}
-        self._problems: dict[GraphProblem, None] = {}
-        self._numbers = count(1)
         self._polling: asyncio.Task[None] | None = None
-
-    @property
-    def types(self) -> Types:
-        """The types of the version of ROS that is bridged."""
-        assert self._types is not None  # noqa: S101 - `begin` has come to its end
-        return self._types
 
     async def begin(self) -> None:
         """Return when the graph is known; RobotError KG802 where no `rosapi` answers."""
@@ -90,8 +133,7 @@ class Rosbridge:
         """Ask what there is; tell whether it has changed."""
         topics, nodes, services = await asyncio.gather(self._api("topics"), self._api("nodes"), self._api("services"))
         if self._types is None:
-            ros = 2 if any("/msg/" in one for one in topics["types"]) else 1
-            self._types = self._given if self._given and self._given.ros == ros else Types(ros)
+            self._bridges(2 if any("/msg/" in one for one in topics["types"]) else 1)
         before = self._topics, self._services, self._nodes
         self._topics = dict(zip(topics["topics"], map(short, topics["types"]), strict=True))
         names, offered = set(nodes["nodes"]), set(services["services"])
@@ -114,29 +156,21 @@ class Rosbridge:
     async def _ask(self, service: str, arguments: dict[str, Any]) -> Any:
         """Return what a service answers, as it is; RobotError KG808 with its words where it fails."""
         number = f"call:{next(self._numbers)}"
-        waiting = self._calls[number] = asyncio.get_running_loop().create_future()
-        try:
-            await self._tell("call_service", id=number, service=service, args=arguments)
-            return await waiting
-        finally:
-            del self._calls[number]
+        asking = self._tell("call_service", id=number, service=service, args=arguments)
+        return await self._answered(number, asking)
 
-    async def _tell(self, op: str, **fields: Any) -> None:
-        await self._send(json.dumps({"op": op, **fields}))
-
-    def take(self, message: str | bytes) -> None:
-        """Take what the server has sent; RobotError KG810 where that breaks the protocol."""
-        try:
-            told = json.loads(message)
-            match told["op"]:
-                case "publish" if told["topic"] in self._listening:
-                    self._take_message(told["topic"], told["msg"])
-                case "service_response":
-                    self._answer(told)
-                case "status" if told.get("level") == "error":
-                    self._report(GraphProblem("KG810", "the bridge", str(told.get("msg"))[:500]))
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise RobotError("KG810", f"a message cannot be read: {error!r}") from None
+    def _take(self, message: str | bytes) -> None:
+        told = json.loads(message)
+        match told["op"]:
+            case "publish" if told["topic"] in self._listening:
+                self._take_message(told["topic"], told["msg"])
+            case "service_response" if told.get("result", True):
+                self._answer(told.get("id"), told.get("values"))
+            case "service_response":
+                why = f"`{told.get('service')}` failed: {told.get('values')}"
+                self._answer(told.get("id"), RobotError("KG808", why))
+            case "status" if told.get("level") == "error":
+                self._report(GraphProblem("KG810", "the bridge", str(told.get("msg"))[:500]))
 
     def _take_message(self, topic: str, told: Any) -> None:
         try:
@@ -146,20 +180,6 @@ class Rosbridge:
             return
         self.deliver(topic, value)
 
-    def _answer(self, told: dict[str, Any]) -> None:
-        waiting = self._calls.get(str(told.get("id")))
-        if waiting is None or waiting.done():
-            return
-        if told.get("result", True):
-            waiting.set_result(told.get("values"))
-        else:
-            waiting.set_exception(RobotError("KG808", f"`{told.get('service')}` failed: {told.get('values')}"))
-
-    def _report(self, problem: GraphProblem) -> None:
-        if problem not in self._problems:
-            self._problems[problem] = None
-            self.changed()
-
     def graph(self) -> ComputationGraph:
         """Return the graph that rosapi told last."""
         ends = [
@@ -168,12 +188,7 @@ class Rosbridge:
             for field, role in _FIELDS.items()
             for name in dict.fromkeys(told.get(field, ()))
         ]
-        nodes = tuple(LiveNode(one) for one in sorted(self._nodes))
-        problems = tuple(self._problems)
-        if self.types.ros == 2:  # noqa: PLR2004 - the version
-            return computation_graph(Neighbourhood(nodes, tuple(ends), problems), complete=True)
-        ordered = sorted(fold(ends), key=lambda one: (one.name, one.role, one.node, one.type or ""))
-        return ComputationGraph(1, nodes, tuple(ordered), tuple(sorted(problems)))
+        return self._told((LiveNode(one) for one in sorted(self._nodes)), ends)
 
     async def know(self, topic: str, kind: str | None) -> str:
         """Return the type of a topic, and learn it from rosapi."""
@@ -213,10 +228,6 @@ class Rosbridge:
         self._listening.pop(topic, None)
         await self._tell("unsubscribe", id=f"subscribe:{topic}", topic=topic)
 
-    def _full(self, kind: str) -> str:
-        package, _, name = kind.partition("/")
-        return kind if self.types.ros == 1 else f"{package}/{family(kind)}/{name}"
-
     async def offer(self, topic: str, kind: str, *, latch: bool) -> None:
         """Advertise a topic."""
         self._latched[topic] = latch
@@ -241,14 +252,8 @@ class Rosbridge:
         answer = await self._ask(service, to_json(self.types, f"{told}_Request", request))
         return from_json(self.types, f"{told}_Response", answer or {})
 
-    def hears(self, topic: str) -> int:
-        """Return how many nodes subscribe to a topic."""
-        return sum(one.name == topic and one.role is Role.SUBSCRIBES for one in of_robot(self.graph()).ends)
-
     def lose(self, error: RobotError) -> None:
         """Let calls fail that wait, and ask no more."""
         if self._polling is not None:
             self._polling.cancel()
-        for waiting in self._calls.values():
-            if not waiting.done():
-                waiting.set_exception(error)
+        super().lose(error)

@@ -1,29 +1,62 @@
-"""Ends of topics and services over Zenoh; what its threads tell is passed on to the event loop."""
+"""Ends of topics and services over Zenoh, and what is attached to their messages.
+
+What the library's threads tell is passed on to the event loop. Attachments have the number of a message, the time and
+who sent it. Two forms are read: that since version 0.2.4 of rmw_zenoh_cpp, and the one before, which names each part.
+The numbers are little endian; lists and texts have their length before them (`zenoh-ext`).
+"""
 
 from __future__ import annotations
 
 import asyncio
 import hashlib
+import struct
 import time
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import zenoh
 from zenoh import CongestionControl, ConsolidationMode, QueryTarget
 
 from kg.errors import RobotError
 from kg.robot.tasks import Tasks, outcome
-from kg.robot.zenoh.attachments import Attachment
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from zenoh import Query, Reply, Session
 
-__all__ = ["End", "ZenohCaller", "ZenohReader", "ZenohServer", "ZenohWriter", "passing"]
+__all__ = ["Attachment", "ZenohCaller", "ZenohReader", "ZenohServer", "ZenohWriter", "passing"]
+
+
+_GID: Final = 16
+_FORM: Final = struct.Struct("<qqB16s")
+_LABELS: Final = (b"sequence_number", b"source_timestamp", b"source_gid")
+
+
+class Attachment(NamedTuple):
+    """The number of a message, nanoseconds since 1970, and the identity of its sender."""
+
+    number: int
+    time: int
+    sender: bytes
+
+    def write(self) -> bytes:
+        """Return it as it is attached."""
+        return _FORM.pack(self.number, self.time, _GID, self.sender)
+
+    @classmethod
+    def read(cls, content: bytes) -> Attachment:
+        """Return what is attached; ValueError when it is of neither form."""
+        plain = content
+        for label in _LABELS:
+            plain = plain.replace(bytes([len(label)]) + label, b"", 1)
+        if len(plain) != _FORM.size or plain[16] != _GID:
+            raise ValueError(f"{len(content)} bytes are not an attachment of ROS 2")
+        number, time, _, sender = _FORM.unpack(plain)
+        return cls(number, time, sender)
+
 
 _EVER: Final = 30 * 24 * 3600.0
 """Seconds that a request may take: the caller has a deadline of its own, and the result of an action takes its time."""
-_GID: Final = 16
 
 
 def passing(loop: asyncio.AbstractEventLoop, call: Callable[[Any], None]) -> Callable[[Any], None]:

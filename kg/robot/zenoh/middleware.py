@@ -13,8 +13,8 @@ from zenoh import CongestionControl, SampleKind
 from kg.errors import RobotError
 from kg.facts import Qos, Role
 from kg.robot.connection import GraphProblem, LiveEnd, LiveNode
-from kg.robot.ros2.hashes import type_hash
 from kg.robot.ros2.middleware import ANSWERS, Neighbourhood
+from kg.robot.ros2.types import type_hash
 from kg.robot.zenoh.ends import ZenohCaller, ZenohReader, ZenohServer, ZenohWriter, passing
 from kg.robot.zenoh.tokens import NO_HASH, Token, data_key, pattern
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from zenoh import Sample, Session
 
     from kg.robot.messages import Types
+    from kg.robot.ros2.graph import Watch
     from kg.robot.ros2.middleware import Deliver
-    from kg.robot.ros2.watch import Watch
 
 __all__ = ["ZenohMiddleware", "configuration"]
 

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import msgspec
 
 from kg.errors import CATALOGUE, RobotError
-from kg.robot.programs.check import check
-from kg.robot.programs.doubts import doubts
+from kg.robot.programs.check import check, doubts
+from kg.robot.programs.events import place_at
 from kg.robot.programs.parse import parse_with_places
 from kg.robot.programs.places import placed
-from kg.robot.programs.problems import place_at
 from kg.robot.programs.tree import Program
 from kg.robot.programs.write import write
 from kg.server.errors import RequestError
@@ -22,8 +21,8 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
+    from kg.robot.programs.events import Problem
     from kg.robot.programs.places import Places
-    from kg.robot.programs.problems import Problem
 
 __all__ = ["LONGEST", "Robot", "hint_of", "identified", "judged", "told"]
 

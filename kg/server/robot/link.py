@@ -1,32 +1,141 @@
-"""The connection of a server to its robot: made, followed, and made again when it is lost."""
+"""The connection of a server to its robot: made, followed, and made again when it is lost.
+
+Through it come the picture that a simulation publishes of itself, for as long as somebody looks, and proofs of what the
+robot can do, down to the node that was seen, or to the line.
+"""
 
 from __future__ import annotations
 
 import asyncio
 from contextlib import AsyncExitStack
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.capabilities import find
 from kg.robot.capability import Capabilities
-from kg.robot.connecting import connect
+from kg.robot.connecting import connect, of_robot
 from kg.robot.driving import Driver, Watchdog
-from kg.robot.infrastructure import of_robot
 from kg.robot.live import infer
+from kg.robot.live.asking import running
+from kg.robot.live.inference import knowledge, now
 from kg.robot.programs.places import offered, offers, read_places
 from kg.robot.tasks import ended
-from kg.server.robot.ends import failure
-from kg.server.robot.pictures import Picture, has_picture
-from kg.server.robot.proving import Proofs
+from kg.server.robot.listeners import failure
+from kg.views import evidence
+from kg.views.why_tree import Telling
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from kg.errors import KgError
     from kg.robot.connection import ComputationGraph, Connection, GraphProblem
+    from kg.robot.live.asking import Subject
     from kg.robot.programs.places import Places
     from kg.settings import Settings
 
-__all__ = ["Link"]
+__all__ = ["LARGEST", "TOPIC", "Link", "Picture", "Proofs", "has_picture"]
+
+
+TOPIC: Final = "/simulator/view"
+"""Where `kg.robot.simulation` publishes it, which is not imported here because it loads the physics."""
+_KIND: Final = "std_msgs/String"
+LARGEST: Final = 1 << 20
+"""How many characters a picture may have."""
+_FIRST: Final = 5.0
+"""Seconds to wait for the first picture."""
+_UNSEEN: Final = 10.0
+"""Seconds after which nobody looks any more."""
+
+
+def has_picture(graph: ComputationGraph) -> bool:
+    """Tell whether a simulation shows itself in a graph."""
+    return any(one.role is Role.PUBLISHES and (one.name, one.type) == (TOPIC, _KIND) for one in graph.ends)
+
+
+class Picture:
+    """The newest picture; `aclose` before the connection is left."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._newest: asyncio.Future[str] | None = None
+        self._task: asyncio.Task[None] | None = None
+        self._seen = 0.0
+
+    async def newest(self) -> str:
+        """Return the newest picture as SVG; RobotError KG803 when none comes."""
+        self._seen = asyncio.get_running_loop().time()
+        if self._task is None or self._task.done() or self._newest is None:
+            self._newest = asyncio.get_running_loop().create_future()
+            self._task = asyncio.create_task(self._look())
+        newest, looking = self._newest, self._task
+        await asyncio.wait((newest, looking), timeout=_FIRST, return_when=asyncio.FIRST_COMPLETED)
+        if newest.done():
+            return newest.result()
+        error = looking.exception() if looking.done() and not looking.cancelled() else None
+        why = f": {error.message if isinstance(error, RobotError) else error}" if error else ""
+        raise RobotError("KG803", f"the simulation shows no picture{why}") from error
+
+    async def aclose(self) -> None:
+        """Look no more."""
+        if self._task is not None:
+            await ended(self._task)
+
+    async def _look(self) -> None:
+        loop = asyncio.get_running_loop()
+        subscription = await self._connection.subscribe(TOPIC, _KIND, queue=1)
+        try:
+            async for received in subscription:
+                text = received.value["data"]
+                if self._newest is not None and len(text) <= LARGEST:
+                    if self._newest.done():
+                        self._newest = loop.create_future()
+                    self._newest.set_result(text)
+                if loop.time() - self._seen > _UNSEEN:
+                    return
+        finally:
+            await subscription.aclose()
+
+
+class Proofs:
+    """Proofs about the computation graph that was seen last; what they rest on is inferred when somebody asks."""
+
+    def __init__(self, address: str, settings: Settings) -> None:
+        self._address = address
+        self._settings = settings
+        self._graph: ComputationGraph | None = None
+        self._subject: tuple[ComputationGraph, Subject] | None = None
+        """What was inferred last, of which graph."""
+        self._nodes: dict[str, str] = {}
+        self._turn = asyncio.Lock()
+
+    def take(self, graph: ComputationGraph | None) -> None:
+        """Note what is seen from now; None when nothing is."""
+        known, time = self._nodes, now()
+        self._nodes = {node.name: known.get(node.name, time) for node in graph.nodes} if graph else {}
+        self._graph = graph
+
+    async def why(self, name: str) -> dict[str, Any]:
+        """Return `capability`, its name, and `proofs`, a tree as `kg.views.why.why` has it for each node that has it.
+
+        Raises:
+            RobotError: KG818 for what the robot cannot do, KG846 while nothing is seen.
+        """
+        async with self._turn:
+            return await asyncio.to_thread(self._why, name)
+
+    def _why(self, name: str) -> dict[str, Any]:
+        graph, nodes = self._graph, self._nodes
+        if graph is None:
+            raise RobotError("KG846", "no robot is connected, so its capabilities cannot be explained")
+        known = self._subject  # asked for once: meanwhile the loop may take another graph
+        subject = known[1] if known and known[0] is graph else running(graph, self._settings, self._address, nodes)
+        self._subject = graph, subject
+        rules = knowledge(self._settings).rules
+        telling = Telling(subject.view, rules, evidence.Places.of(()), self._settings.base)
+        one = find(subject.capabilities, name)
+        return {"capability": one.name, "proofs": [telling.proof(proof) for proof in subject.why(one.iri)]}
+
 
 _PAUSE: Final = 2.0
 """Seconds until a robot that does not answer is asked again."""

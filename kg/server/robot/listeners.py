@@ -1,4 +1,4 @@
-"""Who looks on: pages that are open, each with what waits to be told to it."""
+"""Who looks on: pages that are open, each with what waits to be told to it; and how work for them ended."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ import secrets
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.errors import KgError
+from kg.robot.tasks import report
+from kg.server.errors import RequestError
+
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-__all__ = ["MOST", "Listener", "Listeners"]
+__all__ = ["MOST", "Listener", "Listeners", "failure"]
+
 
 MOST: Final = 64
 """How many pages may look on at a time."""
@@ -109,3 +114,12 @@ class Listeners:
         self._closed = True
         for listener in self._all.values():
             listener.end()
+
+
+def failure(task: asyncio.Task[Any], what: str) -> KgError | None:
+    """Return the error that ended a task, None where none did; a defect is reported as that of `what`."""
+    error = None if task.cancelled() else task.exception()
+    if error is None or isinstance(error, KgError):
+        return error
+    report(what, error)
+    return RequestError("KG900", f"a defect in kg ended {what}; the log of the server has more")

@@ -1,8 +1,4 @@
-"""The session of a server with its robot: what is told of it, driven by hand, and run as a program.
-
-Whoever drives by hand has to look on: when their page has gone, or says nothing any more, the robot stops. A program
-goes on without pages, for it was started to. `stop` ends both, and so does the end of the server.
-"""
+"""Why a robot can do something, in words: which of its parts take or give the messages for it."""
 
 from __future__ import annotations
 
@@ -13,29 +9,49 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import msgspec
 
 from kg.errors import KgError, RobotError
-from kg.robot.driving.lookup import find
+from kg.robot.driving.ways import find
 from kg.robot.programs.places import placed
 from kg.robot.tasks import ended, spawn
 from kg.server.errors import problem
-from kg.server.robot.hands import Hands
 from kg.server.robot.judging import Robot
 from kg.server.robot.link import Link
 from kg.server.robot.listeners import MOST, Listeners
-from kg.server.robot.readings import Readings
-from kg.server.robot.reasons import described
-from kg.server.robot.running import Running
+from kg.server.robot.work import Hands, Readings, Running
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from types import TracebackType
 
-    from kg.robot.capability import Capabilities
+    from kg.robot.capability import Capabilities, Capability, Way
     from kg.robot.connection import GraphProblem
     from kg.robot.programs.tree import Program
     from kg.server.robot.listeners import Listener
     from kg.settings import Settings
 
-__all__ = ["Session"]
+__all__ = ["Session", "described"]
+
+
+_WORDS: Final = {
+    ("topic", "write"): "Its node `{node}` subscribes to `{name}` (`{type}`).",
+    ("topic", "read"): "Its node `{node}` publishes it to `{name}` (`{type}`).",
+    ("service", "write"): "Its node `{node}` does it through the service `{name}` (`{type}`).",
+    ("service", "read"): "Its node `{node}` reports it through the service `{name}` (`{type}`).",
+    ("action", "write"): "Its node `{node}` accepts goals for it through the action `{name}` (`{type}`).",
+    ("action", "read"): "Its node `{node}` reports it while it executes the action `{name}` (`{type}`).",
+}
+
+
+def described(capability: Capability) -> dict[str, Any]:
+    """Return a capability as pages show it: its members, and `because`, the reasons."""
+    members: dict[str, Any] = msgspec.to_builtins(capability)
+    empty: dict[str, Any] = {"comment": "", "kinds": (), "parameters": (), "ways": ()}
+    reasons = dict.fromkeys(_reason(way, capability.modality) for way in capability.ways)
+    return {**empty, **members, "because": list(reasons)}
+
+
+def _reason(way: Way, modality: str) -> str:
+    return _WORDS[way.kind, modality].format(node=way.node, name=way.name, type=way.type)
+
 
 _FRAME: Final = 0.25
 """Seconds between two pictures from above."""
@@ -107,7 +123,7 @@ class Session:
         return await self._link.picture.newest()
 
     async def why(self, name: str) -> dict[str, Any]:
-        """Return the proofs of a capability; see `kg.server.robot.proving.Proofs.why`."""
+        """Return the proofs of a capability; see `kg.server.robot.link.Proofs.why`."""
         return await self._link.proofs.why(name)
 
     async def run(self, program: Program) -> None:

@@ -11,7 +11,7 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 
 from kg.robot.messages import Types
-from kg.robot.ros2.hashes import type_hash
+from kg.robot.ros2.types import type_hash
 
 if TYPE_CHECKING:
     from pathlib import Path

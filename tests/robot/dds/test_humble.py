@@ -25,9 +25,8 @@ from robot.dds.peer import RELIABLE, TOLD, Info, String
 
 from kg.errors import RobotError
 from kg.robot.connecting import connect
-from kg.robot.dds.bell import delete
-from kg.robot.dds.entities import _ANY
-from kg.robot.dds.info import LONG, SHORT, decode, encode
+from kg.robot.dds.discovery import LONG, SHORT, decode_info, encode_info
+from kg.robot.dds.entities import _ANY, delete
 from kg.robot.messages import Types
 
 TYPES = Types(2)
@@ -67,7 +66,7 @@ def test_bytes_of_both_distributions_are_read(length: int, nodes: list[Any], siz
     """The samples of a process with one node and of one with four, of the sizes that Humble writes."""
     content = wire(length, b"g" * 16, *nodes)
     assert len(content) == size
-    value, found = decode(TYPES, content)
+    value, found = decode_info(TYPES, content)
     assert found == length
     told = [(one["node_namespace"], one["node_name"]) for one in value["node_entities_info_seq"]]
     assert told == [one[:2] for one in nodes]
@@ -76,8 +75,8 @@ def test_bytes_of_both_distributions_are_read(length: int, nodes: list[Any], siz
 @given(IDENTITIES, NODES, st.sampled_from([SHORT, LONG]))
 def test_the_length_is_that_which_takes_up_all_bytes(gid: bytes, nodes: list[Any], length: int) -> None:
     """What is written with either length is read again with it, and with its values."""
-    content = encode(TYPES, gid, nodes, length)
-    value, found = decode(TYPES, content)
+    content = encode_info(TYPES, gid, nodes, length)
+    value, found = decode_info(TYPES, content)
     assert found == length
     assert bytes(value["gid"]["data"]) == gid.ljust(length, b"\0")
     for told, (name, readers, writers) in zip(value["node_entities_info_seq"], nodes, strict=True):
@@ -92,7 +91,7 @@ def test_what_ends_too_early_is_refused(length: int) -> None:
     content = wire(length, b"g" * 16, DAEMON)
     for cut in range(1, 100):
         with pytest.raises(RobotError):
-            decode(TYPES, content[:-cut])
+            decode_info(TYPES, content[:-cut])
 
 
 class Process:
@@ -121,7 +120,7 @@ class Listener:
         while True:
             found = _clayer.ddspy_take(self.reader._ref, _ANY, 100)
             for content, info in [] if isinstance(found, int) else found:
-                if info.valid_data and name.encode() in content and decode(TYPES, content)[1] == wanted:
+                if info.valid_data and name.encode() in content and decode_info(TYPES, content)[1] == wanted:
                     return
             await asyncio.sleep(0.01)
 

@@ -15,7 +15,7 @@ from patience import patient
 from robot.dds.domain import domain
 
 from kg.errors import RobotError
-from kg.robot.dds.surroundings import discovery_settings
+from kg.robot.dds.domains import discovery_settings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -12,7 +12,7 @@ from robot.driving.rover import CAPABILITIES, COUNTING, DRIVING, WHERE, rover
 from kg.facts import Role
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
 from kg.robot.driving import Driver
-from kg.robot.driving.doubts import doubts_of
+from kg.robot.driving.ways import doubts_of
 
 if TYPE_CHECKING:
     from kg.robot.capability import Capability

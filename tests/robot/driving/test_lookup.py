@@ -7,8 +7,7 @@ from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.capability import Capability, Way
 from kg.robot.connection import ComputationGraph, LiveEnd, LiveNode
-from kg.robot.driving.lookup import find
-from kg.robot.driving.ways import choose, named
+from kg.robot.driving.ways import choose, find, named
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from robot.driving.rover import COUNTING, DRIVING, ONE_PART, Rover, rover, until
 
 from kg.errors import RobotError
 from kg.robot.capability import Capabilities, Way
-from kg.robot.driving.parts import robots_of
+from kg.robot.driving.doing import robots_of
 
 LONG = 10**6
 

@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.errors import RobotError
-from kg.robot.driving.fields import check, look, put
-from kg.robot.driving.paths import Call, Each, Element, Field, Path, parse
+from kg.robot.driving.paths import Call, Each, Element, Field, Path, check, look, parse, put
 from kg.robot.messages import Types
 
 names = st.from_regex(r"[a-z_][a-z0-9_]{0,6}", fullmatch=True)

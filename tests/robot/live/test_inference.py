@@ -8,8 +8,9 @@ from robot.connections import types_for_tests
 from robot.live.seen import ADDRESS, ROVER, without
 
 from kg.robot.capability import Way
+from kg.robot.connecting import look
 from kg.robot.connection import ComputationGraph
-from kg.robot.live import infer, look
+from kg.robot.live import infer
 from kg.robot.memory import Bus
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from kg.graph.shared import split
 from kg.graph.systems import system_triples
 from kg.launch.wiring.near_misses import near_misses
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
-from kg.robot.live.parts import Parts
+from kg.robot.live.keeping import Parts
 from kg.robot.live.systems import Instances, Seen, system_of
 from kg.settings import load
 

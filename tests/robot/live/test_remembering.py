@@ -14,7 +14,7 @@ from kg.facts import Role
 from kg.robot.capability import Capabilities
 from kg.robot.connection import ComputationGraph, LiveEnd, LiveNode
 from kg.robot.live import infer, inference
-from kg.robot.live.remembering import MOST, folder, key, remembered
+from kg.robot.live.inference import MOST, cache_folder, cache_key, remembered
 from kg.settings import Settings, load
 
 if TYPE_CHECKING:
@@ -50,18 +50,18 @@ def test_the_second_time_no_rule_runs(settings: Settings, monkeypatch: pytest.Mo
 
 def test_another_graph_rule_or_name_is_inferred(settings: Settings, tmp_path: Path) -> None:
     """What capabilities follow from is part of the key."""
-    before = key(GRAPH, settings, ("a",))
-    assert key(replace(GRAPH, ends=()), settings, ("a",)) != before
-    assert key(GRAPH, settings, ("b",)) != before
+    before = cache_key(GRAPH, settings, ("a",))
+    assert cache_key(replace(GRAPH, ends=()), settings, ("a",)) != before
+    assert cache_key(GRAPH, settings, ("b",)) != before
     (tmp_path / "rules" / "own.rq").write_text("# rule: own", encoding="utf-8")
-    assert key(GRAPH, settings, ("a",)) != before
+    assert cache_key(GRAPH, settings, ("a",)) != before
 
 
 def test_a_broken_file_is_made_again() -> None:
     """What is not JSON of capabilities counts as absent, and is replaced."""
     made = Capabilities(of="here")
     remembered("a", lambda: made)
-    (folder() / "a.json").write_bytes(b"{")
+    (cache_folder() / "a.json").write_bytes(b"{")
     assert remembered("a", lambda: made) == made
     assert remembered("a", lambda: Capabilities(of="never")) == made
 
@@ -70,10 +70,10 @@ def test_there_are_so_many_files_at_most() -> None:
     """The files used least recently go; one that is used stays."""
     for number in range(MOST):
         remembered(f"{number}", lambda: Capabilities(of="x"))
-        os.utime(folder() / f"{number}.json", (number, number))
+        os.utime(cache_folder() / f"{number}.json", (number, number))
     remembered("0", lambda: Capabilities(of="never"))
     remembered("new", lambda: Capabilities(of="x"))
-    names = {path.stem for path in folder().iterdir()}
+    names = {path.stem for path in cache_folder().iterdir()}
     assert len(names) == MOST
     assert {"0", "new"} <= names
     assert "1" not in names
@@ -89,7 +89,7 @@ def test_several_at_once_leave_whole_files() -> None:
     for thread in threads:
         thread.join()
     assert found == [made] * 8
-    assert [path.name for path in folder().iterdir()] == ["a.json"]
+    assert [path.name for path in cache_folder().iterdir()] == ["a.json"]
 
 
 def test_without_a_folder_nothing_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

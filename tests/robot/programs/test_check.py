@@ -13,8 +13,8 @@ from robot.programs.trolley import CAPABILITIES
 
 from kg.errors import RobotError
 from kg.robot.programs.check import check
+from kg.robot.programs.events import place_at
 from kg.robot.programs.parse import parse, parse_with_places
-from kg.robot.programs.problems import place_at
 
 if TYPE_CHECKING:
     from kg.robot.programs.tree import Program

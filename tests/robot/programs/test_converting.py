@@ -20,7 +20,8 @@ from robot.programs.trolley import CAPABILITIES
 
 from kg.errors import RobotError
 from kg.robot.capability import Capability, Parameter, Way
-from kg.robot.live import infer, look
+from kg.robot.connecting import look
+from kg.robot.live import infer
 from kg.robot.programs.converting import convert
 from kg.robot.programs.metrics import code_metrics, foreign_types, metrics
 from kg.robot.programs.parse import parse
@@ -64,7 +65,7 @@ def lint(folder: Path) -> None:
 def test_examples_pass_the_linter(tmp_path: Path) -> None:
     """The exercises have sound code too, for the robots that they are for."""
     pytest.importorskip("pybullet", reason="robots are simulated by pybullet")
-    hosting = pytest.importorskip("kg.robot.simulation.hosting")
+    hosting = pytest.importorskip("kg.robot.simulation.running")
 
     async def seen(world: str) -> Capabilities:
         async with hosting.hosted_in_memory(world) as (_, address):

@@ -7,7 +7,7 @@ from robot.programs.trolley import CAPABILITIES
 
 from kg.facts import Role
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd
-from kg.robot.programs.doubts import doubts
+from kg.robot.programs.check import doubts
 from kg.robot.programs.parse import parse
 
 PROGRAM = """repeat 2 times

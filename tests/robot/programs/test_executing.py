@@ -12,14 +12,14 @@ from patience import patient
 from kg.robot.capability import Capabilities
 from kg.robot.connecting import connect
 from kg.robot.memory import Bus
-from kg.robot.programs import executing
+from kg.robot.programs import runner
 from kg.robot.programs.parse import parse
 from kg.settings import Settings
 
 if TYPE_CHECKING:
     import pytest
 
-    from kg.robot.programs.executing import Execution
+    from kg.robot.programs.runner import Execution
 
 
 def test_a_capability_that_is_gone_ends_the_program_at_its_block() -> None:
@@ -31,7 +31,7 @@ def test_a_capability_that_is_gone_ends_the_program_at_its_block() -> None:
             moves = await base.subscribe("/cmd_vel", "geometry_msgs/Twist", queue=10)
             program = parse("move at a velocity forward: 0.1 m/s")
             running = asyncio.ensure_future(
-                executing.execute(
+                runner.execute(
                     program, bus.address, Settings(), on_event=lambda event: events.append(event["event"]),
                     on_problems=lambda _: None,
                 )
@@ -64,11 +64,11 @@ def test_time_goes_on_while_it_is_inferred_what_a_robot_can_do(monkeypatch: pyte
             assert taken.wait(20)
             return Capabilities(of="a robot")
 
-        monkeypatch.setattr(executing, "infer", inferred)
+        monkeypatch.setattr(runner, "infer", inferred)
         with Bus(uuid4().hex) as bus:
             base = await connect(f"memory://{bus.name}", name="/base")
             program = parse('log "x"')
-            done = await executing.execute(
+            done = await runner.execute(
                 program, f"memory://{bus.name}", Settings(), on_event=lambda _: None, on_problems=lambda _: None
             )
             await base.aclose()

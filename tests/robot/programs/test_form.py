@@ -11,7 +11,7 @@ from repository import ROOT
 from robot.programs.trees import programs
 
 from kg.errors import RobotError
-from kg.robot.programs.form import decode, encode, schema
+from kg.robot.programs.files import decode, encode, schema
 
 if TYPE_CHECKING:
     from kg.robot.programs.tree import Program

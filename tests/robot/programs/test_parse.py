@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kg.errors import RobotError
-from kg.robot.programs.form import decode
+from kg.robot.programs.files import decode
 from kg.robot.programs.parse import parse, parse_with_places
 from kg.robot.programs.tree import Do, Stop, Written
 from kg.robot.programs.write import write

@@ -16,7 +16,7 @@ from kg.robot.connecting import connect
 from kg.robot.ros1 import Master, Ros1Connection
 from kg.robot.ros1.actions import Status, topics
 from kg.robot.ros1.header import pack
-from kg.robot.ros1.http import ask
+from kg.robot.ros1.xmlrpc import ask
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

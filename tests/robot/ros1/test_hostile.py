@@ -15,9 +15,9 @@ from patience import patient
 
 from kg.errors import RobotError
 from kg.robot.connecting import connect
-from kg.robot.ros1 import Master, header, xml
-from kg.robot.ros1.http import XmlRpcServer, ask, call
+from kg.robot.ros1 import Master, header
 from kg.robot.ros1.names import is_name, is_type, peer
+from kg.robot.ros1.xmlrpc import XmlRpcServer, ask, call, xml_read
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
@@ -155,7 +155,7 @@ def test_any_bytes_are_xml_rpc_or_refused(content: bytes) -> None:
     code = None
     for wrapped in (content, b"<params><param><value>%s</value></param></params>" % content):
         try:
-            xml.read(wrapped)
+            xml_read(wrapped)
         except RobotError as error:
             code = error.code
         assert code in {None, "KG810", "KG813"}

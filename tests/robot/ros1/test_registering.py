@@ -13,7 +13,7 @@ from kg.errors import RobotError
 from kg.robot.connecting import connect
 from kg.robot.ros1 import Master
 from kg.robot.ros1 import node as node_module
-from kg.robot.ros1.http import XmlRpcServer, ask, call
+from kg.robot.ros1.xmlrpc import XmlRpcServer, ask, call
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator

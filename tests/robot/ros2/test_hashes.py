@@ -6,7 +6,7 @@ import pytest
 
 from kg.errors import RobotError
 from kg.robot.messages import Types
-from kg.robot.ros2.hashes import type_hash
+from kg.robot.ros2.types import type_hash
 
 # what distributions of ROS 2 say: `ros2 topic info -v`, docs/design.md of rmw_zenoh
 _MESSAGES = {

@@ -12,8 +12,8 @@ from kg.robot.connection import LiveEnd, LiveNode
 from kg.robot.messages import Types
 from kg.robot.ros2.address import Address
 from kg.robot.ros2.connection import Ros2Connection
+from kg.robot.ros2.graph import Watch
 from kg.robot.ros2.middleware import LATCHED, OFFERED, Neighbourhood
-from kg.robot.ros2.watch import Watch
 
 if TYPE_CHECKING:
     from kg.robot.ros2.middleware import Middleware

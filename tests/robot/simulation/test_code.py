@@ -16,8 +16,7 @@ from kg.evaluate.exercises import Robot, exercises, missed, program_of
 from kg.robot.connecting import connect
 from kg.robot.live import infer
 from kg.robot.programs.converting import convert
-from kg.robot.simulation.hosting import running
-from kg.robot.simulation.session import Choice, opened
+from kg.robot.simulation.running import Choice, opened, running
 from kg.settings import Settings
 
 if TYPE_CHECKING:

@@ -9,13 +9,11 @@ import pytest
 from patience import patient
 
 from kg.errors import RobotError
-from kg.robot.connecting import connect
+from kg.robot.connecting import connect, of_robot
 from kg.robot.driving import Driver
-from kg.robot.infrastructure import of_robot
 from kg.robot.live import infer
 from kg.robot.simulation.drone import Drone, State
-from kg.robot.simulation.hosting import hosted_in_memory
-from kg.robot.simulation.running import VIEW
+from kg.robot.simulation.running import VIEW, hosted_in_memory
 from kg.settings import Settings
 
 if TYPE_CHECKING:

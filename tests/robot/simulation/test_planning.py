@@ -7,11 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from kg.robot.simulation.following import Follower, free_ahead
-from kg.robot.simulation.grid import Grid
+from kg.robot.simulation.navigating import Follower, Grid, Planner, free_ahead
 from kg.robot.simulation.plan import PLANS, read_plan
-from kg.robot.simulation.planning import Planner
-from kg.robot.simulation.pose import Pose
+from kg.robot.simulation.robots import Pose
 
 OFFICE = read_plan("office")
 RADIUS = 0.2

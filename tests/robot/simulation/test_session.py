@@ -23,8 +23,7 @@ from kg.evaluate.exercises import Robot, Variant, carry_out, exercises, missed, 
 from kg.robot.connecting import connect
 from kg.robot.ros1 import Master
 from kg.robot.simulation.drone import State
-from kg.robot.simulation.hosting import running
-from kg.robot.simulation.session import Choice, opened, simulate
+from kg.robot.simulation.running import Choice, opened, running, simulate
 from kg.settings import Settings
 
 if TYPE_CHECKING:

@@ -7,8 +7,7 @@ import pytest
 
 from kg.robot.simulation.drone import Drone, State
 from kg.robot.simulation.robots import Command
-from kg.robot.simulation.scene import TAG_SIZE
-from kg.robot.simulation.tags import find_tags
+from kg.robot.simulation.scene import TAG_SIZE, find_tags
 from kg.robot.simulation.wheeled import RADIUS, Wheeled
 from kg.robot.simulation.world import World
 

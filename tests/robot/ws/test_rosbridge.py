@@ -24,7 +24,7 @@ from kg.facts import Role
 from kg.robot.connecting import connect
 from kg.robot.messages import Types
 from kg.robot.parameters import find, parsed, read, write
-from kg.robot.ws.json_values import from_json, to_json
+from kg.robot.ws.rosbridge import from_json, to_json
 
 both = pytest.mark.parametrize("ros", [1, 2])
 OTHERS = """

@@ -22,8 +22,8 @@ from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connecting import connect
 from kg.robot.messages import Types
-from kg.robot.ros2.hashes import type_hash
 from kg.robot.ros2.names import dds_type
+from kg.robot.ros2.types import type_hash
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable

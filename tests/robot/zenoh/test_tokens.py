@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.facts import Qos, Role
-from kg.robot.zenoh.attachments import Attachment
+from kg.robot.zenoh.ends import Attachment
 from kg.robot.zenoh.tokens import Token, read_qos, written_qos
 
 _QOS = st.builds(

@@ -17,10 +17,10 @@ from kg.robot.connection import GraphProblem
 from kg.robot.driving import Driver
 from kg.robot.programs.parse import parse
 from kg.robot.simulation.running import VIEW
-from kg.server.robot import hands, link
+from kg.server.robot import link, work
 from kg.server.robot import session as ending
 from kg.server.robot.judging import judged
-from kg.server.robot.pictures import TOPIC, Picture
+from kg.server.robot.link import TOPIC, Picture
 from kg.server.robot.session import Session
 from kg.settings import load
 
@@ -199,7 +199,7 @@ def test_a_page_that_vanishes_stops_what_it_drives() -> None:
 def test_a_page_that_falls_silent_stops_what_it_drives(monkeypatch: pytest.MonkeyPatch) -> None:
     """The robot stops when the page that drives it says nothing for a while, as when its machine was shut (C38)."""
     silence = patient(0.6)
-    monkeypatch.setattr(hands, "SILENT", silence)
+    monkeypatch.setattr(work, "SILENT", silence)
 
     async def fall_silent() -> tuple[int, bool]:
         async with met() as (session, rover):

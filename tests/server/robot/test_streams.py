@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, cast
 
 from patience import patient
 
-from kg.server.robot import readings
+from kg.server.robot import work
 from kg.server.robot.listeners import Listeners
-from kg.server.robot.readings import Readings
 from kg.server.robot.routes import _Events
 from kg.server.robot.session import Session
+from kg.server.robot.work import Readings
 from kg.settings import load
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class _Reader:
 
 def test_what_was_read_of_a_robot_that_has_gone_is_not_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """A value that waits for its turn when the robot is lost is not told as that of the robot that comes next."""
-    monkeypatch.setattr(readings, "_PACE", 0.01)
+    monkeypatch.setattr(work, "_VALUES_EVERY", 0.01)
 
     async def scene() -> list[float]:
         listeners = Listeners()

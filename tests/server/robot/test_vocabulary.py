@@ -7,7 +7,7 @@ from typing import Final
 
 from repository import ROOT
 
-from kg.robot.programs.words import BEGINNINGS, ENDINGS, FUNCTIONS, RESERVED
+from kg.robot.programs.tokens import BEGINNINGS, ENDINGS, FUNCTIONS, RESERVED
 
 BLOCKS: Final = (ROOT / "kg/server/static/robot/blocks.js").read_text("utf-8")
 WORDS: Final = {

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Literal
 
 from kg.errors import RobotError
 from kg.robot.programs.check import check, kinds_of
-from kg.robot.programs.converting.dialects import Rclpy, Rospy
+from kg.robot.programs.converting.code import Dialect, Names
 from kg.robot.programs.converting.members import Members
-from kg.robot.programs.converting.names import Names
 from kg.robot.programs.converting.node import module
 from kg.robot.programs.converting.statements import Code
 from kg.robot.programs.names import Known
@@ -57,7 +56,7 @@ def convert(
             where = place(problem.path) if place else None
             raise RobotError(problem.code, problem.message, place=where, hint=problem.hint)
     names = Names(*_METHODS, *_OF_SIGNALS, *_OF_A_NODE, *_IN_METHODS)
-    members = Members(Rospy() if to == "rospy" else Rclpy(), names)
+    members = Members(Dialect(to), names)
     code = Code(members, Known(capabilities), kinds_of(program, capabilities), program, place)
     run = code.sequence(program.body, "/body")
     return module(program, members, code.used, run)

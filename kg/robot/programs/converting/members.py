@@ -1,4 +1,7 @@
-"""The methods of a node that reach capabilities: publishers, subscribers and clients with what uses them."""
+"""The methods of a node that reach capabilities: publishers, subscribers and clients with what uses them.
+
+Paths to fields of messages become the Python that reads or sets them.
+"""
 
 from __future__ import annotations
 
@@ -7,33 +10,139 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
-from kg.robot.driving.fields import type_at
-from kg.robot.driving.paths import Field, parse
+from kg.robot.driving.paths import Call, Each, Element, Field, parse, type_at
 from kg.robot.driving.ways import choose
 from kg.robot.messages import Types
-from kg.robot.programs.converting.fields import Reading, setting
-from kg.robot.programs.converting.names import Names, plain, snake
+from kg.robot.programs.converting.code import COMMON, indented, plain, snake
 from kg.robot.programs.tokens import quoted
 from kg.robot.programs.units import unit_of
 
 if TYPE_CHECKING:
     from kg.robot.capability import Capability, Parameter, Way
-    from kg.robot.driving.paths import Path
+    from kg.robot.driving.paths import Argument, Path
     from kg.robot.messages import Field as FieldOfMessage
-    from kg.robot.programs.converting.dialects import Dialect
+    from kg.robot.programs.converting.code import Dialect, Names
 
-__all__ = ["Members", "indented"]
+__all__ = ["Members"]
+
+
+_NEEDS: Final = {"reading": ("valid",)}
+_SCAN: Final = "LaserScan"
+
+
+@dataclass
+class Reading:
+    """Makes the expression that reads a path; `lines` come before it, `helpers` are the functions that it needs."""
+
+    kind: str
+    lines: list[str] = field(default_factory=list)
+    helpers: set[str] = field(default_factory=set)
+
+    def of(self, path: Argument, root: str = "message") -> str:
+        """Return the expression for a path in the message `root`; RobotError KG839 for what code is not made for."""
+        match path:
+            case float():
+                return repr(path)
+            case Field(None, name):
+                return f"{root}.{name}"
+            case Each(of):
+                return f"list({self.of(of, root)})"
+            case Element(of, index):
+                return self._sure(f"{self.of(of, root)}[{index}]", f"len({self.of(of, root)}) > {abs(index)}")
+            case Field():
+                return self._field(path, root)
+            case Call():
+                return self._call(path, root)
+
+    def _field(self, path: Field, root: str) -> str:
+        each = _element(path)
+        if each is not None:
+            element, source = each
+            return f"[{element} for one in {self.of(source, root)}]"
+        base = self.of(path.of or 0.0, root)
+        if isinstance(path.of, Call):
+            self.lines += [f"found = {base}", "if found is None:", "    return math.nan"]
+            base = "found"
+        return f"{base}.{path.name}"
+
+    def _sure(self, expression: str, condition: str) -> str:
+        return f"({expression} if {condition} else math.nan)"
+
+    def _need(self, helper: str) -> None:
+        self.helpers |= {helper, *_NEEDS.get(helper, ())}
+
+    def _call(self, call: Call, root: str) -> str:
+        first, *rest = call.arguments
+        match call.function:
+            case "yaw" | "pitch" | "roll":
+                self._need(call.function)
+                return f"{call.function}({self.of(first, root)})"
+            case "distance":
+                self._need("length")
+                return f"length({self.of(first, root)})"
+            case "count":
+                return f"float(len({self.of(first, root)}))"
+            case "first":
+                return f"next(iter({self.of(first, root)}), None)"
+            case "minimum" | "maximum":
+                return self._most(call.function[:3], first, root)
+            case "at":
+                self._need("reading")
+                return f"reading({root}, {', '.join(self.of(one, root) for one in rest)})"
+            case "nearest":
+                self._need("length")
+                distance = f"length({self.of(rest[0], 'one')})"
+                return f"min({self.of(first, root)}, key=lambda one: {distance}, default=None)"
+            case "scaled":
+                return f"{self.of(first, root)} * {self.of(rest[0], root)}"
+        raise RobotError("KG839", f"no code is made for `{call}`")
+
+    def _most(self, function: str, of: Argument, root: str) -> str:
+        found = self.of(of, root)
+        if self.kind.endswith(_SCAN):
+            self._need("valid")
+            found = f"valid({root}, {found})"
+        return f"{function}({found}, default=math.nan)"
+
+
+def _element(path: Path) -> tuple[str, Path] | None:
+    """Return how a field of each element is read of `one`, and the list; None where the path has no `[]`."""
+    match path:
+        case Each(of):
+            return "one", of
+        case Field(of, name) if of is not None:
+            inner = _element(of)
+            return None if inner is None else (f"{inner[0]}.{name}", inner[1])
+        case _:
+            return None
+
+
+def setting(path: Path, value: str, root: str = "message") -> list[str]:
+    """Return the statements that set a field; RobotError KG839 for what code is not made for."""
+    match path:
+        case Field():
+            return [f"{_target(path, root)} = {value}"]
+        case Call("yaw", (Field() as turned,)):
+            target = _target(turned, root)
+            if value == "0.0":
+                return [f"{target}.w = 1.0"]
+            return [f"{target}.z = math.sin({value} / 2)", f"{target}.w = math.cos({value} / 2)"]
+        case Call("scaled", (Field() as scaled, float(factor))):
+            return [f"{_target(scaled, root)} = {value} / {factor!r}"]
+    raise RobotError("KG839", f"no code is made that sets `{path}`")
+
+
+def _target(path: Path, root: str) -> str:
+    if not isinstance(path, Field):
+        raise RobotError("KG839", f"no code is made that sets `{path}`")
+    return f"{root}.{path.name}" if path.of is None else f"{_target(path.of, root)}.{path.name}"
+
 
 _TYPES: Final = {"number": "float", "integer": "int", "boolean": "bool", "text": "str", "list": "list"}
 _READ: Final = {"integer": "float"}
 """The types of what is read where they are others: a whole number that a message does not tell is NaN."""
 _GIVEN: Final = {"topic": "", "service": "_Request", "action": "_Goal"}
 """What stands behind the type of a way in the name of the message that is sent."""
-
-
-def indented(lines: list[str], by: int = 1) -> list[str]:
-    """Return lines that stand further to the right."""
-    return [f"{'    ' * by}{line}" if line else "" for line in lines]
 
 
 _ARGUMENTS: Final = frozenset({"self", "seconds", "within", "message", "request", "goal", "end", "math"})
@@ -43,7 +152,8 @@ _ARGUMENTS: Final = frozenset({"self", "seconds", "within", "message", "request"
 class Members:
     """What a node needs for the capabilities that were asked for so far.
 
-    `made` are statements of the constructor, `connect` and `halt` of the methods of these names, `methods` whole ones.
+    `made` are statements of the constructor, `connect` and `halt` of the methods of these names, `methods` whole ones,
+    `classes` imports of messages.
     """
 
     dialect: Dialect
@@ -52,7 +162,7 @@ class Members:
     connect: list[str] = field(default_factory=list)
     halt: list[str] = field(default_factory=list)
     methods: list[str] = field(default_factory=list)
-    classes: set[tuple[str, str]] = field(default_factory=set)
+    classes: list[str] = field(default_factory=list)
     helpers: set[str] = field(default_factory=set)
     goals: bool = False
     topics: bool = False
@@ -85,14 +195,19 @@ class Members:
         self.helpers |= reading.helpers
         source = self._newest(way) if way.kind == "topic" else self._asked(way)
         shown = f" in {parameter.unit}" if parameter.unit and unit.factor == 1 else ""
-        self.methods += [
-            f"def {name}(self) -> {_READ.get(parameter.type, _TYPES[parameter.type])}:",
-            f'    """Return the {plain(parameter.label)}{shown}."""',
-            f"    message = self.{source}()",
-            *indented(reading.lines),
-            f"    return {expression}",
-            "",
-        ]
+        self._add(
+            "reader",
+            name=name,
+            kind=_READ.get(parameter.type, _TYPES[parameter.type]),
+            label=f"{plain(parameter.label)}{shown}",
+            source=source,
+            lines="\n".join(["", *indented(reading.lines)]),
+            expression=expression,
+        )
+
+    def _add(self, piece: str, **words: str) -> None:
+        """Add a method."""
+        self.methods += [*COMMON.lines(piece, **words), ""]
 
     def _newest(self, way: Way) -> str:
         """Return the method that gives the newest message of a topic."""
@@ -101,21 +216,13 @@ class Members:
             held = self.names.of("message", way.name)
             callback = self.names.of("callback", way.name, f"on_{snake(way.name)}")
             self._known[key] = self.names.of("newest", way.name, f"newest_{snake(way.name)}")
-            kind = way.type.rpartition("/")[2]
+            kind = _class(way)
             self.topics = True
-            self.classes.update(self.dialect.types(way, read=True))
-            self.made += [f"self.{held}: {kind} | None = None", *self.dialect.subscriber(callback, way)]
-            self.methods += [
-                f"def {callback}(self, message: {kind}) -> None:",
-                f'    """Keep the newest message of {way.name}."""',
-                f"    self.{held} = message",
-                "",
-                f"def {self._known[key]}(self) -> {kind}:",
-                f'    """Return the newest message of {way.name}; wait for the first."""',
-                f"    self.until(lambda: self.{held} is not None)",
-                f"    return self.{held}",
-                "",
-            ]
+            self.classes += self.dialect.of_way("classes of", way)
+            self.made += [f"self.{held}: {kind} | None = None"]
+            self.made += self.dialect.of_way("subscriber", way, attribute=callback)
+            newest = str(self._known[key])
+            self._add("newest", callback=callback, kind=kind, topic=way.name, held=held, newest=newest)
         return str(self._known[key])
 
     def _asked(self, way: Way) -> str:
@@ -124,14 +231,10 @@ class Members:
         if key not in self._known:
             client = self._client(way)
             self._known[key] = self.names.of("ask", way.name, f"ask_{snake(way.name)}")
-            self.methods += [
-                f"def {self._known[key]}(self) -> Any:",
-                f'    """Return what {way.name} answers."""',
-                f"    request = {self.dialect.request(way)}",
-                *indented(self.dialect.call(client)),
-                "    return response",
-                "",
-            ]
+            call = indented(self.dialect.lines("call", attribute=client))
+            request = "\n".join(self.dialect.of_way("message of", way))
+            method = str(self._known[key])
+            self._add("asked", method=method, service=way.name, request=request, call="\n".join(call))
         return str(self._known[key])
 
     @staticmethod
@@ -160,13 +263,13 @@ class Members:
         named = [self._declared(known[one]) for one in given]
         named += ["within: float = math.inf"] if how == "reach" else []
         arguments += ["*", *named] if named else []
-        made = _class(way) if way.kind == "topic" else dialect.request(way).removesuffix("()")
-        body = [f"{root} = {made}()", *self._fields(capability, way, given, root)]
+        made = "\n".join(dialect.of_way("message of", way))
+        body = [f"{root} = {made}", *self._fields(capability, way, given, root)]
         if how == "move":
             body += self._moving(way, made)
         elif how == "reach":
             self.goals = True
-            body += dialect.reach(self._client(way), label)
+            body += dialect.lines("reach", attribute=self._client(way), label=label)
         elif way.kind == "service":
             body += self._called(way, label)
         else:
@@ -186,7 +289,7 @@ class Members:
         """Return the statements that fill a message."""
         lines = []
         if way.kind == "topic" and any(one.type == "std_msgs/Header" for one in self._told(way.type)[:1]):
-            lines.append(self.dialect.stamp(f"{root}.header.stamp"))
+            lines += self.dialect.lines("stamp", target=f"{root}.header.stamp")
         for place, value in way.constants.items():
             lines += setting(parse(place), _literal(value), root)
         for parameter in capability.parameters:
@@ -206,7 +309,8 @@ class Members:
             return name
         sent = way.type + _GIVEN[way.kind]
         kind = type_at(path, self._types, sent) if self._types.knows(sent) else None
-        return f"round({name})" if kind is not None and "int" in kind else self.dialect.real(name)
+        whole = kind is not None and "int" in kind
+        return f"round({name})" if whole else self.dialect.text("real number", value=name)
 
     def _told(self, message: str) -> tuple[FieldOfMessage, ...]:
         """Return the fields of a message, none where its type is not known."""
@@ -214,42 +318,32 @@ class Members:
 
     def _moving(self, way: Way, made: str) -> list[str]:
         publisher = self._publisher(way)
-        halt = f"self.{publisher}.publish({made}())"
+        halt = f"self.{publisher}.publish({made})"
         if halt not in self.halt:
             self.halt.append(halt)
-        return [
-            "end = self.now() + seconds",
-            "try:",
-            "    while self.now() < end:",
-            f"        self.{publisher}.publish(message)",
-            f"        self.sleep(min({1 / way.rate:.6g}, end - self.now()))",
-            "finally:",
-            f"    {halt}",
-        ]
+        return COMMON.lines("moving", publisher=publisher, period=f"{1 / way.rate:.6g}", halt=halt)
 
     def _called(self, way: Way, label: str) -> list[str]:
-        body = self.dialect.call(self._client(way))
-        response = [one.name for one in self._told(f"{way.type}_Response")]
-        if "success" not in response:
-            return [line.replace("response = self.", "self.") for line in body if line != "response = answer.result()"]
+        client = self._client(way)
+        if "success" not in [one.name for one in self._told(f"{way.type}_Response")]:
+            return self.dialect.lines("call without response", attribute=client)
+        body = self.dialect.lines("call", attribute=client)
         return [*body, "if not response.success:", f'    raise RuntimeError("could not {label}")']
 
     def _publisher(self, way: Way) -> str:
-        key = f"publisher {way.name}"
-        if key not in self._known:
-            self._known[key] = self.names.of("publisher", way.name)
-            self.classes.update(self.dialect.types(way, read=False))
-            self.made += self.dialect.publisher(str(self._known[key]), way)
-            self.connect += self.dialect.connect(str(self._known[key]), way)
-        return str(self._known[key])
+        return self._end(way, "publisher", "publisher")
 
     def _client(self, way: Way) -> str:
-        key = f"client {way.name}"
+        return self._end(way, "client", "client of")
+
+    def _end(self, way: Way, kind: str, piece: str) -> str:
+        """Return the attribute of the publisher or client for a way, which is made when it is asked for first."""
+        key = f"{kind} {way.name}"
         if key not in self._known:
-            self._known[key] = self.names.of("client", way.name)
-            self.classes.update(self.dialect.types(way, read=False))
-            self.made += self.dialect.client(str(self._known[key]), way)
-            self.connect += self.dialect.connect(str(self._known[key]), way)
+            attribute = self._known[key] = self.names.of(kind, way.name)
+            self.classes += self.dialect.of_way("classes of", way)
+            self.made += self.dialect.of_way(piece, way, attribute=attribute)
+            self.connect += self.dialect.of_way("connect to", way, attribute=attribute)
         return str(self._known[key])
 
 

@@ -37,12 +37,12 @@ from kg.robot.programs.tree import (
     WaitUntil,
     While,
     Written,
+    expressions_of,
+    statements,
+    variables_of,
 )
-from kg.robot.programs.trees.bare import COUNT, OWN, Bare, identifier, reading
-from kg.robot.programs.trees.counting import counted
-from kg.robot.programs.trees.scripts import ScriptError, number, script
+from kg.robot.programs.trees.scripts import COUNT, OWN, Bare, ScriptError, counted, identifier, number, reading, script
 from kg.robot.programs.units import described
-from kg.robot.programs.walk import expressions_of, statements, variables_of
 from kg.robot.programs.write import headline
 
 if TYPE_CHECKING:

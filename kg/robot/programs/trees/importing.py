@@ -1,7 +1,8 @@
 """Reads a behaviour tree as a program.
 
 What `exporting` writes is read as the statements that it was written for; other trees as far as their nodes mean the
-same as statements. A statement as written (`_kg`) is taken as long as the nodes say the same.
+same as statements. A statement as written (`_kg`) is taken as long as the nodes say the same. Numbers, which have no
+units there, get those of what they are compared with or added to.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from kg.robot.programs.check import kinds_of
 from kg.robot.programs.names import Known
 from kg.robot.programs.parse import parse
 from kg.robot.programs.tree import (
+    BLOCKS_DEEP,
     Binary,
     Break,
     Do,
@@ -37,23 +39,58 @@ from kg.robot.programs.tree import (
     WaitUntil,
     While,
     Written,
+    rewritten,
 )
-from kg.robot.programs.trees.bare import COUNT, OWN, Bare, reading
-from kg.robot.programs.trees.counting import counted
 from kg.robot.programs.trees.exporting import DURATION, HINT, PLACE, port
-from kg.robot.programs.trees.neighbours import with_units
-from kg.robot.programs.trees.scripts import ScriptError, assignments, expression_of
-from kg.robot.programs.units import UNITS
-from kg.robot.programs.walk import BLOCKS_DEEP
+from kg.robot.programs.trees.scripts import COUNT, OWN, Bare, ScriptError, assignments, counted, expression_of, reading
+from kg.robot.programs.units import UNITS, described
 from kg.xmltext import line_of, parse_xml
 
 if TYPE_CHECKING:
     from lxml.etree import _Element
 
     from kg.robot.capability import Capabilities
+    from kg.robot.programs.kinds import Kinds
     from kg.robot.programs.tree import Expression, Statement
+    from kg.robot.programs.units import Dimension
 
 __all__ = ["program_of"]
+
+
+_ALIKE: Final = frozenset({"<", "<=", "=", "!=", ">=", ">", "+", "-"})
+
+
+def with_units(program: Program, capabilities: Capabilities) -> Program:
+    """Return a program in which plain numbers have the base unit of their neighbour."""
+    kinds = kinds_of(program, capabilities)
+
+    def change(part: dict[str, Any]) -> Any:
+        if part.get("expression") != "binary" or part["operator"] not in _ALIKE:
+            return part
+        return msgspec.to_builtins(_united(msgspec.convert(part, Binary), kinds))
+
+    return rewritten(program, change)
+
+
+def _united(expression: Binary, kinds: Kinds) -> Binary:
+    left, right = kinds.of(expression.left, ""), kinds.of(expression.right, "")
+    if left.name != "number" or right.name != "number" or bool(left.dimension) == bool(right.dimension):
+        return expression
+    dimension = left.dimension or right.dimension
+    return msgspec.structs.replace(
+        expression, left=_in(expression.left, dimension), right=_in(expression.right, dimension)
+    )
+
+
+def _in(expression: Expression, dimension: Dimension) -> Expression:
+    unit = described(dimension)
+    match expression:
+        case Written(value=value, unit=None) if unit in UNITS and value and not isinstance(value, bool | str):
+            return Written(value=value, unit=unit)
+        case Unary(operator="-" | "absolute"):
+            return msgspec.structs.replace(expression, of=_in(expression.of, dimension))
+    return expression
+
 
 _IGNORED: Final = frozenset({"name", "ID", "_autoremap", "_description", "_fullpath", "_uid", "_collapsed", HINT})
 _EXPLICIT: Final = frozenset({"Action", "Condition", "Control", "Decorator"})

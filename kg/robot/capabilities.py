@@ -1,0 +1,347 @@
+"""What systems and packages can do, as rules inferred it: definitions of the ontologies, ways to reach them, proofs."""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
+
+import msgspec
+import pyoxigraph
+from pyoxigraph import NamedNode, Triple, Variable
+
+from kg.errors import RobotError, UnknownNameError, UsageError
+from kg.graph import vocabulary as v
+from kg.graph.fields import one
+from kg.graph.reading import grouped
+from kg.query.binding import bind
+from kg.query.stored import internal
+from kg.robot.capability import Capabilities, Capability, Parameter, Way
+from kg.rules.explain.why import why
+from kg.similar import did_you_mean, folded
+from kg.syntax.names import PREFIXES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from kg.graph.fields import Properties
+    from kg.rules.explain.proof import Proof
+    from kg.rules.explain.view import View
+    from kg.rules.form import Rule
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = [
+    "Askable",
+    "Definition",
+    "added",
+    "capabilities_of",
+    "definitions",
+    "find",
+    "held",
+    "package_iri",
+    "proofs",
+    "read",
+]
+
+
+_SKOS_ALTERNATIVE: Final = f"{v.SKOS}altLabel"
+_PARTS: Final = {"read": frozenset({"response", "result", "feedback"}), "write": frozenset({"request", "goal"})}
+"""The parts of services and actions that hold what a capability of a modality gives or takes."""
+_TYPES: Final = frozenset({"number", "integer", "boolean", "text", "list"})
+
+
+class Askable(Protocol):
+    """What can be asked in SPARQL: a snapshot, a transaction, a store in memory."""
+
+    def query(self, text: str, /, *, prefixes: Mapping[str, str] | None = None) -> Any:
+        """Run a query over all there is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """A capability as the ontologies define it.
+
+    `fields` has for each parameter the places of messages that hold it, `constants` the values of places that are
+    always the same; `implied` are the IRIs of more general capabilities. `rate` is how often a second a command has to
+    be renewed, 0 for never; `moves` is the part of the robot that is moved.
+    """
+
+    iri: str
+    name: str
+    label: str
+    comment: str
+    modality: str
+    kinds: tuple[str, ...] = ()
+    alternatives: tuple[str, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
+    fields: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    constants: tuple[str, ...] = ()
+    implied: tuple[str, ...] = ()
+    rate: float = 0
+    moves: str | None = None
+
+    def capability(self, *, ways: tuple[Way, ...] = (), implied_by: tuple[str, ...] = ()) -> Capability:
+        """Return it as those see it who use it: with the ways to reach it, and what it follows from.
+
+        Of its parameters it keeps those that some way has a field for: a drone that takes off by an empty message
+        cannot be told a height. A capability without ways keeps them all.
+        """
+        modality: Any = self.modality
+        told = {name for way in ways for name in way.fields} if ways else self.fields.keys()
+        return Capability(
+            iri=self.iri,
+            name=self.name,
+            label=self.label,
+            comment=self.comment,
+            alternatives=self.alternatives,
+            kinds=self.kinds,
+            modality=modality,
+            parameters=tuple(one for one in self.parameters if one.name in told),
+            ways=ways,
+            implied_by=implied_by,
+            moves=self.moves,
+        )
+
+    def fields_of(self, messages: frozenset[str]) -> dict[str, str]:
+        """Return the paths of parameters in messages of these names, by the name of the parameter."""
+        parts = _PARTS.get(self.modality, frozenset())
+        found = ((name, _path(texts, messages, parts)) for name, texts in self.fields.items())
+        return {name: path for name, path in found if path is not None}
+
+    def constants_of(self, messages: frozenset[str]) -> dict[str, float | bool | str]:
+        """Return the values of fields of these messages that are always the same, by their paths."""
+        found: dict[str, float | bool | str] = {}
+        for text in self.constants:
+            place, _, value = text.partition(" = ")
+            path = _path((place,), messages, _PARTS.get(self.modality, frozenset()))
+            if path is not None:
+                found[path] = _value(value)
+        return found
+
+
+def definitions(graph: Askable) -> dict[str, Definition]:
+    """Return the capabilities that a graph with ontologies defines, by IRI."""
+    content = grouped(graph.query(internal("capability-definitions"), prefixes=PREFIXES))
+    kinds = _Kinds(graph)
+    return {
+        iri: _definition(iri, properties, content, kinds)
+        for iri, properties in sorted(content.items())
+        if v.bare(v.ros("hasModality")) in properties
+    }
+
+
+def _definition(iri: str, own: Properties, content: Mapping[str, Properties], kinds: _Kinds) -> Definition:
+    parameters = sorted(
+        (content[part] for part in own.get(v.bare(v.rnkg("hasParameter")), ()) if part in content), key=_order
+    )
+    seconds = float(one(own, v.rnkg("renewedEvery")) or 0)
+    return Definition(
+        iri=iri,
+        name=iri.rpartition("#")[2],
+        label=one(own, v.LABEL) or iri,
+        comment=one(own, v.COMMENT) or "",
+        modality=(one(own, v.ros("hasModality")) or "").rpartition("#")[2],
+        kinds=kinds.of(own.get(v.bare(v.TYPE), ())),
+        alternatives=tuple(sorted(own.get(_SKOS_ALTERNATIVE, ()))),
+        parameters=tuple(map(_parameter, parameters)),
+        fields={one(part, v.NAME) or "": tuple(sorted(part.get(v.bare(v.rnkg("field")), ()))) for part in parameters},
+        constants=tuple(sorted(own.get(v.bare(v.rnkg("constantField")), ()))),
+        implied=tuple(sorted(own.get(v.bare(v.rnkg("impliesCapability")), ()))),
+        rate=1 / seconds if seconds > 0 else 0,
+        moves=one(own, v.rnkg("movedPart")),
+    )
+
+
+def _order(own: Properties) -> tuple[float, str]:
+    return float(one(own, v.ORDER) or 0), one(own, v.NAME) or ""
+
+
+def _parameter(own: Properties) -> Parameter:
+    kind: Any = one(own, v.rnkg("parameterKind"))
+    default = one(own, v.rnkg("defaultValue"))
+    return Parameter(
+        name=one(own, v.NAME) or "",
+        label=one(own, v.LABEL) or one(own, v.NAME) or "",
+        comment=one(own, v.COMMENT) or "",
+        type=kind if kind in _TYPES else "number",
+        unit=one(own, v.rnkg("unit")),
+        default=None if default is None else default if kind == "text" else _value(default),
+        minimum=_number(one(own, v.rnkg("minimum"))),
+        maximum=_number(one(own, v.rnkg("maximum"))),
+        choices=tuple(sorted(own.get(v.bare(v.CHOICE), ()))),
+    )
+
+
+def _number(text: str | None) -> float | None:
+    return None if text is None else float(text)
+
+
+def _value(text: str) -> float | bool | str:
+    """Return what a text means as JSON, if it is JSON, else the text itself."""
+    with suppress(ValueError):
+        value = json.loads(text)
+        if isinstance(value, bool | int | float | str):
+            return value
+    return text
+
+
+def _path(texts: Iterable[str], messages: frozenset[str], parts: frozenset[str]) -> str | None:
+    """Return the path that one of `texts` declares for one of `messages`.
+
+    A text is `std_msgs/Bool data`, or with a part `std_srvs/SetBool request data`. A context names the service as a
+    whole (`std_srvs/SetBool`), which stands for its `parts`.
+    """
+    for text in texts:
+        message, _, path = text.rpartition(" ")
+        whole, _, part = message.partition(" ")
+        if message in messages or (whole in messages and part in parts):
+            return path
+    return None
+
+
+class _Kinds:
+    """The classes of capabilities: their labels, and what they are kinds of."""
+
+    def __init__(self, graph: Askable) -> None:
+        self._labels: dict[str, str] = {}
+        self._broader: dict[str, set[str]] = {}
+        for row in graph.query(internal("capability-kinds"), prefixes=PREFIXES):
+            self._labels[row["class"].value] = row["label"].value
+            self._broader.setdefault(row["class"].value, set()).add(row["broader"].value)
+
+    def of(self, classes: list[str] | tuple[()]) -> tuple[str, ...]:
+        """Return the labels from the most general class to the most specific one of these."""
+        chains = [tuple(self._chain(one)) for one in sorted(classes) if one in self._labels]
+        return tuple(self._labels[one] for one in reversed(max(chains, key=len, default=())))
+
+    def _chain(self, name: str) -> Iterator[str]:
+        seen: set[str] = set()
+        while name in self._labels and name not in seen:
+            seen.add(name)
+            yield name
+            name = min(self._broader[name] & self._labels.keys(), default="")
+
+
+_KINDS: Final[Mapping[str, Literal["topic", "service", "action"]]] = {
+    v.bare(v.PUBLISHER): "topic",
+    v.bare(v.SUBSCRIBER): "topic",
+    v.bare(v.SERVICE_SERVER): "service",
+    v.bare(v.ACTION_SERVER): "action",
+}
+_Ways = dict[tuple[str, str, str, str], set[str]]
+"""The messages that stand for a capability, by the kind, the name, the type and the node of a way."""
+
+
+def capabilities_of(graph: Askable, whole: str, of: str) -> Capabilities:
+    """Return what the system or package with the IRI `whole` can do, by what a store has inferred; `of` names it."""
+    return read(graph, whole, of, definitions(graph))
+
+
+def held(graph: Askable, whole: str) -> dict[str, str]:
+    """Return the IRIs of what the system or package with the IRI `whole` can do, each with its label."""
+    return {row["capability"].value: row["label"].value for row in _rows(graph, "capability-holders", whole)}
+
+
+def read(graph: Askable, whole: str, of: str, known: Mapping[str, Definition]) -> Capabilities:
+    """Return the same for definitions that were read before."""
+    having = set(held(graph, whole))
+    ways: defaultdict[str, _Ways] = defaultdict(dict)
+    for row in _rows(graph, "capability-ways", whole):
+        key = (_KINDS[row["role"].value], row["channel"].value, row["type"].value, row["node"].value)
+        ways[row["capability"].value].setdefault(key, set()).add(row["message"].value)
+    found = [_capability(known[iri], ways.get(iri, {}), having, known) for iri in having if iri in known]
+    return Capabilities(of=of, capabilities=tuple(sorted(found, key=lambda one: (one.kinds, one.label, one.iri))))
+
+
+def _rows(graph: Askable, name: str, whole: str) -> Iterable[Any]:
+    rows: Iterable[Any] = graph.query(bind(internal(name), {"whole": NamedNode(whole)}), prefixes=PREFIXES)
+    return rows
+
+
+def _capability(definition: Definition, ways: _Ways, having: set[str], known: Mapping[str, Definition]) -> Capability:
+    specific = (known[iri] for iri in having if iri in known)
+    return definition.capability(
+        ways=tuple(_way(definition, key, frozenset(ways[key])) for key in sorted(ways)),
+        implied_by=tuple(sorted(one.name for one in specific if definition.iri in one.implied)),
+    )
+
+
+def _way(definition: Definition, key: tuple[str, str, str, str], messages: frozenset[str]) -> Way:
+    kind: Any = key[0]
+    return Way(
+        kind=kind,
+        name=key[1],
+        type=key[2],
+        node=key[3],
+        fields=definition.fields_of(messages),
+        constants=definition.constants_of(messages),
+        rate=definition.rate if kind == "topic" else 0,
+    )
+
+
+_PACKAGES = """SELECT ?iri ?name ?repository WHERE {
+  ?owner <%(rnkg)scontains> ?iri ; <%(rnkg)sname> ?repository .
+  ?iri a <%(rnkg)sPackage> ; <%(rnkg)sname> ?name .
+} ORDER BY ?repository""" % {"rnkg": v.RNKG}  # noqa: UP031 - braces are those of SPARQL
+
+
+def added(subject: Capabilities, base: Capabilities) -> Capabilities:
+    """Return those capabilities that something has and something else does not."""
+    known = {one.iri for one in base.capabilities}
+    return msgspec.structs.replace(
+        subject, capabilities=tuple(one for one in subject.capabilities if one.iri not in known)
+    )
+
+
+def package_iri(snapshot: EmbeddedSnapshot, name: str) -> str:
+    """Return the IRI of a package, `name` or `repository:name`.
+
+    Raises:
+        UnknownNameError: KG001 when there is none of that name.
+        UsageError: KG003 when there are several.
+    """
+    repository, _, plain = name.rpartition(":")
+    rows: Any = snapshot.query(_PACKAGES, substitutions={Variable("name"): pyoxigraph.Literal(plain)})
+    found = [(row["iri"].value, row["repository"].value) for row in rows]
+    found = [one for one in found if repository in {"", one[1]}]
+    if not found:
+        every: Any = snapshot.query(_PACKAGES)
+        hint = did_you_mean(plain, {row["name"].value for row in every}) or "`kg packages` lists those of the store."
+        raise UnknownNameError("KG001", f"the store has no package `{name}`", hint=hint)
+    if len(found) > 1:
+        ways = "\n".join(f"`{source}:{plain}`" for _, source in found)
+        raise UsageError("KG003", f"{len(found)} packages are called `{plain}`; say which", hint=ways)
+    return str(found[0][0])
+
+
+_HOLDERS = """SELECT DISTINCT ?node WHERE {
+  <%s> <https://w3id.org/rnkg/ns#hasInstance>|<https://w3id.org/rnkg/ns#contains> ?node .
+  ?node <https://w3id.org/rnkg/ns#hasCapability> <%s> .
+} ORDER BY ?node"""
+
+
+def find(capabilities: Capabilities, name: str) -> Capability:
+    """Return the capability that a name means: its own, its label, another name of it, or its IRI.
+
+    Raises RobotError KG818 when there is none, with what was probably meant.
+    """
+    wanted = folded(name.strip().removeprefix("capability:"))
+    for capability in capabilities.capabilities:
+        names = (capability.name, capability.label, capability.iri, *capability.alternatives)
+        if wanted in {folded(text) for text in names}:
+            return capability
+    known = [text for one in capabilities.capabilities for text in (one.name, one.label)]
+    raise RobotError("KG818", f"{capabilities.of} has no capability `{name}`", hint=did_you_mean(name, known))
+
+
+def proofs(graph: Askable, view: View, rules: tuple[Rule, ...], whole: str, capability: Capability) -> Iterator[Proof]:
+    """Yield for each node of a system or package that has a capability why it does, the shortest way.
+
+    `view` is how explanations with these rules see the graph. Raises RuleError KG226 for what rules do not derive.
+    """
+    rows: Any = graph.query(_HOLDERS % (whole, capability.iri))
+    predicate = NamedNode(v.bare(v.rnkg("hasCapability")))
+    for node in [row["node"] for row in rows]:
+        yield why(view, rules, Triple(node, predicate, NamedNode(capability.iri)), shortest=True)

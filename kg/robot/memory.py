@@ -1,0 +1,529 @@
+"""A robot within this process: what tests and the simulation talk to; `memory://NAME` names one.
+
+    with Bus("office", ros=1, clock=SimulatedClock()) as bus:
+        robot = bus.join("/robot")                  # a node; as many as are wanted
+        face = await connect("memory://office")     # another one, as anybody connects to any robot
+
+What is sent is checked and completed by the types of messages, so that what does not fit is found as on a real wire.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from copy import deepcopy
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, Self
+from urllib.parse import urlsplit
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.clock import WallClock, within
+from kg.robot.connection import FAILURES, ComputationGraph, GraphProblem, LiveEnd, LiveNode, Received, goal_lost, reason
+from kg.robot.inbox import Changes, GoalProgress, Inbox
+from kg.robot.messages import Types
+from kg.robot.tasks import spawn
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
+    from types import TracebackType
+
+    from kg.robot.clock import Clock
+    from kg.robot.connection import Accepted, Value
+
+__all__ = ["Bus", "MemoryConnection", "connect"]
+
+
+@dataclass(slots=True)
+class Topic:
+    """The two sides of a topic; the first end says the type."""
+
+    kind: str
+    publications: list[MemoryPublication] = field(default_factory=list)
+    subscriptions: list[MemorySubscription] = field(default_factory=list)
+
+
+class MemorySubscription(Inbox[Received]):
+    """Messages of a topic as they come."""
+
+    def __init__(self, owner: MemoryConnection, topic: str, kind: str, queue: int) -> None:
+        super().__init__(queue, self._leave)
+        self.kind = kind
+        self._owner = owner
+        self.node = owner.name
+        self._topic = topic
+
+    def _leave(self) -> None:
+        side = self._owner.bus.topics[self._topic]
+        side.subscriptions = [one for one in side.subscriptions if one is not self]
+        self._owner.bus.changed()
+
+
+class MemoryPublication:
+    """A topic that a node writes to."""
+
+    def __init__(self, owner: MemoryConnection, topic: str, kind: str, *, latch: bool) -> None:
+        self.kind = kind
+        self.last: Received | None = None
+        self._owner = owner
+        self.node = owner.name
+        self.types = owner.types
+        self._topic = topic
+        self._latch = latch
+
+    @property
+    def peers(self) -> int:
+        """How many subscribers are connected."""
+        return len(self._side.subscriptions)
+
+    @property
+    def _side(self) -> Topic:
+        return self._owner.bus.topics[self._topic]
+
+    async def publish(self, value: Value) -> None:
+        """Send a message; RobotError KG805 when the value does not fit the type, KG803 when the robot is lost."""
+        self._owner.present()
+        if self not in self._side.publications:
+            raise RobotError("KG803", f"`{self._topic}` is not offered any more")
+        sent = Received(self._owner.types.complete(self.kind, value), self._owner.clock.now(), self.node)
+        if self._latch:
+            self.last = sent
+        for reader in self._side.subscriptions:
+            reader.put(Received(deepcopy(sent.value), sent.at, sent.node))
+        await asyncio.sleep(0)
+
+    async def aclose(self) -> None:
+        """Stop offering the topic."""
+        self._side.publications = [one for one in self._side.publications if one is not self]
+        self._owner.bus.changed()
+
+
+class Service:
+    """A service that a node answers."""
+
+    def __init__(
+        self, owner: MemoryConnection, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]
+    ) -> None:
+        self.kind = kind
+        self._owner = owner
+        self.node = owner.name
+        self._name = name
+        self._answer = answer
+        self._running: set[asyncio.Future[Value]] = set()
+
+    async def call(self, request: Value) -> Value:
+        """Return the response; RobotError KG808 when the node that answers failed, KG803 when it was lost."""
+        work = asyncio.ensure_future(self._respond(request))
+        self._running.add(work)
+        try:
+            return await asyncio.shield(work)
+        except asyncio.CancelledError:
+            if not work.cancelled():
+                raise  # the client gave up; the node still answers
+            raise RobotError("KG803", f"`{self.node}` was lost while it answered `{self._name}`") from None
+        finally:
+            work.add_done_callback(self._running.discard)
+
+    async def _respond(self, request: Value) -> Value:
+        types = self._owner.types
+        try:
+            return types.complete(f"{self.kind}_Response", await self._answer(request))
+        except FAILURES as error:
+            raise RobotError("KG808", f"`{self._name}` failed: {reason(error)}") from None
+
+    def end(self) -> None:
+        """Answer nothing more; who waits learns that the node is lost."""
+        for work in self._running:
+            work.cancel()
+        if self._owner.bus.services.get(self._name) is self:
+            del self._owner.bus.services[self._name]
+
+    async def aclose(self) -> None:
+        """Stop answering."""
+        self.end()
+        self._owner.bus.changed()
+
+
+class MemoryGoal(GoalProgress):
+    """A goal as its client sees it."""
+
+    def __init__(self, client: MemoryConnection, work: _Work) -> None:
+        super().__init__()
+        self._client = client
+        self._work = work
+
+    async def cancel(self) -> None:
+        """Ask the server to end the goal."""
+        self._client.present()
+        self._work.cancelled = True
+        await asyncio.sleep(0)
+
+
+class MemoryCanceller:
+    """Cancels goals of an action whoever gave them, by their identities."""
+
+    def __init__(self, bus: Bus, action: str) -> None:
+        self._bus = bus
+        self._action = action
+
+    async def cancel(self, identity: str) -> None:
+        """Ask the server to end a goal."""
+        if server := self._bus.actions.get(self._action):
+            server.cancel(identity)
+        await asyncio.sleep(0)
+
+
+class _Work:
+    """A goal as its server sees it: `Accepted`."""
+
+    def __init__(self, server: ActionServer, goal: Value, identity: str | None, client: MemoryConnection) -> None:
+        self.identity = identity
+        self.goal = goal
+        self.cancelled = False
+        self.failure: str | None = None
+        self.client = MemoryGoal(client, self)
+        self._server = server
+
+    async def feedback(self, value: Value) -> None:
+        """Tell the client how far it is."""
+        self.client.take_feedback(self._server.complete("Feedback", value))
+        await asyncio.sleep(0)
+
+    def abort(self, reason: str) -> None:
+        """Note that the goal could not be reached."""
+        self.failure = reason
+
+
+class ActionServer:
+    """An action that a node carries out."""
+
+    def __init__(
+        self, owner: MemoryConnection, name: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
+    ) -> None:
+        self.kind = kind
+        self.clients: set[str] = set()
+        self._owner = owner
+        self.node = owner.name
+        self._name = name
+        self._carry_out = carry_out
+        self._goals: deque[_Work] = deque()
+        self._worker: asyncio.Task[None] | None = None
+
+    def complete(self, name: str, value: Value) -> Value:
+        """Return a value of one of the messages of the action, checked and completed."""
+        return self._owner.types.complete(f"{self.kind}_{name}", value)
+
+    def accept(self, client: MemoryConnection, goal: Value, identity: str | None) -> MemoryGoal:
+        """Take a goal; those before it are cancelled."""
+        work = _Work(self, goal, identity, client)
+        for earlier in self._goals:
+            earlier.cancelled = True
+        self._goals.append(work)
+        if client.name not in self.clients:
+            self.clients.add(client.name)
+            self._owner.bus.changed()
+        if self._worker is None or self._worker.done():
+            self._worker = spawn(self._work(), f"carrying out {self._name}")
+        return work.client
+
+    def cancel(self, identity: str) -> None:
+        """Cancel the goal of an identity."""
+        for work in self._goals:
+            work.cancelled = work.cancelled or work.identity == identity
+
+    async def _work(self) -> None:
+        while self._goals:
+            work = self._goals[0]
+            work.client.end(await self._outcome(work))
+            self._goals.popleft()
+
+    async def _outcome(self, work: _Work) -> Value | RobotError:
+        try:
+            result = None if work.cancelled else self.complete("Result", await self._carry_out(work))
+        except FAILURES as error:
+            return RobotError("KG809", f"the goal of `{self._name}` was aborted: {reason(error)}")
+        if work.failure is not None:
+            return RobotError("KG809", f"the goal of `{self._name}` was aborted: {work.failure}")
+        if result is None or work.cancelled:
+            return RobotError("KG809", f"the goal of `{self._name}` was cancelled")
+        return result
+
+    def end(self) -> None:
+        """Carry out nothing more; who waits learns that the node is lost."""
+        if self._worker is not None:
+            self._worker.cancel()
+        for work in self._goals:
+            work.client.end(goal_lost(self._name, f"`{self.node}`"))
+        self._goals.clear()
+        if self._owner.bus.actions.get(self._name) is self:
+            del self._owner.bus.actions[self._name]
+
+    async def aclose(self) -> None:
+        """Stop answering."""
+        self.end()
+        self._owner.bus.changed()
+
+
+class MemoryConnection:
+    """A node of a bus; `Bus.join` makes it."""
+
+    def __init__(self, bus: Bus, name: str, types: Types) -> None:
+        self.bus = bus
+        self.ros = bus.ros
+        self.address = bus.address
+        self.name = name
+        self.types = types
+        self._lost: asyncio.Future[str] | None = None
+        self._why: str | None = None
+        self._left = False
+
+    @property
+    def clock(self) -> Clock:
+        """The time of the robot, the same for all nodes."""
+        return self.bus.clock
+
+    def present(self) -> None:
+        """Raise RobotError KG803 when the connection is lost, or closed."""
+        if self._gone:
+            raise RobotError("KG803", f"the robot at {self.address} is lost: {self._why or 'the connection is closed'}")
+
+    async def graph(self) -> ComputationGraph:
+        """Return the computation graph without our own node; RobotError KG802 when the connection is lost."""
+        if self._gone:
+            raise RobotError("KG802", f"the robot at {self.address} does not answer: {self._why or 'closed'}")
+        return self.bus.graph(without=self.name)
+
+    def changes(self) -> AsyncIterator[ComputationGraph]:
+        """Yield the graph as it is, and again each time that it has changed; it ends with the connection."""
+        return self.bus.changes.values(lambda: None if self._gone else self.bus.graph(without=self.name))
+
+    @property
+    def _gone(self) -> bool:
+        return self._why is not None or self._left
+
+    async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> MemorySubscription:
+        """Receive the messages of a topic; RobotError KG804 or KG806 as every connection."""
+        self.present()
+        side = self.bus.topics.get(topic)
+        if kind is None and (side is None or not (side.publications or side.subscriptions)):
+            raise RobotError("KG804", f"no node reports the type of `{topic}`")
+        side = self._side(topic, kind or (side.kind if side else ""))
+        subscription = MemorySubscription(self, topic, side.kind, queue)
+        for latched in (one.last for one in side.publications if one.last is not None):
+            subscription.put(Received(deepcopy(latched.value), latched.at, latched.node))
+        side.subscriptions.append(subscription)
+        self.bus.changed()
+        return subscription
+
+    async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> MemoryPublication:
+        """Offer a topic; `latch` keeps the last message for those that come later."""
+        self.present()
+        side = self._side(topic, kind)
+        publication = MemoryPublication(self, topic, kind, latch=latch)
+        side.publications.append(publication)
+        self.bus.changed()
+        return publication
+
+    def _side(self, topic: str, kind: str) -> Topic:
+        side = self.bus.topics.setdefault(topic, Topic(kind))
+        if not (side.publications or side.subscriptions):
+            side.kind = kind
+        if side.kind != kind:
+            raise RobotError("KG806", f"`{topic}` is of the type {side.kind}, not {kind}")
+        if not self.types.knows(kind):
+            self._learn(kind, side)
+        return side
+
+    def _learn(self, kind: str, side: Topic) -> None:
+        for one in side.publications:
+            if one.types.knows(kind):
+                self.types.define(kind, one.types.definition(kind))
+                return
+        self.types.fields(kind)  # says that it is not known
+
+    async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
+        """Call a service and return the response; RobotError KG803, KG807 or KG808 as every connection."""
+        self.present()
+        found = self.bus.services.get(service)
+        if found is None:
+            raise RobotError("KG807", f"no node serves `{service}`")
+        if kind is not None and kind != found.kind:
+            raise RobotError("KG806", f"`{service}` is of the type {found.kind}, not {kind}")
+        value = self.types.complete(f"{found.kind}_Request", request)
+        try:
+            return await within(self.clock, seconds, found.call(value))
+        except TimeoutError:
+            raise RobotError("KG803", f"`{service}` did not answer within {seconds:g} s") from None
+
+    async def send_goal(
+        self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None
+    ) -> MemoryGoal:
+        """Give an action a goal; RobotError KG807 when nobody serves it within so many seconds."""
+        self.present()
+        value = self.types.complete(f"{kind}_Goal", goal)
+        try:
+            server = await within(self.clock, seconds, self._server(action))
+        except TimeoutError:
+            raise RobotError("KG807", f"no action server for `{action}`") from None
+        if kind != server.kind:
+            raise RobotError("KG806", f"`{action}` is of the type {server.kind}, not {kind}")
+        return server.accept(self, value, identity)
+
+    async def canceller(self, action: str, kind: str) -> MemoryCanceller:  # noqa: ARG002 - all actions cancel alike
+        """Return what cancels goals of an action."""
+        self.present()
+        return MemoryCanceller(self.bus, action)
+
+    async def _server(self, action: str) -> ActionServer:
+        with self.bus.changes.news() as news:
+            while action not in self.bus.actions:
+                news.clear()
+                await news.wait()
+            return self.bus.actions[action]
+
+    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
+        """Answer a service; the newest of several that offer it is asked."""
+        self.present()
+        self.types.fields(f"{kind}_Request")
+        self.bus.services[service] = Service(self, service, kind, answer)
+        self.bus.changed()
+        return self.bus.services[service]
+
+    async def serve_action(
+        self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
+    ) -> ActionServer:
+        """Carry out goals, one at a time."""
+        self.present()
+        self.types.fields(f"{kind}_Goal")
+        self.bus.actions[action] = ActionServer(self, action, kind, carry_out)
+        self.bus.changed()
+        return self.bus.actions[action]
+
+    async def wait_lost(self) -> str:
+        """Return, when the connection is lost, why; never before."""
+        if self._why is not None:
+            return self._why
+        if self._lost is None:
+            self._lost = asyncio.get_running_loop().create_future()
+        return await asyncio.shield(self._lost)
+
+    def lose(self, why: str) -> None:
+        """Be lost, as by a broken cable: what was open ends, and whoever waits learns why."""
+        self._why = why
+        if self._lost is not None and not self._lost.done():
+            self._lost.set_result(why)
+        self._leave()
+
+    async def aclose(self) -> None:
+        """Leave the graph; everything that was opened is closed."""
+        self._left = True
+        self._leave()
+
+    def _leave(self) -> None:
+        for side in self.bus.topics.values():
+            for subscription in side.subscriptions:
+                if subscription.node == self.name:
+                    subscription.end()
+            side.publications = [one for one in side.publications if one.node != self.name]
+            side.subscriptions = [one for one in side.subscriptions if one.node != self.name]
+        answering: list[Service | ActionServer] = [*self.bus.services.values(), *self.bus.actions.values()]
+        for served in answering:
+            if served.node == self.name:
+                served.end()
+        if self.bus.nodes.get(self.name) is self:
+            del self.bus.nodes[self.name]
+        self.bus.changed()
+
+
+class Bus:
+    """A system of nodes in this process, known by its name until it is closed.
+
+    Args:
+        name: what `memory://NAME` calls it.
+        ros: the version of ROS whose messages are spoken.
+        clock: the time of all its nodes; that of the wall when none is given.
+        types: the types of messages that nodes know which bring none.
+    """
+
+    _known: ClassVar[dict[str, Bus]] = {}
+
+    def __init__(self, name: str, *, ros: int = 1, clock: Clock | None = None, types: Types | None = None) -> None:
+        """Raise RobotError KG801 when another bus of that name is open."""
+        if name in self._known:
+            raise RobotError("KG801", f"this process already has a robot `memory://{name}`")
+        self.name = name
+        self.address = f"memory://{name}"
+        self.ros = ros
+        self.clock: Clock = clock or WallClock()
+        self.types = types or Types(ros)
+        self.nodes: dict[str, MemoryConnection] = {}
+        self.topics: dict[str, Topic] = {}
+        self.services: dict[str, Service] = {}
+        self.actions: dict[str, ActionServer] = {}
+        self.problems: list[GraphProblem] = []
+        self.changes = Changes()
+        self._known[name] = self
+
+    @classmethod
+    def named(cls, name: str) -> Bus | None:
+        """Return the bus of that name, None when there is none."""
+        return cls._known.get(name)
+
+    def join(self, name: str, types: Types | None = None) -> MemoryConnection:
+        """Become a node of the bus; like ROS 1, a node of a name that is there already throws that one out."""
+        absolute = name if name.startswith("/") else f"/{name}"
+        self.cut(absolute, "another node with the same name joined")
+        node = MemoryConnection(self, absolute, types or self.types)
+        self.nodes[absolute] = node
+        self.changed()
+        return node
+
+    def cut(self, name: str, why: str) -> None:
+        """Take a node off without its doing, as a broken cable or a crash does; it learns that it is lost."""
+        node = self.nodes.get(name)
+        if node is not None:
+            node.lose(why)
+
+    def close(self) -> None:
+        """End the system: all nodes are lost, and the name is free."""
+        for name in list(self.nodes):
+            self.cut(name, "the system ended")
+        self._known.pop(self.name, None)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def changed(self) -> None:
+        """Wake up who watches the graph."""
+        self.changes.tell()
+
+    def graph(self, without: str | None = None) -> ComputationGraph:
+        """Return the computation graph, without one node if one is named."""
+        nodes = sorted(LiveNode(name, f"{self.address}{name}") for name in self.nodes if name != without)
+        ends = {(one.name, one.role, one.node): one for one in self._ends() if one.node != without}
+        return ComputationGraph(
+            self.ros, tuple(nodes), tuple(ends[key] for key in sorted(ends)), tuple(sorted(self.problems))
+        )
+
+    def _ends(self) -> Iterable[LiveEnd]:
+        for name, topic in self.topics.items():
+            yield from (LiveEnd(one.node, Role.PUBLISHES, name, one.kind) for one in topic.publications)
+            yield from (LiveEnd(one.node, Role.SUBSCRIBES, name, one.kind) for one in topic.subscriptions)
+        for name, service in self.services.items():
+            yield LiveEnd(service.node, Role.SERVICES, name, service.kind)
+        for name, action in self.actions.items():
+            yield LiveEnd(action.node, Role.ACTION_SERVERS, name, action.kind)
+            yield from (LiveEnd(node, Role.ACTION_CLIENTS, name, action.kind) for node in action.clients)
+
+
+async def connect(address: str, name: str, types: Types | None = None) -> MemoryConnection:
+    """Become a node of the bus that `memory://NAME` names; RobotError KG802 when this process has none of that name."""
+    bus = Bus.named(urlsplit(address).netloc)
+    if bus is None:
+        raise RobotError("KG802", f"no robot `{address}` in this process")
+    return bus.join(name, types)

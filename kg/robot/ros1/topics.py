@@ -1,0 +1,291 @@
+"""Topics of ROS 1, both ways.
+
+A topic that we write to has one connection for each subscriber, with a queue that drops the oldest. One that we read
+has a connection to each publisher, made again when it ends while the publisher is listed.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import RobotError
+from kg.robot.inbox import Inbox, Messages, Raw
+from kg.robot.ros1.header import framed, pack, read_header, read_message
+from kg.robot.ros1.names import is_type, shown
+from kg.robot.ros1.xmlrpc import ask
+from kg.robot.tasks import spawn
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.robot.connection import Value
+    from kg.robot.messages import Types
+    from kg.robot.ros1.node import Node
+
+__all__ = ["Offer", "Ros1Publication", "Ros1Subscription", "learn"]
+
+
+_QUEUE: Final = 100
+
+
+class _Link:
+    """A subscriber of a topic of ours."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.dropped = 0
+        self._reader = reader
+        self._writer = writer
+        self._waiting: deque[bytes] = deque(maxlen=_QUEUE)
+        self._news = asyncio.Event()
+
+    def put(self, content: bytes) -> None:
+        """Send a message, at once where nothing waits; the oldest makes room when the subscriber is too slow."""
+        if not self._waiting and not self._writer.transport.get_write_buffer_size():
+            self._writer.write(content)
+            return
+        self.dropped += len(self._waiting) == _QUEUE
+        self._waiting.append(content)
+        self._news.set()
+
+    async def run(self) -> None:
+        """Send what waits until the subscriber ends the connection, on which it says nothing."""
+        sending = spawn(self._send(), "sending to a subscriber")
+        try:
+            while await self._reader.read(1 << 12):
+                pass
+        except OSError:
+            return  # it broke off
+        finally:
+            sending.cancel()
+
+    def close(self) -> None:
+        """End the connection, after what waits: a subscriber that is slow is told to stand still all the same."""
+        while self._waiting:
+            self._writer.write(self._waiting.popleft())
+        self._writer.close()
+
+    async def _send(self) -> None:
+        try:
+            while True:
+                self._news.clear()
+                await self._news.wait()
+                while self._waiting:
+                    self._writer.write(self._waiting.popleft())
+                    await self._writer.drain()
+        except OSError:
+            self._waiting.clear()
+
+
+class Offer:
+    """A topic that our node is registered for as a publisher."""
+
+    def __init__(self, node: Node, topic: str, kind: str) -> None:
+        self.topic = topic
+        self.kind = kind
+        self.users = 0
+        self.latch = False
+        self.links: dict[_Link, str] = {}
+        self.registered: asyncio.Future[Any]
+        self._node = node
+        self._last: bytes | None = None
+
+    @property
+    def dropped(self) -> int:
+        """How many messages were dropped for those who read too slowly and are still connected."""
+        return sum(link.dropped for link in self.links)
+
+    def put(self, value: Value) -> None:
+        """Send a message to all; RobotError KG805 when it does not fit."""
+        content = framed(self._node.types.encode(self.kind, value))
+        if self.latch:
+            self._last = content
+        for link in self.links:
+            link.put(content)
+
+    async def serve(
+        self, header: Mapping[str, str], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        """Serve a subscriber that has sent its header, until it leaves."""
+        types = self._node.types
+        wanted = {"md5sum": types.md5(self.kind), "type": self.kind}
+        for field, ours in wanted.items():
+            if header.get(field, "*") not in {"*", ours}:
+                words = f"`{self.topic}` is {self.kind} with {field} {ours}, not {shown(header[field])}"
+                self._node.note("KG806", header.get("callerid", "?"), words)
+                writer.write(pack({"error": words}))
+                return
+        told = {"callerid": self._node.name, "latching": str(int(self.latch)), "topic": self.topic, **wanted}
+        writer.write(pack({**told, "message_definition": types.definition(self.kind)}))
+        link = _Link(reader, writer)
+        self.links[link] = shown(header.get("callerid", "?"))
+        if self._last is not None:
+            link.put(self._last)
+        try:
+            await link.run()
+        finally:
+            del self.links[link]
+
+    def close(self) -> None:
+        """End all connections."""
+        for link in self.links:
+            link.close()
+
+
+class Ros1Publication:
+    """A use of a topic: the topic is offered as long as one is open."""
+
+    def __init__(self, node: Node, offer: Offer) -> None:
+        self._node = node
+        self._offer = offer
+        self._open = True
+
+    @property
+    def peers(self) -> int:
+        """How many subscribers are connected."""
+        return len(self._offer.links)
+
+    @property
+    def dropped(self) -> int:
+        """How many messages were dropped for subscribers that read too slowly."""
+        return self._offer.dropped
+
+    async def publish(self, value: Value) -> None:
+        """Send a message; RobotError KG805 when the value does not fit the type, KG803 when the robot is lost.
+
+        Links to subscribers outlive the master: a robot that moves can be told to stand still without it.
+        """
+        if not self._offer.links:
+            self._node.present()
+        self._offer.put(value)
+        await asyncio.sleep(0)
+
+    async def aclose(self) -> None:
+        """Stop offering the topic."""
+        if self._open:
+            self._open = False
+            await self._node.withdraw(self._offer)
+
+
+_FIRST_PAUSE: Final = 0.1
+_LONGEST_PAUSE: Final = 2.0
+_SLOWEST: Final = 5.0
+
+
+class Ros1Subscription(Messages):
+    """Messages of a topic as they come; the oldest are dropped when too many wait."""
+
+    def __init__(self, node: Node, topic: str, kind: str, queue: int) -> None:
+        self.topic = topic
+        self.kind = kind
+        self.links: dict[str, asyncio.Task[None]] = {}
+        self.connected: dict[str, str] = {}
+        self._node = node
+        self._closed = False
+        super().__init__(Inbox(queue, self.end), partial(node.types.decode, kind), self._note)
+
+    def update(self, publishers: Iterable[str]) -> None:
+        """Read from these publishers and no others."""
+        wanted = set() if self._closed else set(publishers)
+        for uri in self.links.keys() - wanted:
+            self.links.pop(uri).cancel()
+        for uri in wanted - self.links.keys():
+            self.links[uri] = spawn(self._follow(uri), f"reading {self.topic}")
+
+    def _note(self, error: RobotError, node: str | None) -> None:
+        self._node.note(error.code, node or self.topic, error.message)
+
+    async def aclose(self) -> None:
+        """Stop receiving."""
+        if not self._closed:
+            await self._inbox.aclose()
+            await self._node.leave(self)
+
+    def end(self) -> None:
+        """Let the iteration end after what waits, and every connection at once."""
+        self._closed = True
+        self.update(())
+        self._inbox.end()
+
+    async def _follow(self, uri: str) -> None:
+        pause = _FIRST_PAUSE
+        while True:
+            try:
+                await self._receive(uri)
+                pause = _FIRST_PAUSE
+            except (RobotError, OSError, TimeoutError) as error:
+                code, words = (error.code, error.message) if isinstance(error, RobotError) else ("KG803", str(error))
+                self._node.note(code, self.connected.get(uri, uri), f"`{self.topic}`: {words}")
+                if code in {"KG806", "KG812"}:
+                    return  # it will not be of another opinion as long as it is listed
+            finally:
+                self.connected.pop(uri, None)
+            await asyncio.sleep(pause)
+            pause = min(2 * pause, _LONGEST_PAUSE)
+
+    async def _receive(self, uri: str) -> None:
+        """Read from a publisher until it ends the connection."""
+        reader, writer = await open_topic(self._node.name, uri, self.topic)
+        try:
+            header = await greet(self._node.name, self.topic, self.kind, reader, writer)
+            learn(self._node.types, self.kind, header)
+            self.connected[uri] = sender = shown(header.get("callerid", uri))
+            while (content := await read_message(reader)) is not None:
+                self._inbox.put(Raw(content, self._node.clock.now(), sender))
+        finally:
+            writer.close()
+
+
+async def open_topic(name: str, uri: str, topic: str) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    """Connect to a publisher of a topic; RobotError as `ask`, and KG810 when it offers no TCPROS."""
+    protocol = await ask(uri, "requestTopic", name, topic, [["TCPROS"]])
+    if not isinstance(protocol, list) or [type(one) for one in protocol] != [str, str, int]:
+        raise RobotError("KG810", f"{uri} offers `{topic}` by {shown(protocol)}, not by TCPROS")
+    _, host, port = protocol
+    async with asyncio.timeout(_SLOWEST):
+        try:
+            return await asyncio.open_connection(host, port)
+        except (ValueError, OverflowError):  # a host or port that can be none
+            raise RobotError("KG810", f"{uri} offers `{topic}` at {shown(host)}:{port}") from None
+
+
+async def greet(
+    name: str, topic: str, kind: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+) -> dict[str, str]:
+    """Exchange headers with a publisher and return its own; the sums are compared by `learn`."""
+    ours = {"callerid": name, "topic": topic, "type": kind, "md5sum": "*", "tcp_nodelay": "1", "message_definition": ""}
+    writer.write(pack(ours))
+    header = await read_header(reader)
+    if "error" in header:
+        raise RobotError("KG806", f"the publisher refuses: {shown(header['error'])}")
+    return header
+
+
+def told_type(header: Mapping[str, str]) -> str:
+    """Return the type that a publisher tells; RobotError KG810 when it tells none."""
+    kind = header.get("type", "")
+    if not is_type(kind) or not header.get("md5sum"):
+        raise RobotError(
+            "KG810", f"a header has the type `{shown(kind)}` and the sum `{header.get('md5sum', '')[:40]}`"
+        )
+    return kind
+
+
+def learn(types: Types, kind: str, header: Mapping[str, str]) -> None:
+    """Compare a publisher's header with what is known of a type, which is learned from it when it was not known.
+
+    Raises:
+        RobotError: KG806 when type or sum differ, KG810 when the header or the definition in it is broken, KG804 when
+            it has none of a type that is not known.
+    """
+    told, known = told_type(header), types.knows(kind)
+    if told != kind:
+        raise RobotError("KG806", f"it is {told}, not {kind}")
+    if known and types.md5(kind) == header["md5sum"]:
+        return
+    if "message_definition" in header:
+        types.define(kind, header["message_definition"])
+    if types.md5(kind) != header["md5sum"]:
+        raise RobotError("KG806", f"{kind} has the sum {types.md5(kind)} here and {header['md5sum'][:40]} there")

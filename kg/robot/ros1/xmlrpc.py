@@ -1,0 +1,251 @@
+"""XML-RPC over HTTP, both ways, without a thread: every reading has a bound in bytes and in time.
+
+What peers send is bounded, and none of it is expanded (xmlrpc.com/spec.md).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Final
+from xml.parsers import expat
+from xmlrpc import client
+
+from kg.errors import RobotError
+from kg.robot.ros1.names import netloc, peer
+from kg.robot.tasks import Tasks
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+__all__ = ["XmlRpcServer", "ask", "call", "exchange", "listen", "value", "xml_read"]
+
+
+_ODD: Final = (expat.ExpatError, client.Error, ValueError, TypeError, LookupError, AttributeError, OverflowError)
+
+
+def xml_request(method: str, arguments: tuple[Any, ...]) -> bytes:
+    """Return the bytes of a call; RobotError KG805 for arguments that XML-RPC cannot carry."""
+    try:
+        return client.dumps(arguments, method, encoding="utf-8").encode()
+    except (TypeError, OverflowError, UnicodeEncodeError) as error:
+        raise RobotError("KG805", f"XML-RPC cannot carry a value: {error}") from None
+
+
+def xml_answer(value: Any) -> bytes:
+    """Return the bytes of a response; RobotError KG805 for a value that XML-RPC cannot carry."""
+    try:
+        return client.dumps((value,), methodresponse=True).encode()
+    except (TypeError, OverflowError, UnicodeEncodeError) as error:
+        raise RobotError("KG805", f"XML-RPC cannot carry a value: {error}") from None
+
+
+def xml_fault(message: str) -> bytes:
+    """Return the bytes of a response that says what is wrong."""
+    return client.dumps(client.Fault(1, message)).encode()
+
+
+def xml_read(content: bytes) -> tuple[str | None, list[Any]]:
+    """Return the method and the values that bytes carry; for a response the method is None.
+
+    Raises:
+        RobotError: KG810 for other bytes, and for a document type, with which a few bytes become many;
+            KG813 for a fault.
+    """
+    target = client.Unmarshaller(use_builtin_types=True)
+    parser = expat.ParserCreate()
+    parser.StartDoctypeDeclHandler = _refuse
+    parser.StartElementHandler = target.start
+    parser.EndElementHandler = target.end
+    parser.CharacterDataHandler = target.data
+    target.xml(None, None)  # type: ignore[arg-type]  # no encoding: expat gives texts, as in xmlrpc.client.ExpatParser
+    try:
+        parser.Parse(content, True)
+        values = list(target.close())
+    except client.Fault as error:
+        raise RobotError("KG813", f"a peer refused a call: {error.faultString!s:.200}") from None
+    except _ODD as error:
+        raise RobotError("KG810", f"{len(content)} bytes are not XML-RPC: {error!s:.200}") from None
+    return target.getmethodname(), values
+
+
+def _refuse(*_: object) -> None:
+    raise ValueError("it declares a document type")
+
+
+MOST_BYTES: Final = 1 << 24
+"""The longest body: the state of a system of some ten thousand topics is a tenth of it."""
+
+_MOST_REQUEST: Final = 1 << 20
+_MOST_CONNECTIONS: Final = 256
+_IDLE: Final = 30.0
+_SLOWEST: Final = 5.0
+_BACKLOG: Final = 1024
+_ENDING: Final = 1.0
+"""Seconds that answers which are being given may take when the server ends."""
+
+
+async def ask(uri: str, method: str, *arguments: Any, seconds: float = 3.0) -> Any:
+    """Call a method of the Master, Slave or Parameter API and return its value (wiki.ros.org/ROS/Master_API).
+
+    Raises:
+        RobotError: those of `call`, and KG813 when the peer says that it failed.
+    """
+    return value(uri, method, await exchange(uri, method, *arguments, seconds=seconds))
+
+
+def value(uri: str, method: str, content: bytes) -> Any:
+    """Return the value in the bytes of an answer to `ask`; errors as there."""
+    told = _only(uri, method, content)
+    if not isinstance(told, list) or len(told) != 3 or type(told[0]) is not int:  # noqa: PLR2004 - code, words, value
+        raise RobotError("KG810", f"{uri} answers `{method}` with no list of code, words and value")
+    if told[0] != 1:
+        raise RobotError("KG813", f"{uri} refuses `{method}`: {told[1]!s:.200}")
+    return told[2]
+
+
+async def call(uri: str, method: str, *arguments: Any, seconds: float = 3.0) -> Any:
+    """Call a method of a peer and return what it answers.
+
+    Raises:
+        RobotError: those of `exchange`, KG810 when the answer is not XML-RPC, KG813 when it is a fault.
+    """
+    return _only(uri, method, await exchange(uri, method, *arguments, seconds=seconds))
+
+
+async def exchange(uri: str, method: str, *arguments: Any, seconds: float = 3.0) -> bytes:
+    """Call a method of a peer and return the bytes that it answers.
+
+    Raises:
+        RobotError: KG803 when the peer cannot be reached or does not answer in time, KG810 when its answer is not HTTP,
+            KG812 when the address is none.
+    """
+    host, port = peer(uri)
+    body = xml_request(method, arguments)
+    try:
+        async with asyncio.timeout(seconds):
+            return await _exchange(host, port, body)
+    except TimeoutError:
+        raise RobotError("KG803", f"{uri} did not answer `{method}` within {seconds:g} s") from None
+    except OSError as error:
+        raise RobotError("KG803", f"{uri} cannot be reached: {error.strerror or error}") from None
+
+
+def _only(uri: str, method: str, content: bytes) -> Any:
+    values = xml_read(content)[1]
+    if len(values) != 1:
+        raise RobotError("KG810", f"{uri} answers `{method}` with {len(values)} values")
+    return values[0]
+
+
+async def _exchange(host: str, port: int, body: bytes) -> bytes:
+    reader, writer = await asyncio.open_connection(host, port)
+    try:
+        head = f"POST /RPC2 HTTP/1.1\r\nHost: {netloc(host, port)}\r\nContent-Type: text/xml\r\nConnection: close\r\n"
+        writer.write(f"{head}Content-Length: {len(body)}\r\n\r\n".encode() + body)
+        first, fields = await _head(reader)
+        if first.split(" ")[1:2] != ["200"]:
+            raise RobotError("KG810", f"{host}:{port} answers `{first[:60]}`")
+        return await _body(reader, fields, MOST_BYTES)
+    finally:
+        writer.close()
+
+
+async def _head(reader: asyncio.StreamReader) -> tuple[str, dict[str, str]]:
+    try:
+        first, *lines = (await reader.readuntil(b"\r\n\r\n")).decode("latin-1").strip().split("\r\n")
+    except (asyncio.LimitOverrunError, asyncio.IncompleteReadError):
+        raise RobotError("KG810", "a peer sent no whole header of HTTP") from None
+    return first, {name.strip().lower(): value.strip() for name, _, value in (line.partition(":") for line in lines)}
+
+
+async def _body(reader: asyncio.StreamReader, fields: dict[str, str], most: int) -> bytes:
+    length = fields.get("content-length", "")
+    if not length:
+        content = bytearray()
+        while len(content) <= most and (more := await reader.read(1 << 16)):
+            content += more
+    elif not length.isdecimal() or len(length) > 12 or int(length) > most:  # noqa: PLR2004 - digits, before int()
+        raise RobotError("KG810", f"a peer announces a body of {length[:20]} bytes")
+    else:
+        try:
+            return await reader.readexactly(int(length))
+        except asyncio.IncompleteReadError as error:
+            raise RobotError("KG810", f"a body ends after {len(error.partial)} of {length} bytes") from None
+    if len(content) > most:
+        raise RobotError("KG810", f"a peer sent a body of more than {most} bytes")
+    return bytes(content)
+
+
+async def listen(
+    serve: Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]], host: str, port: int = 0
+) -> asyncio.Server:
+    """Listen at a host, at `::` on the same port of both protocols; OSError when that is not possible."""
+    if host != "::":
+        return await asyncio.start_server(serve, host, port, backlog=_BACKLOG)
+    both = socket.create_server((host, port), family=socket.AF_INET6, dualstack_ipv6=True, backlog=_BACKLOG)
+    return await asyncio.start_server(serve, sock=both, backlog=_BACKLOG)
+
+
+class XmlRpcServer:
+    """Answers calls: `handle` gets the method and its arguments; a KeyError of it is a method that is not known."""
+
+    def __init__(self, handle: Callable[[str, list[Any]], Awaitable[Any]]) -> None:
+        self._handle = handle
+        self._server: asyncio.Server | None = None
+        self._open: set[asyncio.StreamWriter] = set()
+        self._answering = Tasks()
+
+    async def start(self, host: str, port: int = 0) -> int:
+        """Listen, and return the port; OSError when that is not possible."""
+        self._server = await listen(self._serve, host, port)
+        return int(self._server.sockets[0].getsockname()[1])
+
+    async def aclose(self) -> None:
+        """Answer nobody any more."""
+        if self._server is not None:
+            self._server.close()
+        for writer in list(self._open):
+            writer.close()
+        with suppress(TimeoutError):  # a loop that ends before they have would say that they were cancelled
+            async with asyncio.timeout(_ENDING):
+                await self._answering.done()
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._open.add(writer)
+        if (task := asyncio.current_task()) is not None:
+            self._answering.hold(task)
+        try:
+            while len(self._open) <= _MOST_CONNECTIONS and await self._answer(reader, writer):
+                pass
+        except (OSError, RobotError, TimeoutError):
+            return  # the caller broke off, or sends what is not a call: there is nobody to tell
+        except asyncio.CancelledError:
+            return  # the loop ends; asyncio before 3.12 would log that it was cancelled
+        finally:
+            self._open.discard(writer)
+            writer.close()
+
+    async def _answer(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> bool:
+        """Answer one call, and tell whether the connection stays open."""
+        async with asyncio.timeout(_IDLE):
+            first, fields = await _head(reader)
+        async with asyncio.timeout(_SLOWEST):
+            body = await _body(reader, fields, _MOST_REQUEST) if "content-length" in fields else b""
+        kept = first.endswith("HTTP/1.1") and fields.get("connection", "").lower() != "close"
+        content = await self._result(body)
+        head = f"HTTP/1.1 200 OK\r\nContent-Type: text/xml\r\nContent-Length: {len(content)}\r\n"
+        writer.write(f"{head}Connection: {'keep-alive' if kept else 'close'}\r\n\r\n".encode() + content)
+        async with asyncio.timeout(_SLOWEST):
+            await writer.drain()
+        return kept
+
+    async def _result(self, body: bytes) -> bytes:
+        try:
+            method, arguments = xml_read(body)
+            return xml_answer(await self._handle(method or "", arguments))
+        except RobotError as error:
+            return xml_fault(error.message)
+        except KeyError:
+            return xml_fault(f"method {method!r} is not known")

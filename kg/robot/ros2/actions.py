@@ -1,0 +1,338 @@
+"""Actions of ROS 2, both ways: three services and two topics under a hidden name.
+
+Source: design.ros2.org/articles/actions.html; action_msgs/GoalStatus and CancelGoal for the numbers. Our own server
+carries out one goal at a time.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import OrderedDict
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.clock import stamp, within
+from kg.robot.connection import GraphProblem, goal_lost
+from kg.robot.inbox import Inbox
+from kg.robot.ros2.ends import Ros2Publication, Service
+from kg.robot.ros2.middleware import LATCHED, OFFERED
+from kg.robot.tasks import outcome, spawn
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable
+
+    from kg.facts import Qos
+    from kg.robot.clock import Clock
+    from kg.robot.connection import Accepted, Value
+    from kg.robot.ros2.connection import Ros2Connection
+    from kg.robot.ros2.ends import Client
+
+__all__ = ["ActionServer", "Ros2Canceller", "canceller", "send_goal"]
+
+
+_ACCEPTED, _EXECUTING, _CANCELLING, _SUCCEEDED, _CANCELLED, _ABORTED = range(1, 7)
+_STATUS: Final = {0: "is not known to the server", _CANCELLED: "was cancelled", _ABORTED: "was aborted"}
+_MOST_FEEDBACK: Final = 1000
+"""So much feedback waits for who may not read it."""
+_GIVING_UP: Final = 1.0
+"""Seconds of the wall that cancelling a goal may take that is given up."""
+_CONFIRMING: Final = 5.0
+"""Seconds that a server may take to say that it has heard of a wish to cancel."""
+
+
+async def send_goal(  # noqa: PLR0913 - what a goal consists of
+    owner: Ros2Connection, action: str, kind: str, goal: Value, *, seconds: float, identity: str
+) -> Ros2Goal:
+    """Give an action a goal; RobotError KG805, KG806, KG807 or KG809. One that nobody waits for is cancelled."""
+    await owner.known(kind, f"{kind}_Goal", f"{action}/_action/send_goal")
+    owner.types.complete(f"{kind}_Goal", goal)
+    made = Ros2Goal(owner, action, kind, identity)
+    try:
+        await within(owner.clock, seconds, made.send(goal))
+    except TimeoutError:
+        await made.give_up()
+        raise _late(owner, action, seconds) from None
+    except asyncio.CancelledError:
+        await made.give_up()
+        raise
+    except RobotError:
+        made.end()
+        raise
+    return made
+
+
+async def canceller(owner: Ros2Connection, action: str) -> Ros2Canceller:
+    """Return what cancels goals of an action."""
+    client = await owner.client(f"{action}/_action/cancel_goal", "action_msgs/CancelGoal")
+    return Ros2Canceller(client, owner.clock, action)
+
+
+class Ros2Canceller:
+    """Cancels goals of an action whoever gave them, by their identities."""
+
+    def __init__(self, client: Client, clock: Clock, action: str) -> None:
+        self._client = client
+        self._clock = clock
+        self._action = action
+
+    async def cancel(self, identity: str) -> None:
+        """Ask the server to end a goal; RobotError KG803 when it does not answer."""
+        request = {"goal_info": {"goal_id": {"uuid": bytes.fromhex(identity)}}}
+        try:
+            await within(self._clock, _CONFIRMING, self._client.call(request))
+        except TimeoutError:
+            raise RobotError("KG803", f"`{self._action}` did not confirm that the goal is cancelled") from None
+
+
+def _late(owner: Ros2Connection, action: str, seconds: float) -> RobotError:
+    if owner.ends(Role.ACTION_SERVERS, action):
+        return RobotError("KG803", f"`{action}` took no goal within {seconds:g} s")
+    return RobotError("KG807", f"no action server for `{action}`")
+
+
+class Ros2Goal:
+    """A goal that the server of an action was given."""
+
+    def __init__(self, owner: Ros2Connection, action: str, kind: str, identity: str) -> None:
+        self._owner = owner
+        self._action = action
+        self._kind = kind
+        self._id = bytes.fromhex(identity)
+        self._told: Inbox[Value] = Inbox(_MOST_FEEDBACK, lambda: None)
+        self._listening = owner.wire.reader(
+            f"{action}/_action/feedback", f"{kind}_FeedbackMessage", OFFERED, self._take
+        )
+        self._offered = False
+        self._outcome: asyncio.Future[Value] | None = None
+
+    async def send(self, goal: Value) -> None:
+        """Offer the goal to the server, once there is one; RobotError KG809 when it is rejected."""
+        if not await self._owner.watch.until(lambda _: self._served()):
+            raise RobotError("KG803", f"the connection was closed before anybody served `{self._action}`")
+        (server, *_) = self._owner.ends(Role.ACTION_SERVERS, self._action)
+        if server.type is not None and server.type != self._kind:
+            raise RobotError("KG806", f"`{self._action}` is of the type {server.type}, not {self._kind}")
+        results = await self._client("get_result", f"{self._kind}_GetResult")
+        await self._listening.ready()
+        sender = await self._client("send_goal", f"{self._kind}_SendGoal")
+        self._offered = True
+        response = await sender.call({"goal_id": {"uuid": self._id}, "goal": goal})
+        if not response["accepted"]:
+            raise RobotError("KG809", f"`{self._action}` rejected the goal")
+        self._outcome = asyncio.ensure_future(self._result(results))
+        self._outcome.add_done_callback(self._ended)
+
+    async def _client(self, part: str, kind: str) -> Client:
+        return await self._owner.client(f"{self._action}/_action/{part}", kind)
+
+    async def _result(self, results: Client) -> Value:
+        asking = asyncio.ensure_future(results.call({"goal_id": {"uuid": self._id}}))
+        leaving = asyncio.ensure_future(self._owner.watch.until(lambda _: not self._served()))
+        await asyncio.wait({asking, leaving}, return_when=asyncio.FIRST_COMPLETED)
+        leaving.cancel()
+        if not asking.done():
+            asking.cancel()
+            raise goal_lost(self._action, "the server")
+        response = asking.result()
+        if response["status"] != _SUCCEEDED:
+            status = _STATUS.get(response["status"], f"ended with the status {response['status']}")
+            raise RobotError("KG809", f"the goal of `{self._action}` {status}")
+        result: Value = response["result"]
+        return result
+
+    def _served(self) -> bool:
+        return bool(self._owner.ends(Role.ACTION_SERVERS, self._action))
+
+    def _take(self, content: bytes, node: str | None) -> None:
+        try:
+            value = self._owner.types.decode(f"{self._kind}_FeedbackMessage", content)
+        except RobotError as error:
+            told = f"feedback of {self._action} does not decode: {error.message}"
+            self._owner.watch.report(GraphProblem("KG816", node or self._action, told))
+            return
+        if bytes(value["goal_id"]["uuid"]) == self._id:
+            self._told.put(value["feedback"])
+
+    def _ended(self, outcome: asyncio.Future[Value]) -> None:
+        if not outcome.cancelled():
+            outcome.exception()  # nobody has to wait for a result
+        self.end()
+
+    async def give_up(self) -> None:
+        """Cancel a goal of which the server has said nothing: it may have it all the same."""
+        self.end()
+        if self._offered:
+            with suppress(RobotError, TimeoutError):
+                async with asyncio.timeout(_GIVING_UP):
+                    await self.cancel()
+
+    def end(self) -> None:
+        """Listen to feedback no more."""
+        self._told.end()
+        self._listening.close()
+        self._owner.forget(self)
+
+    async def feedback(self) -> AsyncIterator[Value]:
+        """Yield feedback as it comes, until the goal has ended."""
+        async for value in self._told:
+            yield value
+
+    async def result(self) -> Value:
+        """Return the result; RobotError KG809 with the status when the goal was aborted or cancelled."""
+        if self._outcome is None:
+            raise RobotError("KG803", f"`{self._action}` has taken no goal")
+        return await asyncio.shield(self._outcome)
+
+    async def cancel(self) -> None:
+        """Ask the server to end the goal; `result` tells when it has."""
+        await (await canceller(self._owner, self._action)).cancel(self._id.hex())
+
+
+_UNKNOWN_GOAL, _TERMINATED = 2, 3
+_KEPT: Final = 64
+"""So many goals that have ended are remembered, for clients that ask for a result late."""
+_NOBODY: Final = bytes(16)
+
+
+class _Work:
+    """A goal as the code that carries it out sees it: `Accepted`."""
+
+    def __init__(self, server: ActionServer, identity: bytes, goal: Value) -> None:
+        self.goal = goal
+        self.identity = identity
+        self.stamp = server.stamp()
+        self.status = _ACCEPTED
+        self.cancelled = False
+        self.failure: str | None = None
+        self.done: asyncio.Future[Value] = asyncio.get_running_loop().create_future()
+        self._server = server
+
+    @property
+    def info(self) -> Value:
+        """The goal as action_msgs/GoalInfo."""
+        return {"goal_id": {"uuid": self.identity}, "stamp": self.stamp}
+
+    @property
+    def ended(self) -> bool:
+        """Whether it has a result, or will never have one."""
+        return self.status >= _SUCCEEDED
+
+    async def feedback(self, value: Value) -> None:
+        """Tell the client how far it is."""
+        await self._server.tell(self.identity, value)
+
+    def abort(self, reason: str) -> None:
+        """Note that the goal could not be reached; ROS 2 has no words for why, so that they stay here."""
+        self.failure = reason
+
+
+class ActionServer:
+    """An action that our node carries out."""
+
+    def __init__(
+        self, owner: Ros2Connection, name: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
+    ) -> None:
+        self._owner = owner
+        self._name = name
+        self._kind = kind
+        self._carry_out = carry_out
+        self._goals: OrderedDict[bytes, _Work] = OrderedDict()
+        self._working: asyncio.Task[None] | None = None
+        self._feedback = self._topic("feedback", f"{kind}_FeedbackMessage", OFFERED)
+        self._status = self._topic("status", "action_msgs/GoalStatusArray", LATCHED)
+        self._services = [
+            Service(owner, f"{name}/_action/get_result", f"{kind}_GetResult", self._get_result),
+            Service(owner, f"{name}/_action/cancel_goal", "action_msgs/CancelGoal", self._cancel_goal),
+            Service(owner, f"{name}/_action/send_goal", f"{kind}_SendGoal", self._send_goal),
+        ]
+
+    def _topic(self, part: str, kind: str, qos: Qos) -> Ros2Publication:
+        name = f"{self._name}/_action/{part}"
+        return Ros2Publication(name, partial(self._owner.types.encode, kind), self._owner.wire.writer(name, kind, qos))
+
+    def stamp(self) -> Value:
+        """Return the time of the robot as builtin_interfaces/Time."""
+        return stamp(self._owner.clock.now())
+
+    async def tell(self, identity: bytes, value: Value) -> None:
+        """Publish feedback on a goal."""
+        await self._feedback.publish({"goal_id": {"uuid": identity}, "feedback": value})
+
+    async def _send_goal(self, request: Value) -> Value:
+        identity = bytes(request["goal_id"]["uuid"])
+        if identity in self._goals:
+            return {"accepted": False, "stamp": self.stamp()}
+        work = _Work(self, identity, request["goal"])
+        for earlier in self._goals.values():
+            earlier.cancelled = earlier.cancelled or not earlier.ended
+        self._goals[identity] = work
+        while len(self._goals) > _KEPT and next(iter(self._goals.values())).ended:
+            self._goals.popitem(last=False)
+        if self._working is None or self._working.done():
+            self._working = spawn(self._work(), f"carrying out {self._name}")
+        return {"accepted": True, "stamp": work.stamp}
+
+    async def _work(self) -> None:
+        while open_ones := [one for one in self._goals.values() if not one.ended]:
+            await self._carry(open_ones[0])
+
+    async def _carry(self, work: _Work) -> None:
+        result: Value | BaseException = {}
+        if not work.cancelled:
+            await self._become(work, _EXECUTING)
+            result = await outcome(self._carry_out(work))
+        if isinstance(result, BaseException):
+            told = f"our own goal failed: {result}"
+            self._owner.watch.report(GraphProblem("KG809", self._name, told))
+            work.failure, result = str(result), {}
+        try:
+            result = self._owner.types.complete(f"{self._kind}_Result", result)
+        except RobotError as error:
+            work.failure, result = error.message, self._owner.types.complete(f"{self._kind}_Result", {})
+        status = _CANCELLED if work.cancelled else _SUCCEEDED
+        await self._become(work, status if work.failure is None else _ABORTED)
+        work.done.set_result(result)
+
+    async def _become(self, work: _Work, status: int) -> None:
+        work.status = status
+        told = [{"goal_info": one.info, "status": one.status} for one in self._goals.values()]
+        await self._status.publish({"status_list": told})
+
+    async def _get_result(self, request: Value) -> Value:
+        work = self._goals.get(bytes(request["goal_id"]["uuid"]))
+        if work is None:
+            return {"status": 0}
+        result = await asyncio.shield(work.done)
+        return {"status": work.status, "result": result}
+
+    async def _cancel_goal(self, request: Value) -> Value:
+        """Cancel a goal, or all of them when none is named."""
+        identity = bytes(request["goal_info"]["goal_id"]["uuid"])
+        named = [one for one in self._goals.values() if identity in {_NOBODY, one.identity}]
+        if not named and identity != _NOBODY:
+            return {"return_code": _UNKNOWN_GOAL}
+        open_ones = [one for one in named if not one.ended]
+        for one in open_ones:
+            one.cancelled = True
+            await self._become(one, _CANCELLING)
+        code = _TERMINATED if named and not open_ones and identity != _NOBODY else 0
+        return {"return_code": code, "goals_canceling": [one.info for one in open_ones]}
+
+    def end(self) -> None:
+        """Carry out nothing more."""
+        if self._working is not None:
+            self._working.cancel()
+        for work in self._goals.values():
+            work.done.cancel()
+        for service in self._services:
+            service.end()
+        self._feedback.end()
+        self._status.end()
+        self._owner.forget(self)
+
+    async def aclose(self) -> None:
+        """Stop answering."""
+        self.end()

@@ -1,0 +1,175 @@
+"""Topics and services of ROS 2 above the wire: messages, requests and responses as values."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Final, TypeVar
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.connection import GraphProblem
+from kg.robot.inbox import Inbox, Messages, Raw
+from kg.robot.ros2.middleware import OFFERED
+from kg.robot.tasks import outcome
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from kg.facts import Qos
+    from kg.robot.connection import ComputationGraph, Value
+    from kg.robot.messages import Types
+    from kg.robot.ros2.connection import Ros2Connection
+    from kg.robot.ros2.middleware import Caller, Handle, Writer
+
+__all__ = ["Client", "Ros2Publication", "Ros2Subscription", "Service"]
+
+
+Result = TypeVar("Result")
+
+
+class Client:
+    """Our client of a service."""
+
+    def __init__(self, types: Types, kind: str, caller: Caller) -> None:
+        self._types = types
+        self._kind = kind
+        self._caller = caller
+
+    async def call(self, request: Value) -> Value:
+        """Return the response; RobotError KG805, KG808, or KG816 for one that does not decode."""
+        content = self._types.encode(f"{self._kind}_Request", request)
+        response = await self._caller.call(content)
+        try:
+            return self._types.decode(f"{self._kind}_Response", response)
+        except RobotError as error:
+            raise RobotError("KG816", f"the response of a {self._kind} does not decode: {error.message}") from None
+
+    def end(self) -> None:
+        """Stop being a client."""
+        self._caller.close()
+
+
+class Service:
+    """A service that our node answers."""
+
+    def __init__(
+        self, owner: Ros2Connection, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]
+    ) -> None:
+        self._owner = owner
+        self._name = name
+        self._kind = kind
+        self._answer = answer
+        self._handle = owner.wire.server(name, kind, self._respond)
+
+    async def _respond(self, content: bytes) -> bytes:
+        try:
+            request = self._owner.types.decode(f"{self._kind}_Request", content)
+        except RobotError as error:
+            self._owner.watch.report(GraphProblem("KG816", self._name, f"a request does not decode: {error.message}"))
+            raise
+        found = await outcome(self._answer(request))
+        if isinstance(found, BaseException):
+            message = found.message if isinstance(found, RobotError) else str(found)
+            self._owner.watch.report(GraphProblem("KG808", self._name, f"our own answer failed: {message}"))
+            raise RobotError("KG808", message)
+        return self._owner.types.encode(f"{self._kind}_Response", found)
+
+    def end(self) -> None:
+        """Stop answering."""
+        self._handle.close()
+        self._owner.forget(self)
+
+    async def aclose(self) -> None:
+        """Stop answering."""
+        self.end()
+
+
+_DEPTH: Final = 100
+"""So many messages wait at least in the middleware, which counts none that it drops, before ours takes them."""
+
+
+class Ros2Subscription(Messages):
+    """Messages of a topic as they come."""
+
+    def __init__(self, owner: Ros2Connection, topic: str, kind: str, queue: int) -> None:
+        self.kind = kind
+        self._owner = owner
+        self.topic = topic
+        self._queue = max(queue, 1)
+        super().__init__(Inbox(queue, self._shut), partial(owner.types.decode, kind), self._report_undecoded)
+        self._qos: Qos | None = None
+        self._handle: Handle | None = None
+
+    def suit(self, graph: ComputationGraph) -> None:
+        """Ask for what all publishers that are known offer; the reader is opened anew when that is another thing."""
+        offers = [one.qos for one in graph.ends if one.name == self.topic and one.role is Role.PUBLISHES and one.qos]
+        reliable = all(one.reliability != "best_effort" for one in offers)
+        kept = bool(offers) and all(one.durability == "transient_local" for one in offers)
+        wanted = replace(
+            OFFERED,
+            reliability="reliable" if reliable else "best_effort",
+            durability="transient_local" if kept else "volatile",
+            depth=max(self._queue, _DEPTH),
+        )
+        if wanted != self._qos:
+            if self._handle is not None:
+                self._handle.close()
+            self._qos = self._handle = None  # until it is open: where that fails, the next graph tries again
+            self._handle = self._owner.wire.reader(self.topic, self.kind, wanted, self._take)
+            self._qos = wanted
+
+    def _take(self, content: bytes, node: str | None) -> None:
+        self._inbox.put(Raw(content, self._owner.clock.now(), node))
+
+    def _report_undecoded(self, error: RobotError, node: str | None) -> None:
+        told = f"a message on {self.topic} does not decode: {error.message}"
+        self._owner.watch.report(GraphProblem("KG816", node or self.topic, told))
+
+    async def aclose(self) -> None:
+        """Stop receiving."""
+        await self._inbox.aclose()
+
+    def _shut(self) -> None:
+        if self._handle is not None:
+            self._handle.close()
+        self._owner.forget(self)
+
+    def end(self) -> None:
+        """End the iteration, as when the connection is closed."""
+        self._inbox.end()
+        if self._handle is not None:
+            self._handle.close()
+
+
+class Ros2Publication:
+    """A topic that our node writes to."""
+
+    def __init__(self, topic: str, encode: Callable[[Value], bytes], writer: Writer) -> None:
+        self._topic = topic
+        self._encode = encode
+        self._writer = writer
+        self._closed = False
+
+    @property
+    def peers(self) -> int:
+        """How many subscribers are connected."""
+        return 0 if self._closed else self._writer.peers
+
+    async def publish(self, value: Value) -> None:
+        """Send a message; RobotError KG805 when the value does not fit the type, KG803 when the topic is closed."""
+        content = self._encode(value)
+        if self._closed:
+            raise RobotError("KG803", f"`{self._topic}` is not offered any more")
+        self._writer.write(content)
+        await asyncio.sleep(0)
+
+    def end(self) -> None:
+        """Stop offering the topic."""
+        self._closed = True
+        self._writer.close()
+
+    async def aclose(self) -> None:
+        """Stop offering the topic."""
+        self.end()

@@ -1,0 +1,172 @@
+"""Message types between peers of ROS 2: the hashes they compare, and the descriptions that nodes give.
+
+A hash (RIHS01) is the SHA-256 of a type's description (REP 2016). A service has a description of its own, with a
+request, a response and an event, which is made here, since nobody writes it down. Nodes of Jazzy and later describe the
+types that they use, each named by its hash (`~/get_type_description`, type_description_interfaces). In the numbers of
+field types, `FIELD_TYPE_INT8` = 2 stands for one value; 48 more for an array, 96 for a list with a limit, 144 for a
+list.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from rosbags.interfaces import Nodetype
+from rosbags.typesys import Stores, get_typestore
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.messages.types import learn_all, short
+from kg.robot.messages.values import MEMBER_OF_NOTHING
+from kg.robot.ros2.names import family
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.robot.connection import ComputationGraph, Value
+    from kg.robot.messages import Field, Types
+    from kg.robot.ros2.connection import Ros2Connection
+
+__all__ = ["describe", "type_hash"]
+
+
+_EVENT: Final = "service_msgs/ServiceEventInfo"
+_DUMMY: Final = (MEMBER_OF_NOTHING, (Nodetype.BASE, ("uint8", 0)))
+
+
+def type_hash(types: Types, kind: str, *, service: bool = False) -> str:
+    """Return `RIHS01_` and 64 digits for a message or a service; RobotError KG804 when a type in it is not known."""
+    store = get_typestore(Stores.EMPTY)
+    found: dict[str, Any] = {}
+    if service:
+        _describe_service(types, kind, found)
+    else:
+        _describe(types, kind, found)
+    store.fielddefs = found
+    return store.hash_rihs01(_full(kind, service=service))
+
+
+def _full(kind: str, *, service: bool = False) -> str:
+    package, _, name = kind.partition("/")
+    return f"{package}/{family(kind, service=service)}/{name}"
+
+
+def _describe(types: Types, kind: str, found: dict[str, Any]) -> None:
+    if _full(kind) in found:
+        return
+    fields = types.fields(kind)
+    found[_full(kind)] = ([], [(one.name, _description(one)) for one in fields] or [_DUMMY])
+    for one in fields:
+        if one.is_message:
+            _describe(types, one.type, found)
+
+
+def _description(field: Field) -> Any:
+    sort = Nodetype.NAME if field.is_message else Nodetype.BASE
+    base = "uint8" if field.type == "char" else field.type  # rosidl makes a `uint8` of it
+    element = (sort, _full(field.type) if field.is_message else (base, field.bound))
+    if field.length is None:
+        return element
+    return (Nodetype.ARRAY, (element, field.length)) if field.length else (Nodetype.SEQUENCE, (element, field.most))
+
+
+def _describe_service(types: Types, kind: str, found: dict[str, Any]) -> None:
+    parts = [(name, f"{kind}_{name.capitalize()}") for name in ("request", "response")]
+    for one in (*(part for _, part in parts), _EVENT):
+        _describe(types, one, found)
+    event: list[Any] = [("info", (Nodetype.NAME, _full(_EVENT)))]
+    event += [(name, (Nodetype.SEQUENCE, ((Nodetype.NAME, _full(part)), 1))) for name, part in parts]
+    found[_full(f"{kind}_Event")] = ([], event)
+    whole: list[Any] = [(f"{name}_message", (Nodetype.NAME, _full(part))) for name, part in parts]
+    whole.append(("event_message", (Nodetype.NAME, _full(f"{kind}_Event"))))
+    found[_full(kind, service=True)] = ([], whole)
+
+
+_SERVICE: Final = "type_description_interfaces/GetTypeDescription"
+_PATIENCE: Final = 2.0
+"""Seconds that a node may take to describe a type."""
+_NESTED, _STRING, _BOUNDED_STRING = 1, 17, 21
+_BASE: Final = {
+    2: "int8",
+    3: "uint8",
+    4: "int16",
+    5: "uint16",
+    6: "int32",
+    7: "uint32",
+    8: "int64",
+    9: "uint64",
+    10: "float32",
+    11: "float64",
+    13: "uint8",
+    15: "bool",
+    16: "byte",
+    _STRING: "string",
+}
+"""What `.msg` files call the types; `wchar`, `wstring`, `long double` and texts of a fixed length are missing."""
+_WHOLE: Final = ("_Event", "_SendGoal", "_GetResult")
+_GROUP: Final = 48
+_ONE, _ARRAY, _LIMITED = range(3)
+
+
+async def describe(connection: Ros2Connection, kind: str, name: str) -> str | None:
+    """Ask the nodes with an end of a topic, service or action for its type, and learn it with those that it uses.
+
+    Returns:
+        None when one has described it, else why none has: empty if there is none to ask.
+    """
+
+    def describing(graph: ComputationGraph) -> list[tuple[str, str]]:
+        able = {end.node for end in graph.ends if end.role is Role.SERVICES and end.type == _SERVICE}
+        return sorted({(node, digest) for node, digest in connection.wire.hashes(name) if node in able})
+
+    await connection.watch.until(lambda graph: bool(describing(graph)) or graph.complete)
+    package, _, own = kind.partition("/")
+    why = ""
+    for node, digest in describing(connection.watch.now()):
+        request = {"type_name": f"{package}/{family(kind)}/{own}", "type_hash": digest}
+        try:
+            answer = await connection.call(f"{node}/get_type_description", _SERVICE, request, seconds=_PATIENCE)
+            if answer["successful"]:
+                learn_all(connection.types, texts(answer["type_description"]))
+                return None
+            why = f"`{node}` does not describe it: {answer['failure_reason'][:200]}"
+        except RobotError as error:
+            why = f"`{node}` does not describe it: {error.message}"
+    return why
+
+
+def texts(description: Value) -> dict[str, str]:
+    """Return the definitions of messages that a TypeDescription has, in `.msg` form, by `package/Type`.
+
+    The descriptions of a service or an action as a whole, and of events, are left out. RobotError KG804 for a field of
+    a type that kg does not support.
+    """
+    every = [description["type_description"], *description["referenced_type_descriptions"]]
+    return {short(one["type_name"]): "".join(_lines(one)) for one in every if _is_message(one["type_name"])}
+
+
+def _is_message(name: str) -> bool:
+    _, folder, own = name.split("/") if name.count("/") == len(("package", "folder")) else ("", "", "")
+    return folder == family(name) and not own.endswith(_WHOLE)
+
+
+def _lines(one: Value) -> Iterator[str]:
+    for field in one["fields"]:
+        if field["name"] != MEMBER_OF_NOTHING:
+            yield f"{_written(field['type'])} {field['name']}\n"
+
+
+def _written(told: dict[str, Any]) -> str:
+    group, base = divmod(told["type_id"], _GROUP)
+    if base == _NESTED:
+        element = short(told["nested_type_name"])
+    elif base == _BOUNDED_STRING:
+        element = f"string<={told['string_capacity']}"
+    elif base in _BASE:
+        element = _BASE[base]
+    else:
+        raise RobotError("KG804", f"fields of the type {told['type_id']} are not supported")
+    if group == _ONE:
+        return element
+    limit = {_ARRAY: f"{told['capacity']}", _LIMITED: f"<={told['capacity']}"}.get(group, "")
+    return f"{element}[{limit}]"
