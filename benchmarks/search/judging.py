@@ -26,9 +26,11 @@ __all__ = ["judge"]
 DEPTHS: Final = (1, 5)
 FOLDS: Final = 5
 GRID: Final = {
-    ("rank", "named"): (0.0, 0.1, 0.2),
-    ("rank", "synonym"): (0.0, 0.6, 0.8),
-    ("rank", "started"): (0.0, 0.1, 0.2),
+    ("rank", "named"): (0.1, 0.2),
+    ("rank", "synonym"): (0.6, 0.8),
+    ("rank", "started"): (0.0, 0.2),
+    ("rank", "aside"): (0.25, 1.0),
+    ("down", "mark"): (0.0, 0.2),
 }
 """The weights that are tried; those that ship are of this grid."""
 LEASTS: Final = tuple(step / 100 for step in range(2, 31))

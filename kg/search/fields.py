@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from kg.holes import anonymous
 from kg.search.folding import is_main
 from kg.search.lexicon import lexicon
-from kg.search.words import joined, name_terms, stem, terms, words
+from kg.search.words import joined, name_terms, terms
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -26,8 +26,6 @@ __all__ = ["documents", "own_words", "shared_words", "worths"]
 _COMMON: Final = ("name", "plugin", "text", "interface", "type", "parameter", "class")
 """What variants of a node have in common."""
 _PROSE: Final = ("manifest", "readme")
-_PART: Final = 4
-"""Letters that a part of a name that is written as one word has at least."""
 _OFTEN: Final = 2.0
 """However often a term stands in a field, it counts less than so many times."""
 _SHORTEST: Final = 0.2
@@ -59,7 +57,6 @@ def own_words(node: Document) -> Iterator[tuple[str, str]]:
 def shared_words(package: PackageDocument) -> Iterator[tuple[str, str]]:
     """Yield the texts that the nodes of a package share."""
     yield "package", package.name
-    yield "repository", package.repository.rpartition("/")[2]
     if package.description:
         yield "manifest", package.description
     for text in package.texts:
@@ -83,8 +80,6 @@ def documents(content: Content, groups: Sequence[int]) -> list[dict[str, Counter
     """
     shared = [counted(shared_words(package)) for package in content.packages]
     own = [counted(own_words(node)) for node in content.nodes]
-    for node, fields in zip(content.nodes, own, strict=True):
-        fields.get("name", Counter()).update(_parted(node, content.packages[node.package]))
     members: defaultdict[tuple[int, int], list[int]] = defaultdict(list)
     for place, (node, group) in enumerate(zip(content.nodes, groups, strict=True)):
         members[group, node.package].append(place)
@@ -96,19 +91,6 @@ def documents(content: Content, groups: Sequence[int]) -> list[dict[str, Counter
             for place in places:
                 own[place][field] = union
     return [{**shared[node.package], **fields} for node, fields in zip(content.nodes, own, strict=True)]
-
-
-def _parted(node: Document, package: PackageDocument) -> set[str]:
-    """Return the terms of a name that is written as one word and begins with a word of its package's name.
-
-    `cameracalibrator` of `camera_calibration` is a camera calibrator.
-    """
-    name = node.name.rpartition("/")[2].removesuffix(".py")
-    starts = [word for word in words(package.name) if len(word) >= _PART and name.startswith(word)]
-    rests = {word: name.removeprefix(word) for word in starts}
-    return {
-        stem(part) for word, rest in rests.items() if rest.isalpha() and len(rest) >= _PART for part in (word, rest)
-    }
 
 
 def mains(content: Content, groups: Sequence[int]) -> list[bool]:

@@ -35,8 +35,6 @@ __all__ = ["Columns", "Index", "Nodes", "build"]
 _MUCH: Final = 5.0
 """The logarithm of as many starts as a node has that is used everywhere."""
 _ENOUGH: Final = 1000
-_ANY: Final = ("/ShapeShifter", "/AnyMsg")
-"""Types that stand for any."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,8 +159,6 @@ def _features_of(
     for end in node.ends:
         if end.type:
             yield f"{end.role}:{end.type}"
-        if end.type is None or end.type.endswith(_ANY):
-            yield f"{end.role}:"
     for kind, labels in (("hardware", node.hardware), ("function", node.functions), ("capability", node.capabilities)):
         for label in labels:
             yield f"{kind}:{label}"
@@ -174,8 +170,6 @@ def _features_of(
     yield from (f"mark:{word}" for word in marks(node, package))
     if not node.texts:
         yield "untold:"
-    if package.deprecated:
-        yield "deprecated:"
     for name in package.licenses:
         yield f"license:{name}"
 

@@ -24,8 +24,8 @@ class Lexicon:
 
     `stop_words` tell nothing; `compounds` has the words of a word written as one; `families` the word that stands for
     another; `synonyms` are groups of phrases; `types` the last parts of message types by phrase; `directions` the
-    phrases before them; `surroundings` the phrases that begin what is told beside the point; `meaning` the numbers that
-    likeness in meaning is weighed by; `weights` those of the ranking (`parts`, `fields`, `rank`, `wishes`, `down`).
+    phrases before them; `asides` the phrases that begin and end asides; `meaning` the numbers that
+    likeness in meaning is weighed by; `weights` those of the ranking (`fields`, `rank`, `wishes`, `down`).
     """
 
     stop_words: frozenset[str]
@@ -34,7 +34,7 @@ class Lexicon:
     synonyms: tuple[tuple[str, ...], ...]
     types: Mapping[str, tuple[str, ...]]
     directions: Mapping[str, tuple[str, ...]]
-    surroundings: Mapping[str, tuple[str, ...]]
+    asides: Mapping[str, tuple[str, ...]]
     meaning: Mapping[str, float]
     weights: Mapping[str, Mapping[str, float]]
 
@@ -50,7 +50,7 @@ def lexicon() -> Lexicon:
         tuple(tuple(group) for group in content["synonyms"].values()),
         {phrase: tuple(types) for phrase, types in content["types"].items()},
         {direction: tuple(phrases) for direction, phrases in content["directions"].items()},
-        {part: tuple(phrases) for part, phrases in content["surroundings"].items()},
+        {turn: tuple(phrases) for turn, phrases in content["asides"].items()},
         {name: float(value) for name, value in content["meaning"].items()},
         {kind: {name: float(one) for name, one in table.items()} for kind, table in content["weights"].items()},
     )

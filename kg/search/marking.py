@@ -1,4 +1,4 @@
-"""Nodes rarely meant unless named: tests, examples, demonstrations."""
+"""Nodes rarely meant unless named: tests, examples, demonstrations, old versions."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ if TYPE_CHECKING:
 __all__ = ["MARKS", "marks"]
 
 MARKS: Final = frozenset(
-    ("test", "exampl", "demo", "sampl", "tutori", "mock", "fake", "simul", "rviz", "gui", "gazebo")
+    (
+        *("test", "tester", "exampl", "demo", "sampl", "tutori", "mock", "fake", "simul", "rviz", "gui", "gazebo"),
+        *("legaci", "old", "debug", "benchmark"),
+    )
 )
 """Stems of words of names and folders of nodes that are rarely meant by who does not say so."""
 

@@ -25,7 +25,6 @@ _EXPLICIT: Final = re.compile(
     r"(?P<type>(?:[a-z]\w*/)?(?:msg/|srv/|action/)?[A-Z]\w*)"
 )
 _MORE: Final = re.compile(r"\s*(?:,|and|or)\s+(?:a\s+|an\s+)?(?P<type>(?:[a-z]\w*/)?(?:msg/|srv/|action/)?[A-Z]\w*)")
-_NAMED: Final = re.compile(r"\b(?:[a-z]\w*/)?(?:msg/|srv/|action/)?[A-Z][a-z0-9]+[A-Z]\w*")
 _ROLES: Final = {
     "subscrib": "subscribes",
     "publish": "publishes",
@@ -58,13 +57,10 @@ _MOST: Final = 2000
 _LONGEST: Final = 6
 """So many words has the longest phrase of the lexicon."""
 _TOLD: Final = 3
-"""Behind so many words that tell something, `for` begins a purpose."""
+"""Behind so many significant words, `for` begins an aside."""
 _SHORT_NAME: Final = 2
 _OF_EVERY: Final = ("ros", "msg", "msgs")
 """Names that tell nothing of a node."""
-_TASK: Final = "task"
-_ASIDE: Final = ("side", "purpose", "unwanted")
-"""Parts whose words wish for no types and no hardware."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,13 +75,13 @@ class Alternative:
 class Wording:
     """A word or phrase of the need, as typed, and all the ways to say it; the first is the phrase itself.
 
-    `part` is that of the need: task, context, side, purpose or unwanted, and gives the `weight`; `near` has the
-    spellings that are searched for a word that no node has, and a word that is `unknown` has none of its own.
+    An `aside` is not part of the task and weighs less. `near` has the spellings that are searched for a word that no
+    node has, and a word that is `unknown` has none of its own.
     """
 
     text: str
     alternatives: tuple[Alternative, ...]
-    part: str = _TASK
+    aside: bool = False
     unknown: bool = False
     near: tuple[str, ...] = ()
 
@@ -97,7 +93,7 @@ class Wording:
     @property
     def weight(self) -> float:
         """What the wording counts."""
-        return lexicon().weights["parts"][self.part]
+        return lexicon().weights["rank"]["aside"] if self.aside else 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +127,7 @@ class Need:
 class _Token:
     stem: str
     word: str
-    part: str = _TASK
+    aside: bool = False
     whole: str | None = None
     """The stem of the name that it is a part of: influxdb, of InfluxDB."""
     typed: str = ""
@@ -146,7 +142,7 @@ def parse(text: str, names: Names) -> Need:
     """Parse a text into a need; `names` are those of the store. Any text gives a need, always the same."""
     strict, rest = _strict(text[:_MOST], names)
     tokens = _weighed(rest)
-    wishes = [*strict, *_typed(tokens, names), *_classes(tokens, names)]
+    wishes = [*strict, *_typed(tokens, names), *_hardware(tokens, names)]
     return Need(text, tuple(_wordings(tokens, names)), tuple(dict.fromkeys(wishes)))
 
 
@@ -160,11 +156,6 @@ def _strict(text: str, names: Names) -> tuple[list[Wish], str]:
             if features:
                 found.append(Wish(kind, features, at["type"], strict=True))
             at = _MORE.match(text, at.end())  # type: ignore[assignment]  # the loop ends with None
-    said = {wish.said for wish in found}
-    for match in _NAMED.finditer(text):
-        features = (*names.types("subscribes", match[0]), *names.types("publishes", match[0]))
-        if features and match[0] not in said:
-            found.append(Wish("uses", features, match[0]))
     found += _versions(text)
     for match in _LICENSED.finditer(text):
         name = match["one"] or match["two"]
@@ -187,24 +178,25 @@ def _versions(text: str) -> list[Wish]:
 
 @lru_cache(maxsize=1)
 def _turns() -> dict[tuple[str, ...], str]:
-    return {phrase(one): part for part, phrases in lexicon().surroundings.items() for one in phrases}
+    return {phrase(one): turn for turn, phrases in lexicon().asides.items() for one in phrases}
 
 
 def _weighed(text: str) -> list[_Token]:
-    """Return the tokens of a text, each with the part of the need that it belongs to."""
+    """Return the tokens of a text, with those of asides marked; an aside ends with its clause."""
     found: list[_Token] = []
     for clause in re.split(r"[,;:]\s", text):
         tokens = [token for name in clause.split() for token in _tokens(name)]
         stems = tuple(token.stem for token in tokens)
-        at, part = 0, _TASK
+        at, aside = 0, ""
         while at < len(tokens):
             turn, length = _turn(stems, at)
-            told = sum(not is_stop(token.word) for token in found)
-            if turn == "wanted":
-                part = _TASK if part == "unwanted" else "context" if told and part == _TASK else part
-            elif turn and (told or turn == "unwanted") and (turn != "purpose" or told >= _TOLD):
-                part = turn if part not in _ASIDE else part
-            found += [replace(token, part=part) for token in tokens[at : at + length]]
+            if turn == "wanted" and aside == "unwanted":
+                aside = ""
+            elif not aside and (
+                turn == "unwanted" or (turn == "purpose" and sum(not is_stop(one.word) for one in found) >= _TOLD)
+            ):
+                aside = turn
+            found += [replace(token, aside=bool(aside)) for token in tokens[at : at + length]]
             at += length
     return found
 
@@ -216,11 +208,11 @@ def _tokens(name: str) -> list[_Token]:
 
 
 def _turn(stems: tuple[str, ...], at: int) -> tuple[str, int]:
-    """Return the part of a need that a phrase at a place begins, if any, and how many words that phrase has."""
+    """Return what a phrase at a place begins (`[asides]` of the lexicon), if any, and how many words it has."""
     for length in range(_LONGEST, 0, -1):
-        part = _turns().get(stems[at : at + length])
-        if part is not None:
-            return part, min(length, len(stems) - at)
+        turn = _turns().get(stems[at : at + length])
+        if turn is not None:
+            return turn, min(length, len(stems) - at)
     return "", 1
 
 
@@ -274,23 +266,19 @@ def _wording(token: _Token, synonyms: Sequence[tuple[str, ...]], names: Names) -
     found += [Alternative((term,), rank["spelling"] * likeness) for term, likeness in near]
     found += [Alternative(one, rank["synonym"]) for one in synonyms]
     spelled = tuple(term for term, _ in near)
-    return Wording(token.typed if not known else token.word, tuple(found), token.part, not known, spelled)
+    return Wording(token.typed if not known else token.word, tuple(found), token.aside, not known, spelled)
 
 
 def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
     """Yield the wishes of words for message types, with the direction that the words around them give."""
     phrases = _type_phrases()
     for begin, end in _matches(tokens, phrases):  # type: ignore[arg-type]  # only the keys are looked at
-        if tokens[begin].part in _ASIDE:
+        if tokens[begin].aside:
             continue
         stems = tuple(token.stem for token in tokens[begin:end])
         said = " ".join(token.word for token in tokens[begin:end])
-        side = _side(tokens, begin, end)
-        for kind in _SIDES.get(side, ("uses",)):
-            kinds = ("subscribes", "publishes") if kind == "uses" else (kind,)
-            features = tuple(
-                feature for type_ in phrases[stems] for one in kinds for feature in names.types(one, type_)
-            )
+        for kind in _SIDES.get(_side(tokens, begin, end), ()):
+            features = tuple(feature for type_ in phrases[stems] for feature in names.types(kind, type_))
             if features:
                 yield Wish(kind, features, said)
 
@@ -308,11 +296,16 @@ def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
     return ""
 
 
-def _classes(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
-    """Yield the wishes of words for hardware, functions and capabilities."""
+def _hardware(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
+    """Yield the wishes of words for hardware.
+
+    Words for functions and capabilities are in the texts of nodes: a wish for them as well was measured to change
+    nothing.
+    """
     for begin, end in _matches(tokens, names.concepts):  # type: ignore[arg-type]  # only the keys are looked at
-        if tokens[begin].part in _ASIDE:
+        if tokens[begin].aside:
             continue
         said = " ".join(token.word for token in tokens[begin:end])
         for feature in names.concepts[tuple(token.stem for token in tokens[begin:end])]:
-            yield Wish(feature.partition(":")[0], (feature,), said)
+            if feature.startswith("hardware:"):
+                yield Wish("hardware", (feature,), said)

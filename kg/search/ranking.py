@@ -2,8 +2,8 @@
 
     worth = (covered + named + wishes + meaning) * prior
 
-`covered` is the share of what the need tells that the node has: each word counts by how few nodes have it and by the
-part of the need it is in, times what it is worth to the node (`kg.search.fields`) by the best of its alternatives.
+`covered` is the share of what the need tells that the node has: each word counts by how few nodes have it, less in an
+aside, times what it is worth to the node (`kg.search.fields`) by the best of its alternatives.
 `named` is how much of the node's name was asked for: of two nodes with a voxel grid the one that has nothing else in
 its name. A wish adds its weight times its rarity to the nodes that have it. `meaning` is there with a model of sentence
 embeddings only. The prior marks down what is rarely meant, tests and examples, and prefers what launch files start. The
@@ -28,9 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["covered", "fits", "gain", "meant", "prior", "scores", "share", "wish_rows", "wording_scores"]
 
-_OPEN: Final = ("subscribes", "publishes")
-_OPEN_SHARE: Final = 0.7
-"""What a topic of a type that is not known, or any type, is worth beside one of the type wished for."""
 _RAREST: Final = 2.0
 _ABOUT: Final = ("ros", "license", "kind", "package")
 """Filters that tell nothing of what a node does."""
@@ -133,10 +130,7 @@ def _wished(index: Index, need: Need) -> Floats:
     total = np.zeros(index.size, np.float32)
     for wish in need.wishes:
         if not wish.strict and (added := gain(index, wish)):
-            rows = wish_rows(index, wish)
-            total[rows] += added
-            if wish.kind in _OPEN:
-                total[np.setdiff1d(index.features.rows_of(f"{wish.kind}:"), rows)] += _OPEN_SHARE * added
+            total[wish_rows(index, wish)] += added
     return total
 
 
@@ -177,8 +171,5 @@ def prior(index: Index, asked: frozenset[str]) -> Floats:
     for word in MARKS - asked:
         marked[index.features.rows_of(f"mark:{word}")] = True
     found = (1 + np.float32(_rank("started")) * index.started) * np.where(marked, 1 - down["mark"], 1)
-    for kind in ("class", "plugin"):
-        found[index.features.rows_of(f"kind:{kind}")] *= 1 - down["library"]
-    found[index.features.rows_of("deprecated:")] *= 1 - down["deprecated"]
     found[index.features.rows_of("untold:")] *= 1 - down["untold"]
     return found.astype(np.float32)

@@ -74,7 +74,7 @@ _ROLES: Final = {
 _PARAMETER: Final = "parameter"
 _LICENCE: Final = re.compile(
     r"\bcopyright\b|\ball rights reserved\b|\bredistribut|\bwarrant(?:y|ies)\b"
-    r"|\b(?:licensed|distributed|released) under\b",
+    r"|\b(?:licensed|distributed|released) under\b|\bpermitted provided\b|\bdisclaimer\b|\bmerchantability\b",
     re.IGNORECASE,
 )
 """Texts with such words tell what may be done with the code, not what it does."""

@@ -29,7 +29,6 @@ _VERBS: Final = {
     "action_clients": "calls the action",
 }
 _ROLES: Final = {
-    "uses": ("subscribes", "publishes"),
     "services": ("services", "action_servers"),
     "calls": ("clients", "action_clients"),
 }

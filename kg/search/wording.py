@@ -14,7 +14,7 @@ __all__ = ["NEAREST", "near", "understood", "unknown"]
 
 NEAREST: Final = "nothing here fits; nearest are"
 
-_VERBS: Final = {"uses": "subscribes or publishes", "services": "offers", "clients": "calls"}
+_VERBS: Final = {"services": "offers", "clients": "calls"}
 """How kinds of wishes are said; the others go by their names."""
 _LABELLED: Final = {"hardware", "function", "capability"}
 _LONGEST_NAME: Final = 80

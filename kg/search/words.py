@@ -20,6 +20,7 @@ __all__ = ["is_stop", "joined", "name_terms", "phrase", "stem", "terms", "words"
 
 _WORD: Final = re.compile(
     r"\d[dD](?![a-zA-Z])"  # 2D, 3d
+    r"|(?<![A-Za-z])[A-Z]{2}[a-z]{2,}"  # RViz, GMapping
     r"|[A-Z]{2,}s?(?![a-z])"  # URDF, TFs
     r"|[A-Z]+(?=[A-Z][a-z])"  # the XML of XMLFile
     r"|[A-Z]?[a-z]+"
@@ -33,6 +34,8 @@ _WITHOUT: Final = frozenset(("no", "without"))
 _SHORT: Final = 2
 _NAME: Final = 60
 _STEMMER: Final = EnglishStemmer()
+_BRITISH: Final = re.compile(r"(?<=..)([iy])s(?=(?:e|ed|er|ers|es|ing|ations?)$)")
+_OUR: Final = re.compile(r"(?<=...)our(?=(?:s|ed|ing)?$)")
 
 
 def words(text: str) -> Iterator[str]:
@@ -51,7 +54,13 @@ def stem(word: str) -> str:
 
 
 def _stemmed(word: str) -> str:
-    found: str = _STEMMER.stemWord(word) if len(word) > _SHORT else word
+    """Return the stem of a word; British and American spellings have one.
+
+    Words such as `noise` are changed too, which does no harm: stems are only compared.
+    """
+    if len(word) <= _SHORT:
+        return word
+    found: str = _STEMMER.stemWord(_OUR.sub("or", _BRITISH.sub(r"\1z", word)))
     return found
 
 

@@ -64,8 +64,8 @@ def test_what_is_told_beside_the_point_counts_less() -> None:
     """Words of a purpose, and of what is not wanted, weigh less than those of the node itself."""
     weights = {one.text: one.weight for one in parse("make a merged scan of lasers for navigation", NAMES).wordings}
     assert weights["navigation"] < weights["scan"] == 1
-    parts = {one.text: one.part for one in parse("remove points on a floor before mapping", NAMES).wordings}
-    assert parts == {"remove": "task", "points": "task", "floor": "context", "mapping": "purpose"}
+    asides = {one.text: one.aside for one in parse("remove points on a floor before mapping", NAMES).wordings}
+    assert asides == {"remove": False, "points": False, "floor": False, "mapping": True}
     weights = {one.text: one.weight for one in parse("replace encoders by a camera", NAMES).wordings}
     assert weights["encoders"] < weights["camera"] == 1
 

@@ -16,11 +16,10 @@ PLAIN = next(node for node in CONTENT.nodes if node.texts and node.kind == "exec
 PACKAGE = CONTENT.packages[PLAIN.package]
 
 
-def worth(*asked: str, deprecated: bool = False, **changes: object) -> float:
+def worth(*asked: str, **changes: object) -> float:
     """Return the prior of the node that is told most of, after changes."""
-    package = msgspec.structs.replace(PACKAGE, deprecated=deprecated)
     node = msgspec.structs.replace(PLAIN, package=0, **changes)
-    return float(prior(build(Content([package], [node])), frozenset(asked))[0])
+    return float(prior(build(Content([PACKAGE], [node])), frozenset(asked))[0])
 
 
 DOWN = lexicon().weights["down"]
@@ -32,16 +31,14 @@ DOWN = lexicon().weights["down"]
         ({"name": "test_merger"}, "mark"),
         ({"path": "examples/merger.cpp"}, "mark"),
         ({"path": "tests/tutorials/merger.cpp"}, "mark"),
-        ({"kind": "class"}, "library"),
-        ({"kind": "plugin"}, "library"),
+        ({"name": "merger_old"}, "mark"),
         ({"texts": ()}, "untold"),
-        ({"deprecated": True}, "deprecated"),
     ],
 )
 def test_what_is_rarely_meant_is_worth_less(changes: dict[str, object], cause: str) -> None:
-    """Tests and examples by their names and folders, classes of libraries, what nobody describes or maintains."""
+    """Tests, examples and old versions by their names and folders, and nodes without a description."""
     assert worth() == worth(path="src/test.cpp") == 1.0
-    assert worth(**changes) == pytest.approx(1 - DOWN[cause])  # type: ignore[arg-type]  # one of them is a switch
+    assert worth(**changes) == pytest.approx(1 - DOWN[cause])
 
 
 def test_what_launch_files_start_is_worth_more() -> None:
@@ -93,14 +90,3 @@ def test_what_was_asked_for_is_not_marked_down() -> None:
     assert worth("test", name="test_merger") == 1.0
     assert worth("test", path="tests/tutorials/merger.cpp") == pytest.approx(1 - DOWN["mark"])
     assert worth("merger", name="test_merger") == pytest.approx(1 - DOWN["mark"])
-
-
-def test_a_name_written_as_one_word_has_the_words_of_its_package() -> None:
-    """`camerawatcher` of the package `camera_tools` watches cameras."""
-    package = msgspec.structs.replace(PACKAGE, name="camera_tools", description=None, texts=())
-    nodes = [
-        msgspec.structs.replace(PLAIN, name=name, executable=name, package=0) for name in ("camerawatcher", "lasers")
-    ]
-    hits = Search(build(Content([package], nodes))).find("watch a camera").hits
-    assert hits[0].name == "camerawatcher"
-    assert "watcher" in build(Content([package], nodes)).text.names

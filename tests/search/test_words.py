@@ -12,6 +12,7 @@ SPLIT = {
     "RGBDImage2": "rgbd image 2",
     "pointcloud_to_maps": "point cloud to maps",
     "XMLFile": "xml file",
+    "RViz": "rviz",
     "2D lidar": "2d lidar",
     "cmd_vel": "command velocity",
     "nav2_map_server": "nav 2 map server",
@@ -30,9 +31,18 @@ def test_words_of_one_family_have_one_stem() -> None:
     assert terms("scanners") == terms("scanning") == terms("scan")
 
 
+@pytest.mark.parametrize(
+    ("british", "american"),
+    [("synchronised", "synchronized"), ("localisation", "localization"), ("colours", "color"), ("analyse", "analyze")],
+)
+def test_spellings_of_both_sides_of_the_ocean_have_one_stem(british: str, american: str) -> None:
+    """British and American spellings are one term."""
+    assert stem(british) == stem(american)
+
+
 def test_words_that_tell_nothing_are_left_out() -> None:
     """Function words and what every node has are no terms, but they count for phrases."""
-    assert terms("a node that publishes the topic") == terms("publishes")
+    assert terms("a node that publishes the robot's topic") == terms("publishes robot")
     assert len(phrase("body of the robot")) == 4
 
 
