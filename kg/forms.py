@@ -28,6 +28,7 @@ __all__ = [
     "path",
     "paths",
     "pipeline",
+    "root_path",
     "size",
     "size_or_none",
     "store",
@@ -44,6 +45,7 @@ class FormError(ValueError):
 
 
 Form: TypeAlias = "Callable[[object, Path], Any]"
+_ROOT_PATH: Final = re.compile(r"(?:/[A-Za-z0-9_-][A-Za-z0-9._-]*)*")
 _UNITS: Final = {"k": 10, "m": 20, "g": 30}
 
 
@@ -108,6 +110,14 @@ def words(value: object, _base: Path) -> tuple[str, ...]:
 def codes(value: object, base: Path) -> tuple[str, ...]:
     """Read a list of codes, in upper case."""
     return tuple(one.upper() for one in words(value, base))
+
+
+def root_path(value: object, _base: Path) -> str:
+    """Read the path of a web server, `/` or `/kg`, without its last slash."""
+    found = value.strip().rstrip("/") if isinstance(value, str) else None
+    if found is None or not _ROOT_PATH.fullmatch(found):
+        raise FormError("a path such as /kg, of letters, digits, `-`, `_` and `.`")
+    return found
 
 
 def word(value: object, _base: Path) -> str:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import httpx
     from browsing import Chromium, Visit
     from playwright.async_api import Page
+    from starlette.testclient import TestClient
 
 __all__ = ["PAGES", "Examined", "Shown", "examine", "inspect", "shown"]
 
@@ -107,7 +108,7 @@ class Examined:
     width: int
 
 
-def shown(client: httpx.Client) -> Shown:
+def shown(client: httpx.Client | TestClient) -> Shown:
     """Return the things that pages are shown about, asked of the server."""
     (hit, *_) = client.get("/api/find", params={"text": "scan_filter"}).raise_for_status().json()["hits"]
     return {"node": quote(hit["iri"], safe="")}

@@ -13,6 +13,7 @@ import time
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING, Any, Final
+from urllib.parse import urlsplit
 
 from patience import patient
 from starlette.testclient import TestClient
@@ -99,7 +100,7 @@ def served(
     ) as process:  # fmt: skip
         try:
             address = _address(process, said)
-            yield Serving(address, int(address.rpartition(":")[2]), process, said)
+            yield Serving(address, urlsplit(address).port or 0, process, said)
         finally:
             process.kill()
 

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
+from starlette.routing import Mount, Route
 
+from kg.errors import UsageError
 from kg.pipeline.updating.writer import Writer
 from kg.query.readers.pool import Readers
 from kg.server import (
@@ -26,6 +28,7 @@ from kg.server import (
     safety,
     views,
 )
+from kg.server.addresses import Rooted
 from kg.server.compression import Compressed
 from kg.server.errors import HANDLERS
 from kg.server.robot import routes as robot
@@ -45,7 +48,13 @@ __all__ = ["create_app"]
 
 
 def create_app(settings: Settings, options: Options) -> Starlette:
-    """Return the application that serves the store of the settings; StoreError KG301 when there is none."""
+    """Return the application that serves the store of the settings.
+
+    Raises:
+        StoreError: KG301 there is no store.
+        UsageError: KG002 the root path is the address of a page.
+    """
+    _check_root(options.root_path)
     layout = layout_of(settings)
 
     @asynccontextmanager
@@ -66,15 +75,26 @@ def create_app(settings: Settings, options: Options) -> Starlette:
             app.state.server = State(settings, options, readers, writer, session)
             yield
 
-    return Starlette(
+    outermost = [Middleware(Rooted, root=options.root_path)] if options.root_path else []
+    app = Starlette(
         routes=_routes(),
-        middleware=[*safety.middleware(options), Middleware(protocol.Endpoint), Middleware(Compressed)],
-        exception_handlers={**HANDLERS, 405: methods.not_allowed},
+        middleware=[*outermost, *safety.middleware(options), Middleware(protocol.Endpoint), Middleware(Compressed)],
+        exception_handlers={**HANDLERS, 404: methods.not_found, 405: methods.not_allowed},
         lifespan=lifespan,
     )
+    app.router.redirect_slashes = False  # to an address without the root path; `not_found` redirects instead
+    return app
 
 
 def _routes() -> list[BaseRoute]:
     """Return all routes; those that programs ask most stand first, for they are tried in this order."""
     parts = (protocol, protocol_update, graph_store, jobs, operations, robot, views, assets, pages)
     return [route for part in parts for route in part.ROUTES]
+
+
+def _check_root(root: str) -> None:
+    """Refuse a root path (UsageError KG002) that is ambiguous: `/store/x` might have lost a root path `/store`."""
+    taken = {route.path.split("/")[1] for route in _routes() if isinstance(route, Route | Mount)}
+    if root and root.split("/")[1] in taken:
+        message = f"the root path {root} begins like an address of kg itself"
+        raise UsageError("KG002", message, hint="Choose another one, for example /kg.")

@@ -13,6 +13,7 @@ from starlette.responses import Response
 from kg.errors import QueryError
 from kg.query.formats import GRAPH_FORMATS
 from kg.query.readers.messages import Question
+from kg.server.addresses import address
 from kg.server.errors import RequestError
 from kg.server.negotiation import GRAPH, RESULTS, choose
 from kg.server.parameters import Parameters
@@ -68,7 +69,7 @@ async def description(request: Request) -> Response:
         raise RequestError("KG523", "the service description is a graph", hint=f"Accept one of {types}.")
     choice = choices["graph"]
     body = pyoxigraph.serialize(
-        _triples(str(request.url.replace(query="")), state(request).options, await _counts(request)),
+        _triples(address(request), state(request).options, await _counts(request)),
         format=GRAPH_FORMATS[choice.format],
         prefixes={"sd": _SD, "void": _VOID, "format": _FORMATS} if choice.format != "ntriples" else {},
     )

@@ -17,6 +17,7 @@ from starlette.routing import Route
 
 from kg.errors import CATALOGUE, KgError, QueryError, RobotError
 from kg.render.marking import marked
+from kg.server.addresses import url
 from kg.server.leaving import GONE, ClientLeftError
 from kg.server.prose import inline
 from kg.server.records import record
@@ -132,7 +133,7 @@ def problem(error: KgError) -> dict[str, Any]:
     entry = CATALOGUE[error.code]
     line, column, end_line, end_column = _span(error)
     return {
-        "type": f"/errors/{error.code}",
+        "type": url(f"/errors/{error.code}"),
         "title": entry.title,
         "status": STATUS.get(error.code, 400),
         "code": error.code,
@@ -142,7 +143,7 @@ def problem(error: KgError) -> dict[str, Any]:
         "column": column,
         "endLine": end_line,
         "endColumn": end_column,
-        "docs": f"/errors/{error.code}",
+        "docs": url(f"/errors/{error.code}"),
     }
 
 
@@ -186,26 +187,25 @@ def _text(members: Mapping[str, Any], place: Place | None = None) -> str:
     return "\n".join([*lines, members["hint"], ""])
 
 
-_BAR: Final = (
-    '<header class="bar"><a class="brand" href="/">kg</a><nav aria-label="Pages"><ul>'
-    + "".join(
-        f'<li><a href="/{name.lower()}">{name}</a></li>' for name in ("Search", "Systems", "Query", "Rules", "Robot")
-    )
-    + "</ul></nav></header>"
-)
+_NAVIGATION: Final = ("Search", "Systems", "Query", "Rules", "Robot")
 
 
 def _page(members: Mapping[str, Any]) -> str:
     """Return a page that needs no template: errors must be told when templates fail too."""
     title = f"{members['code']}: {members['title']}"
+    start, static = url("/"), url("/static")
+    pages = "".join(f'<li><a href="{url("/" + name.lower())}">{name}</a></li>' for name in _NAVIGATION)
     place = f"<p>Line {members['line']}, column {members['column']}</p>" if members["line"] else ""
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(title)}</title>'
-        '<meta name="viewport" content="width=device-width"><script src="/static/theme.js"></script>'
-        '<link rel="icon" href="/static/kg.svg" type="image/svg+xml"><link rel="stylesheet" href="/static/kg.css">'
-        '<link rel="stylesheet" href="/static/error.css">'
-        f"{_BAR}<main><h1>{escape(title)}</h1><p>{inline(members['message'])}</p>{place}<p>{inline(members['hint'])}</p>"
-        f'<p><a href="{escape(members["docs"])}">What {escape(members["code"])} means</a> · <a href="/">Start</a></p>'
+        f'<meta name="viewport" content="width=device-width"><script src="{static}/theme.js"></script>'
+        f'<link rel="icon" href="{static}/kg.svg" type="image/svg+xml"><link rel="stylesheet" href="{static}/kg.css">'
+        f'<link rel="stylesheet" href="{static}/error.css">'
+        f'<header class="bar"><a class="brand" href="{start}">kg</a>'
+        f'<nav aria-label="Pages"><ul>{pages}</ul></nav></header>'
+        f"<main><h1>{escape(title)}</h1><p>{inline(members['message'])}</p>{place}<p>{inline(members['hint'])}</p>"
+        f'<p><a href="{escape(members["docs"])}">What {escape(members["code"])} means</a> · '
+        f'<a href="{start}">Start</a></p>'
         "</main></html>"
     )
 
@@ -257,7 +257,7 @@ async def _explained(request: Request) -> Response:
         "message": entry.explanation,
         "hint": entry.way_out,
         "line": None,
-        "docs": "/errors/" + request.path_params["code"],
+        "docs": url("/errors/" + request.path_params["code"]),
     }
     if _form(request) == "html":
         return Response(_page(members), media_type="text/html; charset=utf-8")

@@ -15,6 +15,7 @@ from starlette.datastructures import UploadFile
 from starlette.responses import Response
 
 from kg.query.readers.messages import Question, frame
+from kg.server.addresses import address
 from kg.server.errors import RequestError
 from kg.server.methods import route
 from kg.server.negotiation import GRAPH, choose
@@ -54,15 +55,11 @@ def _graph(request: Request, parameters: Parameters) -> NamedNode | None:
         )
     if "default" in parameters:
         return None
-    name = f"{_origin(request)}{path}" if below else parameters.one("graph") or ""
+    name = f"{address(request, '')}{path}" if below else parameters.one("graph") or ""
     try:
         return NamedNode(name)
     except ValueError as error:
         raise RequestError("KG520", f"`{name}` is not an IRI: {error}") from error
-
-
-def _origin(request: Request) -> str:
-    return str(request.url.replace(path="", query="", fragment=""))
 
 
 def _raw_path(request: Request) -> str:
@@ -156,12 +153,12 @@ async def _on_condition(
 
 def _new(request: Request) -> NamedNode:
     """Return a name below the store that no graph has."""
-    return NamedNode(f"{_origin(request)}{_ROOT}/{secrets.token_hex(8)}")
+    return NamedNode(address(request, f"{_ROOT}/{secrets.token_hex(8)}"))
 
 
 def _base(request: Request, graph: NamedNode | None) -> str:
     """Return what the relative IRIs of the content are relative to (section 4.1 of the protocol)."""
-    return graph.value if graph else str(request.url.replace(query="", fragment=""))
+    return graph.value if graph else address(request)
 
 
 def _done(updated: Updated, created: str | None = None) -> Response:

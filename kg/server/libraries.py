@@ -15,7 +15,9 @@ from typing import Final
 
 import msgspec
 
-__all__ = ["HELP", "Library", "import_map", "import_map_source", "libraries"]
+from kg.server.addresses import url
+
+__all__ = ["HELP", "Library", "import_map", "libraries", "source_of"]
 
 HELP: Final = (
     "Releases of kg have them. For an installation from sources install Node.js with npm, then run"
@@ -52,14 +54,12 @@ def libraries() -> tuple[Library, ...]:
     return _manifest().libraries
 
 
-@cache
 def import_map() -> str:
     """Return the text of the pages' import map: from the name of a library to its address on this server."""
-    return json.dumps({"imports": _manifest().imports}, sort_keys=True)
+    return json.dumps({"imports": {name: url(path) for name, path in _manifest().imports.items()}}, sort_keys=True)
 
 
-@cache
-def import_map_source() -> str:
-    """Return the source expression of a Content-Security-Policy that allows the import map: `'sha256-...'`."""
-    digest = hashlib.sha256(import_map().encode()).digest()
+def source_of(import_map: str) -> str:
+    """Return the source expression of a Content-Security-Policy that allows an import map: `'sha256-...'`."""
+    digest = hashlib.sha256(import_map.encode()).digest()
     return f"'sha256-{base64.b64encode(digest).decode()}'"

@@ -8,9 +8,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from starlette.exceptions import HTTPException
-from starlette.responses import Response
-from starlette.routing import Route
+from starlette.responses import RedirectResponse, Response
+from starlette.routing import Match, Route
 
+from kg.server.addresses import url
 from kg.server.errors import HANDLERS
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     Endpoint = Callable[[Request], Awaitable[Response]]
 
-__all__ = ["not_allowed", "route"]
+__all__ = ["not_allowed", "not_found", "route"]
 
 
 def route(path: str, **endpoints: Endpoint) -> Route:
@@ -40,6 +41,16 @@ async def not_allowed(request: Request, error: Exception) -> Response:
     if request.method == "OPTIONS":
         return Response(status_code=204, headers={"Allow": allowed})
     return await HANDLERS[HTTPException](request, HTTPException(405, headers={"Allow": allowed}))
+
+
+async def not_found(request: Request, error: Exception) -> Response:
+    """Redirect `/nodes/` to `/nodes`; answer other addresses without a route by 404."""
+    path = request.url.path.rstrip("/")
+    scope = {**request.scope, "path": path}
+    if path != request.url.path and any(one.matches(scope)[0] is not Match.NONE for one in request.app.routes):
+        shorter = request.url.replace(path=url(path), scheme="", netloc="")
+        return RedirectResponse(shorter, 307)
+    return await HANDLERS[HTTPException](request, error)
 
 
 def _allowed(error: Exception) -> list[str]:

@@ -11,6 +11,7 @@ from starlette.responses import JSONResponse
 from starlette.routing import Route
 
 import kg
+from kg.server.addresses import url
 from kg.server.errors import PROBLEM
 from kg.server.openapi_operations import OPERATIONS, Operation
 from kg.views.calls import CALLS
@@ -44,6 +45,7 @@ def describe(routes: list[BaseRoute]) -> dict[str, Any]:
             "version": kg.__version__,
             "summary": "A SPARQL endpoint about ROS nodes.",
         },
+        "servers": [{"url": url("") or "/"}],
         "paths": dict(sorted(paths.items())),
         "components": {
             "responses": {

@@ -30,6 +30,9 @@ class Options:
         "127.0.0.1", forms.text, "ADDRESS", "Address to listen on; by default only this machine.", in_files=False
     )
     port: int = setting(7878, forms.whole(0, 65535), "N", "Port to listen on; 0 picks a free one.")
+    root_path: str = setting(
+        "", forms.root_path, "PATH", "Path at which a reverse proxy publishes the server: /kg (docs/endpoint.md)."
+    )
     write: bool = setting(False, forms.switch, "", "Accept updates from token holders.", in_files=False)
     token_file: Path | None = setting(
         None, forms.path, "FILE", "Read the token from FILE, and again if it changes; or set KG_TOKEN.", in_files=False

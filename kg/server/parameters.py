@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 from urllib.parse import parse_qsl
-
-from starlette.datastructures import URL
 
 from kg.server.errors import RequestError
 
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-__all__ = ["FORM", "Parameters", "address", "body_text", "in_utf8", "media_type"]
+__all__ = ["FORM", "Parameters", "body_text", "in_utf8", "media_type"]
 
 FORM: Final = "application/x-www-form-urlencoded"
 """The media type of forms."""
@@ -96,19 +93,6 @@ class Parameters:
         if text not in {"true", "false", "1", "0"}:
             raise RequestError("KG520", f"`{name}={text}` is neither true nor false")
         return text in {"true", "1"}
-
-
-def address(request: Request) -> str:
-    """Return the address of a request without its parameters, which relative IRIs are relative to."""
-    scope = request.scope
-    server = tuple(scope["server"] or ()) or None
-    return _address(scope["scheme"], request.headers.get("host"), server, scope["path"])
-
-
-@lru_cache(maxsize=64)
-def _address(scheme: str, host: str | None, server: tuple[Any, ...] | None, path: str) -> str:
-    headers = [] if host is None else [(b"host", host.encode("latin-1"))]
-    return str(URL(scope={"scheme": scheme, "headers": headers, "server": server, "path": path}))
 
 
 def media_type(request: Request) -> str:

@@ -8,6 +8,7 @@ from starlette.requests import Request
 from starlette.responses import RedirectResponse
 
 from kg.errors import KgError
+from kg.server.addresses import url
 from kg.server.description import description
 from kg.server.errors import handled
 from kg.server.leaving import ClientLeftError
@@ -48,7 +49,7 @@ class Endpoint:
 
 async def _query(request: Request) -> Response:
     if _is_followed(request):
-        return RedirectResponse(request.url.replace(path="/query", scheme="", netloc=""), 303, {"Vary": "Accept"})
+        return RedirectResponse(request.url.replace(path=url("/query"), scheme="", netloc=""), 303, {"Vary": "Accept"})
     found = await asked(request)
     return await description(request) if found is None else await answer(request, found)
 

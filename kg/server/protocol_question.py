@@ -14,9 +14,10 @@ from urllib.parse import urlencode
 import msgspec
 
 from kg.query.readers.messages import Question, frame
+from kg.server.addresses import address, url
 from kg.server.errors import RequestError
 from kg.server.negotiation import choose
-from kg.server.parameters import FORM, Parameters, address, body_text, in_utf8, media_type
+from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type
 from kg.server.safety.tokens import is_trusted
 from kg.server.scopes import body_of, header
 from kg.server.state import state
@@ -66,7 +67,7 @@ class Asked:
             (name, value) for name, value in Parameters(request.scope["query_string"]).pairs() if name not in changed
         ]
         pairs += [(name, value) for name, value in changed.items() if value is not None]
-        return f"{request.url.path}?{urlencode(pairs)}"
+        return f"{url(request.url.path)}?{urlencode(pairs)}"
 
 
 def digest(message: bytes, choices: Mapping[str, Choice]) -> str:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 from starlette.responses import Response
 
+from kg.server.addresses import address
 from kg.server.errors import RequestError
 from kg.server.methods import route
-from kg.server.parameters import FORM, Parameters, address, body_text, in_utf8, media_type
+from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type
 from kg.server.preconditions import on_condition
 from kg.server.state import state
 

@@ -12,13 +12,14 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
-from urllib.parse import urlencode, urlsplit
+from urllib.parse import urlsplit
 
 import msgspec
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from starlette.responses import HTMLResponse
 
 from kg.server import libraries
+from kg.server.addresses import url
 from kg.server.prose import breakable, inline, prose, source
 from kg.server.safety.headers import policy
 from kg.server.safety.tokens import is_trusted
@@ -28,7 +29,7 @@ from kg.server.views import answer
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-__all__ = ["environment", "page", "url", "view"]
+__all__ = ["environment", "page", "view"]
 
 _NAVIGATION: Final = (
     ("/", "Start"),
@@ -51,6 +52,7 @@ def page(
 ) -> HTMLResponse:
     """Return a page: `title` is its name, `twin` the address of the same as JSON, the rest what the template takes."""
     server = state(request)
+    import_map = libraries.import_map()
     shared = {
         "title": title,
         "twin": twin,
@@ -60,18 +62,18 @@ def page(
         "snapshot": server.readers.layout.current(),
         "writable": server.options.write,
         "logged_in": is_trusted(request),
-        "import_map": libraries.import_map(),
+        "import_map": import_map,
         "libraries": libraries.libraries(),
         "libraries_help": libraries.HELP,
     }
     text = environment().get_template(template).render(shared | context)
-    headers = {"Cache-Control": "no-cache", "Content-Security-Policy": policy(libraries.import_map_source())}
+    headers = {"Cache-Control": "no-cache", "Content-Security-Policy": policy(libraries.source_of(import_map))}
     return HTMLResponse(text, status, headers=headers)
 
 
 @cache
 def environment() -> Environment:
-    """Return the templates, with what they call: `url`, and filters: those of this module and of kg.server.prose."""
+    """Return the templates, with what they call: `url`, and filters of this module and of kg.server.prose."""
     found = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
@@ -83,12 +85,6 @@ def environment() -> Environment:
     found.filters |= {"number": _number, "href": _href, "moment": _moment}
     found.filters |= {"breakable": breakable, "inline": inline, "prose": prose, "source": source}
     return found
-
-
-def url(path: str, **parameters: Any) -> str:
-    """Return a path of this server with parameters; those that are None or empty are left out."""
-    given = {name: value for name, value in parameters.items() if value not in (None, "")}
-    return f"{path}?{urlencode(given)}" if given else path
 
 
 def _number(value: float) -> str:

@@ -38,7 +38,7 @@ def serve(settings: Settings, options: Options, announce: Callable[[str], None] 
     logs.configure()
     config = uvicorn.Config(
         app,
-        http=guarded(options.connections),
+        http=guarded(options.connections, options.root_path),
         ws="none",
         log_level="warning",
         access_log=False,
@@ -46,7 +46,7 @@ def serve(settings: Settings, options: Options, announce: Callable[[str], None] 
         proxy_headers=False,
     )
     host = f"[{options.host}]" if ":" in options.host else options.host
-    ready = partial(_begin, announce, f"http://{host}:{listening.getsockname()[1]}/")
+    ready = partial(_begin, announce, f"http://{host}:{listening.getsockname()[1]}{options.root_path}/")
     server = Server(
         config,
         grace=options.grace,

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from urllib.parse import unquote
 
 from kg.errors import UnknownNameError
-from kg.facts import Location
+from kg.facts import DescriptionKind, Location
 from kg.graph import vocabulary as v
 from kg.graph.classes_reading import Grade, grades
 from kg.graph.iris import Iris
+from kg.graph.queries import select
 from kg.graph.reading import node_records
 from kg.graph.records import how_to_start
+from kg.graph.texts import DESCRIPTIONS, descriptions_of
 from kg.holes import is_known
 from kg.query.rows import rows
 from kg.views.evidence import places
@@ -152,7 +154,8 @@ def node(
       (IRIs of other nodes that the package declares by this name).
     * `interfaces`, `parameters` and `slots`: see `kg.views.node_rows`; `neighbours` and `used_in`: see
       `kg.views.node`.
-    * `descriptions`: `text`, `kind`, `heading`, `evidence`; the best first.
+    * `descriptions`: `text`, `kind`, `heading`, `evidence`; the best first. `package_description`: the same of the
+      package, what its manifest says if anything; or None.
     * `functions`, `hardware`, `devices`, `capabilities`: each a list of `iri`, `label`, `inferred`, `fact`, `grade`
       (`certain`, `strong`, `weak`, or empty) and `evidence` (what shows it: `name`, `text`, `code`); those of
       `capabilities` also `general`: no interface of the node reaches it, others imply it.
@@ -174,6 +177,7 @@ def node(
         "parameters": parameter_rows(first, where),
         "slots": slot_rows(first, where),
         "descriptions": [_description(one, first, where) for one in first.descriptions],
+        "package_description": _of_package(snapshot, first, where, iris),
         **_with_general(snapshot, first.iri, _classes(snapshot, first.iri, inferred)),
         "neighbours": neighbours(snapshot, first, iris),
         "used_in": users(snapshot, first.iri, where, iris),
@@ -221,6 +225,14 @@ def _description(one: Description, record: NodeRecord, where: Places) -> dict[st
         "heading": one.heading,
         "evidence": where.evidence(record.repository, one.location),
     }
+
+
+def _of_package(snapshot: EmbeddedSnapshot, record: NodeRecord, where: Places, iris: Iris) -> dict[str, Any] | None:
+    """Return the description of the package of a node; manifests come first, readers of a README see other parts."""
+    iri = iris.package(record.repository, record.package)
+    said = descriptions_of(select(snapshot, DESCRIPTIONS % f"VALUES ?node {{ <{iri}> }}")).get(iri, ())
+    best = min(said, key=lambda one: one.kind is not DescriptionKind.MANIFEST, default=None)
+    return _description(best, record, where) if best else None
 
 
 def _inferred(snapshot: EmbeddedSnapshot, iris: Iris, iri: str) -> Mapping[str, frozenset[str]]:

@@ -38,9 +38,10 @@ def test_each_library_is_whole_and_licensed() -> None:
 @_BUILT
 def test_the_import_map_names_what_is_there() -> None:
     """Every name of the map leads to a file, and the policy's source is the hash of the map."""
-    for address in json.loads(libraries.import_map())["imports"].values():
+    text = libraries.import_map()
+    for address in json.loads(text)["imports"].values():
         assert (_VENDOR.parent / address.removeprefix("/")).is_file()
-    assert libraries.import_map_source().startswith("'sha256-")
+    assert libraries.source_of(text).startswith("'sha256-")
     assert {one.name for one in libraries.libraries()} >= {"cytoscape", "codemirror"}
     assert isinstance(libraries.libraries()[0], Library)
 
@@ -48,12 +49,10 @@ def test_the_import_map_names_what_is_there() -> None:
 def test_without_a_build_there_is_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where nothing was built the map is empty, and pages are told how to get the libraries."""
     monkeypatch.setattr(libraries, "_VENDOR", ROOT / "nowhere")
-    for function in (libraries._manifest, libraries.import_map, libraries.import_map_source):
-        function.cache_clear()
+    libraries._manifest.cache_clear()
     try:
         assert libraries.libraries() == ()
         assert json.loads(libraries.import_map()) == {"imports": {}}
         assert "Node.js" in libraries.HELP
     finally:
-        for function in (libraries._manifest, libraries.import_map, libraries.import_map_source):
-            function.cache_clear()
+        libraries._manifest.cache_clear()

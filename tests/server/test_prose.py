@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from markupsafe import escape
 
 from kg.resources import folder
+from kg.server.addresses import url
 from kg.server.prose import breakable, prose, source
-from kg.server.rendering import environment, url
+from kg.server.rendering import environment
 
 _MARKUP = re.compile(r'</?(?:p|ul|li|code)>|<pre tabindex="0">|</pre>')
 _SPAN = re.compile(r'<span (?:id="L\d+"|class="tok-\w+")>|</span>')

@@ -39,6 +39,13 @@ def test_what_is_inferred_is_marked(snapshot: EmbeddedSnapshot, settings: Settin
     assert ranging["fact"]["predicate"].endswith("#hasCapability")
 
 
+def test_the_package_is_described_by_its_manifest(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Of all texts about the package, that of its manifest says what it is."""
+    found = node(snapshot, settings, name="scan_filter")["package_description"]
+    assert found["text"].startswith("Drives a wheeled robot")
+    assert found["evidence"]["path"].endswith("rover_robot/package.xml")
+
+
 def test_a_parameter_is_one_row(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """Each has a name of its own, and all lines that mention it."""
     found = node(snapshot, settings, name="patrol")["parameters"]

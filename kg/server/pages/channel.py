@@ -8,9 +8,10 @@ from starlette.responses import RedirectResponse
 from starlette.routing import Route
 
 from kg.errors import KgError
+from kg.server.addresses import url
 from kg.server.pages.missing import ABSENT, SEVERAL, missing
 from kg.server.pages.node import TAGS
-from kg.server.rendering import page, url, view
+from kg.server.rendering import page, view
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -26,7 +27,7 @@ async def _channel(request: Request) -> Response:
     asked = {name: value for name in names if (value := request.query_params.get(name, ""))}
     name, kind = asked.setdefault("name", ""), asked.setdefault("kind", "topic")
     if not name:
-        return RedirectResponse("/search", _SEE_OTHER)
+        return RedirectResponse(url("/search"), _SEE_OTHER)
     try:
         found = await view(request, "channel", **asked)
     except KgError as error:

@@ -10,14 +10,16 @@ import csv
 import io
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import parse_qsl
 
 import msgspec
 from starlette.responses import Response
 from starlette.routing import Route
 
+from kg.server.addresses import url
 from kg.server.errors import RequestError
 from kg.server.negotiation import best, ranges
-from kg.server.rendering import page, url, view
+from kg.server.rendering import page, view
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -351,8 +353,8 @@ def _link(column: Column, row: Mapping[str, Any]) -> str:
     if column.to is None or row[column.key] in (None, "", 0):
         return ""
     path, parameters = column.to
-    given = url("", **{name: row[key] for name, key in parameters.items()})
-    return f"{path}&{given[1:]}" if "?" in path else f"{path}{given}"
+    page_path, _, fixed = path.partition("?")
+    return url(page_path, **dict(parse_qsl(fixed)), **{name: row[key] for name, key in parameters.items()})
 
 
 ROUTES = [Route(f"/{name}", _list) for name in LISTS]

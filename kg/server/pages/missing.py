@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.server.rendering import page, url
+from kg.server.addresses import url
+from kg.server.rendering import page
 
 if TYPE_CHECKING:
     from collections.abc import Callable

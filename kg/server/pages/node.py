@@ -9,8 +9,9 @@ from starlette.routing import Route
 
 from kg.errors import KgError
 from kg.render.node_graph import node_graph_svg
+from kg.server.addresses import url
 from kg.server.pages.missing import ABSENT, SEVERAL, missing
-from kg.server.rendering import page, url, view
+from kg.server.rendering import page, view
 from kg.views.node_graph import node_relations
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ _SEE_OTHER: Final = 303
 async def _node(request: Request) -> Response:
     asked = {key: request.query_params.get(key, "") for key in ("iri", "name", "package")}
     if not (asked["iri"] or asked["name"]):
-        return RedirectResponse("/search", _SEE_OTHER)
+        return RedirectResponse(url("/search"), _SEE_OTHER)
     try:
         found = await view(request, "node", **asked)
     except KgError as error:

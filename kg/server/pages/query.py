@@ -12,6 +12,7 @@ import msgspec
 from starlette.routing import Route
 
 from kg.query.writing import parquet
+from kg.server.addresses import url
 from kg.server.rendering import page, view
 from kg.server.state import state
 
@@ -52,7 +53,7 @@ async def _query(request: Request) -> Response:
         request,
         "query.html",
         title=chosen["title"] if chosen else "Query",
-        twin="/api/stored",
+        twin=url("/api/stored"),
         text=data["text"],
         data=_embedded(data),
         rows=(_ROWS | ({parquet.NAME: "Parquet"} if parquet.is_installed() else {})).items(),

@@ -15,6 +15,7 @@ from kg.errors import RobotError
 from kg.resources import folder
 from kg.robot.programs.parse import parse
 from kg.robot.programs.units import UNITS, described
+from kg.server.addresses import url
 from kg.server.rendering import page
 from kg.server.safety.tokens import is_trusted
 from kg.server.state import state
@@ -34,7 +35,7 @@ async def _robot(request: Request) -> Response:
         request,
         "robot.html",
         title="Robot",
-        twin="/api/robot",
+        twin=url("/api/robot"),
         data=msgspec.json.encode(data).decode(),
         address=address,
         said=f"Connecting to {address} …" if address else "No robot is connected.",

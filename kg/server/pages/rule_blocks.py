@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from starlette.routing import Route
 
+from kg.server.addresses import url
 from kg.server.rendering import page
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ __all__ = ["ROUTES"]
 
 async def _rule_blocks(request: Request) -> Response:
     name = request.query_params.get("name", "")
-    return page(request, "rule_blocks.html", title="Rule made of blocks", twin="/api/blocks", rule=name)
+    return page(request, "rule_blocks.html", title="Rule made of blocks", twin=url("/api/blocks"), rule=name)
 
 
 ROUTES = [Route("/rule-blocks", _rule_blocks)]

@@ -8,8 +8,9 @@ from starlette.responses import RedirectResponse
 from starlette.routing import Route
 
 from kg.errors import KgError
+from kg.server.addresses import url
 from kg.server.pages.missing import ABSENT, missing
-from kg.server.rendering import page, url, view
+from kg.server.rendering import page, view
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -21,13 +22,13 @@ _SEE_OTHER: Final = 303
 
 
 async def _rules(request: Request) -> Response:
-    return page(request, "rules.html", title="Rules", twin="/api/rules", rules=await view(request, "rules"))
+    return page(request, "rules.html", title="Rules", twin=url("/api/rules"), rules=await view(request, "rules"))
 
 
 async def _rule(request: Request) -> Response:
     name = request.query_params.get("name", "")
     if not name:
-        return RedirectResponse("/rules", _SEE_OTHER)
+        return RedirectResponse(url("/rules"), _SEE_OTHER)
     try:
         rule = await view(request, "rule", name=name)
     except KgError as error:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Final
 from starlette.routing import Route
 
 from kg.errors import KgError
+from kg.server.addresses import url
 from kg.server.errors import STATUS
-from kg.server.rendering import page, url, view
+from kg.server.rendering import page, view
 
 if TYPE_CHECKING:
     from starlette.requests import Request

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from starlette.routing import Route
 
+from kg.server.addresses import url
 from kg.server.rendering import page, view
 from kg.server.state import state
 
@@ -19,7 +20,7 @@ __all__ = ["ROUTES"]
 async def _start(request: Request) -> Response:
     empty = state(request).readers.layout.current() is None
     overview = {"sources": []} if empty else await view(request, "overview")
-    return page(request, "start.html", title="Nodes, topics and systems", twin="/api/overview", overview=overview)
+    return page(request, "start.html", title="Nodes, topics and systems", twin=url("/api/overview"), overview=overview)
 
 
 ROUTES = [Route("/", _start)]

@@ -9,9 +9,10 @@ from starlette.routing import Route
 
 from kg.errors import KgError
 from kg.render.text import count
+from kg.server.addresses import url
 from kg.server.pages.missing import ABSENT, SEVERAL, missing
 from kg.server.pages.node import TAGS
-from kg.server.rendering import page, url, view
+from kg.server.rendering import page, view
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,7 +31,7 @@ async def _system(request: Request) -> Response:
     asked = {key: value for key in ("name", "repository", "every") if (value := request.query_params.get(key, ""))}
     name, chosen = asked.setdefault("name", ""), request.query_params.get("part", "")
     if not name:
-        return RedirectResponse("/systems", _SEE_OTHER)
+        return RedirectResponse(url("/systems"), _SEE_OTHER)
     try:
         found = await view(request, "system", **asked)
     except KgError as error:

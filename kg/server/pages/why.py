@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 from starlette.routing import Route
 
 from kg.errors import KgError, RuleError, UsageError
+from kg.server.addresses import url
 from kg.server.errors import STATUS
 from kg.server.pages.missing import ABSENT, SEVERAL, missing
 from kg.server.parameters import FORM, Parameters, media_type
-from kg.server.rendering import page, url, view
+from kg.server.rendering import page, view
 from kg.server.safety.bodies import ADDRESS_BYTES
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from kg.robot.programs.parse import parse_with_places
 from kg.robot.programs.places import placed
 from kg.robot.programs.tree import Program
 from kg.robot.programs.write import write
+from kg.server.addresses import url
 from kg.server.errors import RequestError
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def told(problem: Problem) -> dict[str, Any]:
     return {
         "id": problem.id,
         "code": problem.code,
-        "docs": f"/errors/{problem.code}",
+        "docs": url(f"/errors/{problem.code}"),
         "severity": problem.severity,
         "message": problem.message,
         "hint": hint_of(problem.code, problem.hint),
@@ -139,7 +140,7 @@ def _unreadable(error: RobotError) -> dict[str, Any]:
     return {
         "id": None,
         "code": error.code,
-        "docs": f"/errors/{error.code}",
+        "docs": url(f"/errors/{error.code}"),
         "severity": "error",
         "message": error.message,
         "hint": hint_of(error.code, error.hint),

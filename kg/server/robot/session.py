@@ -12,6 +12,7 @@ from kg.errors import KgError, RobotError
 from kg.robot.driving.ways import find
 from kg.robot.programs.places import placed
 from kg.robot.tasks import ended, spawn
+from kg.server.addresses import url
 from kg.server.errors import problem
 from kg.server.robot.judging import Robot
 from kg.server.robot.link import Link
@@ -113,7 +114,7 @@ class Session:
             "places": msgspec.to_builtins(link.places),
             "doubts": [f"{one.subject}: {one.message}" for one in link.graph.problems] if link.graph else [],
             "program": self._running.told(),
-            "view": "/robot/view" if link.picture else None,
+            "view": url("/robot/view") if link.picture else None,
         }
 
     async def view(self) -> str:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
+from kg.server.addresses import rooted
 from kg.server.errors import STATUS, RequestError, problem
 from kg.server.safety.floods import ALWAYS
 from kg.server.safety.headers import HEADERS
@@ -44,9 +45,10 @@ LINGER_BYTES: Final = 1 << 20
 
 @dataclass(slots=True)
 class Crowd:
-    """The connections of a server; `most` of them may wait, and as many be answered."""
+    """The connections of a server at a root path; `most` of them may wait, and as many be answered."""
 
     most: int
+    root: str
     waiting: dict[str, dict[Guarded, None]] = field(default_factory=dict)
     answering: set[Guarded] = field(default_factory=set)
 
@@ -181,7 +183,7 @@ class Guarded(HttpToolsProtocol):
         """Hand the request to the application; KG533 where too many are answered already."""
         self._in_head = False
         self._stop("head")
-        path = self.url.partition(b"?")[0].decode("latin-1")
+        path = self.url.partition(b"?")[0].decode("latin-1").removeprefix(self.crowd.root)
         if len(self.crowd.answering) >= self.crowd.most and path not in ALWAYS and not self._refused:
             self._refuse("KG533", f"{self.crowd.most} requests are being answered already")
         if not self._refused:
@@ -234,8 +236,8 @@ class Guarded(HttpToolsProtocol):
         if self.transport.is_closing() or self._answering:
             self.transport.abort()
             return
-        error = RequestError(code, message)
-        body = json.dumps(problem(error)).encode()
+        with rooted(self.crowd.root):
+            body = json.dumps(problem(RequestError(code, message))).encode()
         status = HTTPStatus(STATUS.get(code, 400))
         headers = {
             **HEADERS,
@@ -260,6 +262,6 @@ class Guarded(HttpToolsProtocol):
             timer.cancel()
 
 
-def guarded(most: int) -> type[Guarded]:
-    """Return the protocol of a server that may have `most` connections waiting, and as many being answered."""
-    return type("Guarded", (Guarded,), {"crowd": Crowd(most)})
+def guarded(most: int, root: str) -> type[Guarded]:
+    """Return the protocol of a server at a root path; `most` connections may wait, and as many be answered."""
+    return type("Guarded", (Guarded,), {"crowd": Crowd(most, root)})

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 from starlette.responses import RedirectResponse
 from starlette.routing import Route
 
+from kg.server.addresses import url
 from kg.server.errors import RequestError
 from kg.server.rendering import page
 from kg.server.safety.tokens import Tokens, cookie_name
@@ -57,11 +58,11 @@ async def _login(request: Request) -> Response:
     if proof is None or not tokens.matches(token):
         await asyncio.sleep(_PAUSE)
         return _page(request, following, wrong=True)
-    return _session(RedirectResponse(following, 303), request, proof)
+    return _session(RedirectResponse(url(following), 303), request, proof)
 
 
 async def _logout(request: Request) -> Response:
-    return _session(RedirectResponse("/login", 303), request, "")
+    return _session(RedirectResponse(url("/login"), 303), request, "")
 
 
 def _session(response: Response, request: Request, proof: str) -> Response:
@@ -70,6 +71,7 @@ def _session(response: Response, request: Request, proof: str) -> Response:
         cookie_name(request),
         proof,
         max_age=None if proof else 0,
+        path=url("") or "/",
         httponly=True,
         samesite="strict",
         secure=request.url.scheme == "https",

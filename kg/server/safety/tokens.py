@@ -10,10 +10,10 @@ import hashlib
 import hmac
 import secrets
 from typing import TYPE_CHECKING, Final
-from urllib.parse import quote
 
 from starlette.responses import RedirectResponse
 
+from kg.server.addresses import url
 from kg.server.errors import RequestError
 from kg.server.safety.hosts import is_loopback
 from kg.server.safety.sites import SAFE
@@ -129,7 +129,7 @@ class Doors:
             return None
         if scope["method"] == "GET" and "text/html" in request.headers.get("accept", ""):
             wanted = scope["path"] + ("?" + scope["query_string"].decode("latin-1") if scope["query_string"] else "")
-            return RedirectResponse("/login?next=" + quote(wanted, safe=""), 303)
+            return RedirectResponse(url("/login", next=wanted), 303)
         return RequestError("KG529", "this request needs the token of the server, which it does not have")
 
     def _has_token(self, request: HTTPConnection) -> bool:

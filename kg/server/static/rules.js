@@ -1,5 +1,6 @@
 // The pages of rules: searching in the list, and the picture of which rules feed which.
 
+import { url } from "./address.js";
 import { draw } from "./graph.js";
 
 /** Return rules and who feeds whom as graph.js takes them; `own` is marked by its group being left out. */
@@ -10,7 +11,7 @@ function asGraph({ nodes, edges }) {
       id: node.rule,
       label: node.rule.split("/").at(-1),
       kind: "rule",
-      href: `/rule?name=${encodeURIComponent(node.rule)}`,
+      href: url(`/rule?name=${encodeURIComponent(node.rule)}`),
       group: `family ${node.family}`,
       detail: `${node.title}; stratum ${node.strata.join(", ")}${node.recursive ? ", feeds itself" : ""}`,
     })),

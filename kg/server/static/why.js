@@ -1,6 +1,8 @@
 // The panel with the proof of a fact or of a row: what the page /why shows, in the dialog of any page.
 
-const STYLE = "/static/why.css";
+import { url } from "./address.js";
+
+const STYLE = url("/static/why.css");
 const LONGEST_ADDRESS = 7000;
 
 /** Load the style of proofs once, so that the panel does not flash without it. */
@@ -18,8 +20,8 @@ function styled() {
 function asked(address) {
   const headers = { Accept: "text/html" };
   const [, values] = address.split("?", 2);
-  if (address.length < LONGEST_ADDRESS) return fetch(`/why?${values}`, { headers });
-  return fetch("/why", { method: "POST", headers, body: new URLSearchParams(values) });
+  if (address.length < LONGEST_ADDRESS) return fetch(url(`/why?${values}`), { headers });
+  return fetch(url("/why"), { method: "POST", headers, body: new URLSearchParams(values) });
 }
 
 /**

@@ -55,18 +55,36 @@ def test_why_is_a_link_without_scripts(browser: Chromium, site: str, things: Sho
 
 _WIDER: Final = """() => [...document.querySelectorAll(".scrolls")]
   .filter((part) => part.scrollWidth > part.clientWidth).map((part) => part.querySelector("table").ariaLabel)"""
+_NAVIGATION: Final = "[...document.querySelectorAll('.bar nav a')].map((link) => link.getBoundingClientRect().top)"
 
 
-def test_tables_of_a_node_fit_a_laptop(browser: Chromium, site: str, things: Shown) -> None:
-    """At 1200 pixels the last column of each table, which has the lines of code, is seen whole; one is not many."""
+@pytest.mark.parametrize("width", [1200, 390])
+def test_tables_of_a_node_fit_a_laptop_and_a_phone(browser: Chromium, site: str, things: Shown, width: int) -> None:
+    """The last column of each table, which has the lines of code, is seen without scrolling; one is not many."""
 
     async def look() -> tuple[list[str], str]:
-        wide = {"width": 1200, "height": 900}
-        async with browser.visit(f"{site}/node?iri={things['node']}", viewport=wide) as visit:
+        viewport = {"width": width, "height": 900}
+        async with browser.visit(f"{site}/node?iri={things['node']}", viewport=viewport) as visit:
             wider = await visit.page.evaluate(_WIDER)
             return wider, await visit.page.inner_text("#more-parameters")
 
     assert browser.run(look()) == ([], "1 parameter created by frameworks")
+
+
+def test_a_phone_shows_first_what_a_node_is_about(browser: Chromium, site: str, things: Shown) -> None:
+    """The first screen has function, hardware and capabilities, and the pages' links take one line of it."""
+
+    async def look() -> tuple[list[str], set[float], float]:
+        async with browser.visit(f"{site}/node?iri={things['node']}", viewport={"width": 390, "height": 800}) as visit:
+            about = visit.page.locator(".narrow .tag")
+            heights = await visit.page.evaluate(_NAVIGATION)
+            box = await about.last.bounding_box()
+            return await about.all_text_contents(), set(heights), box["y"] if box else 800
+
+    about, heights, end = browser.run(look())
+    assert {"data processing", "laser scanner", "scan in three dimensions"} <= set(about)
+    assert len(heights) == 1
+    assert end < 500
 
 
 _LOADED: Final = """async () => {

@@ -8,11 +8,12 @@ from urllib.parse import urlencode
 
 import httpx
 import pytest
+from browsing import Visit
 from patience import patient
 from querypage import NAMES, RUNAWAY, editing, idle, ran, told, typed, visited
 
 if TYPE_CHECKING:
-    from browsing import Chromium, Visit
+    from browsing import Chromium
 
 SUGGESTED: Final = ".cm-tooltip-autocomplete:not(.cm-tooltip-autocomplete-disabled) li[aria-selected]"
 
@@ -437,3 +438,23 @@ def test_results_are_text(browser: Chromium, site: str) -> None:
     assert cells == [literal, "javascript:window.kgBroken=1"]
     assert links == ["/resource?iri=javascript%3Awindow.kgBroken%3D1"]
     assert whole
+
+
+@editing
+def test_each_window_keeps_its_own_tabs(browser: Chromium, site: str) -> None:
+    """A second window begins with the tabs of the first; what is written in it leaves those of the first alone."""
+
+    async def both(visit: Visit) -> tuple[str, str, str]:
+        field = visit.page.locator("#query-text")
+        await typed(visit, "ASK { ?first ?p ?o }")
+        second = await visit.page.context.new_page()
+        await second.goto(f"{site}/query", wait_until="load")
+        other = Visit(second, visit.address)
+        begun = await second.locator("#query-text").input_value()
+        await second.locator(".cm-content").wait_for()
+        await typed(other, "ASK { ?second ?p ?o }")
+        for page in (second, visit.page):
+            await page.reload(wait_until="load")
+        return begun, await second.locator("#query-text").input_value(), await field.input_value()
+
+    assert visited(browser, site, both) == ("ASK { ?first ?p ?o }", "ASK { ?second ?p ?o }", "ASK { ?first ?p ?o }")

@@ -233,7 +233,7 @@ class _Connection:
 @given(st.lists(st.tuples(st.sampled_from("abc"), st.sampled_from(["wait", "answer", "forget"])), max_size=60))
 def test_the_address_with_most_waiting_connections_loses_one(steps: list[tuple[str, str]]) -> None:
     """C26: never more wait than may, and what is closed is the oldest of an address with no fewer than any other."""
-    crowd = connections.Crowd(4)
+    crowd = connections.Crowd(4, "")
     waiting: dict[str, list[Any]] = {name: [] for name in "abc"}
     for address, step in steps:
         if step == "wait":

@@ -1,9 +1,11 @@
 // What is made of blocks, outside of its page: texts in this browser, in files, and in links.
 
+import { ROOT } from "../address.js";
+
 /** Texts by name in this browser, under keys that begin with `prefix`; without storage they hold until the page is left. */
 export class Kept {
   constructor(prefix) {
-    this.prefix = prefix;
+    this.prefix = `${ROOT}${prefix}`; // servers that one proxy publishes at several paths share the storage of a browser
     this.memory = new Map();
   }
 

@@ -1,6 +1,8 @@
 // Blockly, from the server that the page came from; it is a classic script, not a module.
 
-const FOLDER = "/vendor/blockly/";
+import { url } from "../address.js";
+
+const FOLDER = url("/vendor/blockly/");
 
 /** Return Blockly, or null where the libraries of the pages were not built. */
 export async function load() {

@@ -1,5 +1,6 @@
 // The page of queries: what its parts tell each other.
 
+import { url } from "../address.js";
 import { element } from "../table.js";
 import { edit, words } from "./editor.js";
 import { keep, kept } from "./kept.js";
@@ -154,7 +155,7 @@ function share() {
   const query = editor.text;
   const snapshot = last?.query === query ? last.snapshot : String(data.snapshot);
   $("share-snapshot").textContent = snapshot;
-  $("share-link").value = `${location.origin}/query?${new URLSearchParams({ query, snapshot })}`;
+  $("share-link").value = `${location.origin}${url("/query")}?${new URLSearchParams({ query, snapshot })}`;
   $("share-done").textContent = "";
   $("share-dialog").showModal();
   $("share-link").select();

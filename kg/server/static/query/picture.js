@@ -1,6 +1,7 @@
 // The picture of an answer that is a graph. What the answer does not call by a name is called as the store calls it, and
 // what lies in namespaces of ROS is grouped by them.
 
+import { url } from "../address.js";
 import { draw } from "../graph.js";
 import { element } from "../table.js";
 import { view } from "./services.js";
@@ -53,7 +54,7 @@ function asGraph(rows, shorten, known) {
 function resource(id, iri, shorten, known) {
   return {
     id, kind: kind(known?.types ?? [], "resource"), label: known?.label ?? shorten(iri), detail: iri,
-    href: `/resource?iri=${encodeURIComponent(iri)}`,
+    href: url(`/resource?iri=${encodeURIComponent(iri)}`),
   };
 }
 

@@ -1,5 +1,6 @@
 // An answer in all the ways that it can be shown: table, picture, yes or no, as it came; and the links that save it.
 
+import { url } from "../address.js";
 import { element } from "../table.js";
 import { picture } from "./picture.js";
 import { address, answered } from "./services.js";
@@ -68,7 +69,7 @@ export function exports(links, query, failed) {
 
 async function save(made, query) {
   const body = new URLSearchParams({ query, format: made.dataset.format });
-  const [text, ok] = await answered(async (answer) => [await answer.blob(), answer.ok], "/sparql", { method: "POST", body });
+  const [text, ok] = await answered(async (answer) => [await answer.blob(), answer.ok], url("/sparql"), { method: "POST", body });
   // What went wrong is no answer, and is saved as what it is.
   const download = ok ? made.download : "error.json";
   const link = element("a", { href: URL.createObjectURL(text), download });

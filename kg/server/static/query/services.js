@@ -1,5 +1,7 @@
 // What the page asks of the server it came from; nothing is asked of any other.
 
+import { url } from "../address.js";
+
 /** An error of the server: the members of its problem (RFC 9457), or those made from what the browser says. */
 export class Problem extends Error {
   constructor(members) {
@@ -42,7 +44,7 @@ const sent = (take, ...request) => answered(async (response) => {
 /** Return what a view answers; `values` are its arguments. */
 export async function view(name, values = {}) {
   const headers = { "Content-Type": "application/json" };
-  return sent((response) => response.json(), `/api/${name}`, { method: "POST", headers, body: JSON.stringify(values) });
+  return sent((response) => response.json(), url(`/api/${name}`), { method: "POST", headers, body: JSON.stringify(values) });
 }
 
 const ACCEPT = "application/sparql-results+json, application/n-triples;q=0.9";
@@ -57,17 +59,17 @@ export async function ask({ query, limit, offset = 0, seconds, snapshot, job }) 
     text: await response.text(),
     snapshot: response.headers.get("X-Kg-Snapshot"),
     more: response.headers.get("X-Kg-Truncated") === "true",
-  }), "/sparql", { method: "POST", headers: { Accept: ACCEPT }, body: form });
+  }), url("/sparql"), { method: "POST", headers: { Accept: ACCEPT }, body: form });
 }
 
 /** Return how far a job is, or null when it has ended. */
 export async function job(identity) {
-  return answered((response) => (response.ok ? response.json() : null), `/jobs/${identity}`).catch(() => null);
+  return answered((response) => (response.ok ? response.json() : null), url(`/jobs/${identity}`)).catch(() => null);
 }
 
 /** End a job. */
 export async function cancel(identity) {
-  await fetch(`/jobs/${identity}`, { method: "DELETE" }).catch(() => null);
+  await fetch(url(`/jobs/${identity}`), { method: "DELETE" }).catch(() => null);
 }
 
 /** Return an identity that nobody can guess. */
@@ -77,5 +79,5 @@ export function identity() {
 
 /** Return the address of the answer to a query in a format. */
 export function address(query, format) {
-  return `/sparql?${new URLSearchParams({ query, format })}`;
+  return url(`/sparql?${new URLSearchParams({ query, format })}`);
 }

@@ -1,6 +1,7 @@
 // Rows of an answer as a table: sorted, filtered, a page at a time, with links, marks of what is inferred, lines, and why
 // a row is there.
 
+import { url } from "../address.js";
 import { element } from "../table.js";
 import { compare, isNumber, written } from "./terms.js";
 import { view } from "./services.js";
@@ -145,7 +146,7 @@ class Table {
     if (!found) return;
     const nodes = new Set(iris.filter((_, index) => found.nodes[index]));
     for (const made of this.body.querySelectorAll("a[data-iri]")) {
-      if (nodes.has(made.dataset.iri)) made.href = `/node?iri=${encodeURIComponent(made.dataset.iri)}`;
+      if (nodes.has(made.dataset.iri)) made.href = url(`/node?iri=${encodeURIComponent(made.dataset.iri)}`);
     }
     this.places.forEach(([path], at) => rows.forEach((row, index) => {
       const place = found.places[at * rows.length + index];
@@ -166,7 +167,7 @@ function pairs(columns) {
 
 /** Return the link to the page of a thing. */
 function link(iri, label) {
-  const made = element("a", { href: `/resource?iri=${encodeURIComponent(iri)}`, title: iri }, element("bdi", {}, label));
+  const made = element("a", { href: url(`/resource?iri=${encodeURIComponent(iri)}`), title: iri }, element("bdi", {}, label));
   made.dataset.iri = iri;
   return made;
 }
@@ -208,7 +209,7 @@ function inferred(cells, row) {
 /** Return the link to a proof, which opens in the panel of the page. */
 function why(text, path, values) {
   const asked = new URLSearchParams(values);
-  const made = element("a", { className: "why", href: `/why?${asked}` }, text);
-  made.dataset.why = `${path}?${asked}`;
+  const made = element("a", { className: "why", href: url(`/why?${asked}`) }, text);
+  made.dataset.why = url(`${path}?${asked}`);
   return made;
 }

@@ -1,4 +1,4 @@
-// The queries that are open, as tabs: they stay in this browser.
+// The queries that are open, as tabs. Each window has its own; a new one begins with those that were changed last.
 
 import { element } from "../table.js";
 import { keep, kept } from "./kept.js";
@@ -7,7 +7,7 @@ import { keep, kept } from "./kept.js";
 export class Tabs {
   constructor(host, { add, close, shown }) {
     Object.assign(this, { host, shown });
-    const found = kept("tabs", null);
+    const found = kept("tabs", null, { own: true });
     this.tabs = Array.isArray(found?.tabs) && found.tabs.length ? found.tabs : [{ name: "Query 1", text: "" }];
     this.active = Math.min(Math.max(found?.active ?? 0, 0), this.tabs.length - 1);
     add.addEventListener("click", () => this.open(""));
@@ -71,7 +71,7 @@ export class Tabs {
     this.shown(this.current.text);
   }
 
-  save() { keep("tabs", { tabs: this.tabs, active: this.active }); }
+  save() { keep("tabs", { tabs: this.tabs, active: this.active }, { own: true }); }
 
   draw() {
     this.host.replaceChildren(...this.tabs.map((tab, index) => {

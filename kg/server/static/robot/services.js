@@ -1,5 +1,7 @@
 // What the page asks of the server it came from; nothing is asked of any other.
 
+import { url } from "../address.js";
+
 /** An error of the server: the members of its problem (RFC 9457), or those made from what the browser says. */
 export class Problem extends Error {
   constructor(members) {
@@ -8,12 +10,12 @@ export class Problem extends Error {
   }
 }
 
-/** Ask the server; with a body by POST. Returns the answer as JSON, null for none. */
+/** Ask an endpoint of the server; with a body by POST. Returns the answer as JSON, null for none. */
 export async function ask(path, body) {
   const request = body === undefined ? {} : { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
   let response;
   try {
-    response = await fetch(path, request);
+    response = await fetch(url(path), request);
   } catch {
     throw new Problem({ code: "", message: "The server cannot be reached.", hint: "Is `kg serve` still running?" });
   }
@@ -29,7 +31,7 @@ export async function ask(path, body) {
 
 /** Listen to what happens on the robot: `heard` is given each event, `silent` is called while the server is gone. */
 export function listen(heard, silent) {
-  const source = new EventSource("/robot/events");
+  const source = new EventSource(url("/robot/events"));
   source.addEventListener("message", ({ data }) => heard(JSON.parse(data)));
   source.addEventListener("error", () => {
     silent();

@@ -1,5 +1,6 @@
 // The page of rules as blocks: blocks, text and documentation of one rule, what is wrong with it, what it would infer.
 
+import { url } from "../address.js";
 import { file, Kept, link, linked } from "../blocks/kept.js";
 import { Turns } from "../blocks/turns.js";
 import { edit } from "../query/editor.js";
@@ -71,7 +72,7 @@ function list(all) {
     const go = element("button", { type: "button", className: "link" }, one.lacks?.length ? "show the field" : one.id && blocks ? "show the block" : one.line ? `line ${one.line}` : "");
     go.setAttribute("aria-label", `${go.textContent}: ${one.message}`);
     go.addEventListener("click", () => place(one));
-    return element("li", { className: one.severity }, element("span", { className: `tag ${one.severity}` }, one.severity), " ", ...prose(one.message), " ", go.textContent ? go : null, element("small", {}, ...prose(one.hint ?? ""), " ", one.code ? element("a", { href: `/errors/${one.code}` }, one.code) : ""));
+    return element("li", { className: one.severity }, element("span", { className: `tag ${one.severity}` }, one.severity), " ", ...prose(one.message), " ", go.textContent ? go : null, element("small", {}, ...prose(one.hint ?? ""), " ", one.code ? element("a", { href: url(`/errors/${one.code}`) }, one.code) : ""));
   }));
   if (held >= 0) [...$("findings").querySelectorAll("button, a")].slice(0, held + 1).at(-1)?.focus();
   const wrong = all.filter(({ severity }) => severity !== "note").length;

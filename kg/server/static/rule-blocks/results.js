@@ -1,5 +1,6 @@
 // What the rule would infer: facts, each with what it follows from and where that was read.
 
+import { url } from "../address.js";
 import { element } from "../table.js";
 
 const WORDS = { "rdf:type": "is a", "rdfs:label": "is called" };
@@ -28,7 +29,7 @@ function fact(one, spoken) {
   const state = element("span", { className: `tag ${one.known ? "note" : "inferred"}` }, one.known ? "known" : "new");
   const below = [...one.premises.map((premise) => element("li", {}, ...told(premise, spoken))), ...one.conditions.map(({ text }) => element("li", { className: "quiet-text" }, `and it holds that ${text}`))];
   const things = [one.subject, one.object].filter(({ term }) => term.startsWith("<"));
-  const pages = things.flatMap(({ term, label }, index) => [index ? " and " : "Pages of ", element("a", { href: `/resource?iri=${encodeURIComponent(term.slice(1, -1))}` }, label)]);
+  const pages = things.flatMap(({ term, label }, index) => [index ? " and " : "Pages of ", element("a", { href: url(`/resource?iri=${encodeURIComponent(term.slice(1, -1))}`) }, label)]);
   return element("details", {}, element("summary", {}, sentence(one, spoken), " ", state),
     element("p", { className: "quiet-text" }, "because"), element("ul", {}, ...below), element("p", {}, ...pages));
 }
@@ -50,7 +51,7 @@ function place({ path, line, web, vscode, repository }) {
 
 function why({ subject, predicate, object }) {
   const values = new URLSearchParams({ subject: subject.term, predicate: predicate.term, object: object.term });
-  const made = element("a", { className: "why", href: `/why?${values}` }, "why");
-  made.dataset.why = `/api/why?${values}`;
+  const made = element("a", { className: "why", href: url(`/why?${values}`) }, "why");
+  made.dataset.why = url(`/api/why?${values}`);
   return made;
 }

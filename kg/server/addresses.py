@@ -1,0 +1,79 @@
+"""Addresses of this server: the one place that knows the path at which a reverse proxy publishes it (`root_path`).
+
+    url("/node", iri=iri)          # "/node?iri=...", or "/kg/node?iri=..." under the root path `/kg`
+    address(request, "/update")    # "http://example.org/kg/update"
+
+Routes, and what checks requests, see paths without the root path: `Rooted` removes it from requests that have it, so
+proxies may strip it or leave it. Whatever answers contain comes from `url`; scripts of pages use `static/address.js`.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import urlencode
+
+from starlette.datastructures import URL
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from starlette.requests import Request
+    from starlette.types import ASGIApp, Receive, Scope, Send
+
+__all__ = ["Rooted", "address", "rooted", "url"]
+
+_ROOT: Final[ContextVar[str]] = ContextVar("kg_root_path", default="")
+
+
+@contextmanager
+def rooted(root: str) -> Iterator[None]:
+    """Put a root path, `/kg` or empty, before the addresses that are made meanwhile."""
+    token = _ROOT.set(root)
+    try:
+        yield
+    finally:
+        _ROOT.reset(token)
+
+
+def url(path: str, **parameters: Any) -> str:
+    """Return the path of a page or endpoint as clients see it; parameters that are None or empty are left out."""
+    given = {name: value for name, value in parameters.items() if value not in (None, "")}
+    whole = _ROOT.get() + path
+    return f"{whole}?{urlencode(given)}" if given else whole
+
+
+def address(request: Request, path: str | None = None) -> str:
+    """Return the absolute address of a path, by default that of the request, without parameters."""
+    scope = request.scope
+    server = tuple(scope["server"] or ()) or None
+    return _address(scope["scheme"], request.headers.get("host"), server, url(scope["path"] if path is None else path))
+
+
+@lru_cache(maxsize=64)
+def _address(scheme: str, host: str | None, server: tuple[Any, ...] | None, path: str) -> str:
+    headers = [] if host is None else [(b"host", host.encode("latin-1"))]
+    return str(URL(scope={"scheme": scheme, "headers": headers, "server": server, "path": path}))
+
+
+class Rooted:
+    """Remove the root path from requests that have it, and put it before all addresses in answers."""
+
+    def __init__(self, app: ASGIApp, root: str) -> None:
+        self._app = app
+        self._root = root
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on; tasks that begin with the application inherit the root path too."""
+        with rooted(self._root):
+            await self._app(self._inside(scope) if scope["type"] == "http" else scope, receive, send)
+
+    def _inside(self, scope: Scope) -> Scope:
+        """Return a request without the root path, in `path` and in `raw_path` alike, or as it is."""
+        raw: bytes = scope.get("raw_path") or scope["path"].encode()
+        if not f"{scope['path']}/".startswith(f"{self._root}/") or not raw.startswith(self._root.encode()):
+            return scope
+        cut = len(self._root)  # ASCII, as the form of the setting says
+        return {**scope, "path": scope["path"][cut:] or "/", "raw_path": raw[cut:] or b"/"}
