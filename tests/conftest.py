@@ -26,6 +26,8 @@ ONE_THREAD: Final = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_N
 
 With their threads a process that a build forks takes four times as long, and workers of pytest-xdist take turns anyway.
 """
+QUICK_JAVA: Final = "-XX:+UseSerialGC -XX:TieredStopAtLevel=1"
+"""Options of Java for programs that run for a second: with its usual ones the reasoner takes twice the time."""
 _MANY: Final = 1000
 """Tests of a run of which dozens build workspaces."""
 
@@ -44,6 +46,7 @@ def _use_memory() -> None:
 
 _use_memory()
 os.environ.update(ONE_THREAD)
+os.environ.setdefault("JDK_JAVA_OPTIONS", QUICK_JAVA)
 
 # What is ignored here, as under nohup or in a background job, would be ignored by the programs that tests start and
 # signal; what has a handler is as usual there.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from starlette.testclient import TestClient
 
-ROUNDS = 16
+ROUNDS = 6
 """Batches of 25 requests; `benchmarks/fuzzing` asks others for ten minutes."""
 
 
