@@ -21,6 +21,13 @@ _MEMORY: Final = Path("/dev/shm")  # noqa: S108 - tempfile makes the folders in 
 _MEMORY_BYTES: Final = 4 << 30
 """Free space that a run may need: containers often have 64 MB there."""
 
+ONE_THREAD: Final = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+"""Read by libraries of linear algebra when they are loaded, here and in the processes that tests start.
+
+With their threads a process that a build forks takes four times as long, and workers of pytest-xdist take turns anyway.
+"""
+QUICK_JAVA: Final = "-XX:+UseSerialGC -XX:TieredStopAtLevel=1"
+"""Options of Java for programs that run for a second: with its usual ones the reasoner takes twice the time."""
 _MANY: Final = 1000
 """Tests of a run of which dozens build workspaces."""
 
@@ -38,6 +45,8 @@ def _use_memory() -> None:
 
 
 _use_memory()
+os.environ.update(ONE_THREAD)
+os.environ.setdefault("JDK_JAVA_OPTIONS", QUICK_JAVA)
 
 # What is ignored here, as under nohup or in a background job, would be ignored by the programs that tests start and
 # signal; what has a handler is as usual there.
@@ -68,12 +77,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _tagger(request: pytest.FixtureRequest) -> None:
-    """Load the tagger once where many tests run: otherwise each process that their builds start loads it again."""
+def _prepared(request: pytest.FixtureRequest) -> None:
+    """Load what reads packages once where many tests run: otherwise each process that their builds start loads it."""
     if len(request.session.items) > _MANY:
-        from kg.language.annotating import prepare  # noqa: PLC0415 - other runs do without it
+        from workspaces import prepare_builds  # noqa: PLC0415 - other runs do without it
 
-        prepare()
+        prepare_builds()
 
 
 def _skipping() -> Generator[None, object, object]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from typing import TYPE_CHECKING, Any, Final
 
 import pytest
-from cli.program import Program
+from cli.program import Program, Run
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -93,20 +94,33 @@ def kg(tmp_path: Path) -> Program:
     return Program(tmp_path)
 
 
-@pytest.mark.parametrize("kind", BROKEN)
-def test_what_is_broken_is_named_and_the_rest_is_built(kind: str, kg: Program, tmp_path: Path) -> None:
-    """A broken file costs at most its own facts: the build ends well and names it."""
-    name, spoil = BROKEN[kind]
-    if kind == "unreadable" and os.geteuid() == 0:
-        pytest.skip("root may read everything")
-    healthy(tmp_path / "src" / "healthy")
-    spoil(healthy(tmp_path / "src" / "odd", name="odd"))
-    built = kg("build", "src")
+@pytest.fixture(scope="module")
+def broken(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Program]:
+    """Return the build of a healthy package beside one of each kind of broken ones, and the program in its folder."""
+    folder = tmp_path_factory.mktemp("broken")
+    healthy(folder / "src" / "healthy")
+    for number, (_, spoil) in enumerate(BROKEN.values()):
+        spoil(healthy(folder / "src" / f"odd{number}", name=f"odd{number}"))
+    program = Program(folder)
+    return program("build", "src", "--problems"), program
+
+
+def test_what_is_broken_costs_its_own_facts(broken: tuple[Run, Program]) -> None:
+    """The build ends well, with the node of the healthy package."""
+    built, kg = broken
     assert built.code in {0, 1}, built.err
     assert "Traceback" not in built.err
     nodes = lines(kg("nodes", "--package", "healthy", "--json").out)
     assert [entry["name"] for node in nodes for entry in node["publishes"] if not entry["implicit"]] == ["chatter"]
-    assert name in built.err + built.out + kg("status", "--json").out
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_what_is_broken_is_named(kind: str, broken: tuple[Run, Program]) -> None:
+    """A broken file is named with its package."""
+    if kind == "unreadable" and os.geteuid() == 0:
+        pytest.skip("root may read everything")
+    place = f"odd{[*BROKEN].index(kind)}/.*{re.escape(BROKEN[kind][0])}"
+    assert re.search(place, broken[0].err), broken[0].err
 
 
 NESTED: Final = {
@@ -122,16 +136,25 @@ NESTED: Final = {
 }
 
 
+@pytest.fixture(scope="module")
+def nested(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, list[dict[str, Any]]]:
+    """Return the build of a package for each kind of deep code, and its nodes."""
+    folder = tmp_path_factory.mktemp("nested")
+    for number, (name, content) in enumerate(NESTED.values()):
+        write(healthy(folder / "src" / f"odd{number}", name=f"odd{number}") / name, content)
+    program = Program(folder)
+    return program("build", "src", "--problems"), lines(program("nodes", "--json").out)
+
+
 @pytest.mark.parametrize("kind", NESTED)
-def test_what_nests_deep_is_read_or_named(kind: str, kg: Program, tmp_path: Path) -> None:
+def test_what_nests_deep_is_read_or_named(kind: str, nested: tuple[Run, list[dict[str, Any]]]) -> None:
     """Code nested 5,000 deep either gives its node all the same or is reported by name."""
-    name, content = NESTED[kind]
-    write(healthy(tmp_path / "src" / "odd", name="odd") / name, content)
-    built = kg("build", "src", "--problems")
+    built, nodes = nested
+    package = f"odd{[*NESTED].index(kind)}"
     assert built.code in {0, 1}, built.err
     assert "Traceback" not in built.err
-    nodes = lines(kg("nodes", "--json").out)
-    assert name in built.err or any(node["node"] == "talker" and len(node["publishes"]) > 1 for node in nodes)
+    named = re.search(f"{package}/.*{re.escape(NESTED[kind][0])}", built.err)
+    assert named or [one for one in nodes if one["package"] == package and len(one["publishes"]) > 1], built.err
 
 
 def test_entities_of_xml_are_neither_expanded_nor_fetched(kg: Program, tmp_path: Path) -> None:

@@ -3,21 +3,73 @@
 from __future__ import annotations
 
 import fcntl
+import importlib
 import os
 import shutil
-from typing import TYPE_CHECKING
+from contextlib import chdir
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Final
 
+from pyoxigraph import NamedNode, Quad, RdfFormat, Store, parse
+
+from kg.graph.iris import Iris
+from kg.graph.ontology_files import ontology_triples
+from kg.language.annotating import prepare
 from kg.pipeline.build import build
+from kg.pipeline.reasoning import rules_over
 from kg.resources import folder
 from kg.settings import load
+from kg.store.bulk import table
 from kg.store.embedded import EmbeddedStore
+from kg.symbolic.descriptions import merged
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     import pytest
 
-__all__ = ["copied", "example"]
+__all__ = ["copied", "example", "prepare_builds", "prepare_rules"]
+
+_READERS: Final = ("kg.extract.cpp", "kg.extract.python.nodes", "kg.launch.files.reading")
+"""What workers of builds import when they read their first package."""
+
+
+def prepare_builds() -> None:
+    """Load the tagger, the readers and the descriptions of calls, which processes forked from this one then have."""
+    prepare()
+    for name in _READERS:
+        importlib.import_module(name)
+    for language in ("cpp", "python"):
+        merged((), language)
+
+
+def prepare_rules() -> None:
+    """Read the rules in force and put them in order, for the stores that this process and its forks build.
+
+    From an empty folder, since a folder `rules` in the working folder is that of a user.
+    """
+    settings = load({}, environment={})
+    quads = parse(ontology_triples(), RdfFormat.N_TRIPLES)
+    graph = NamedNode(Iris(settings.base).graph("ontology"))
+    store = Store()
+    store.extend(Quad(quad.subject, quad.predicate, quad.object, graph) for quad in quads)
+    with TemporaryDirectory() as empty, chdir(empty):
+        rules_over(settings, _Ontologies(store), cache=Path(empty, "cache"))
+
+
+@dataclass(frozen=True, slots=True)
+class _Ontologies:
+    """A store in memory, as rules are read for one."""
+
+    store: Store
+
+    def table(self, select: str, graph: NamedNode | None) -> bytes:
+        """Return the rows of a SELECT over one graph."""
+        return table(lambda: self.store, select, graph)
+
+    def graphs(self) -> list[NamedNode]:
+        """Return the named graphs."""
+        return [name for name in self.store.named_graphs() if isinstance(name, NamedNode)]
 
 
 def example(factory: pytest.TempPathFactory, name: str = "examples") -> Path:

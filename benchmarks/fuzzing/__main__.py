@@ -1,6 +1,6 @@
 """Asks a server things that nobody would, for some minutes: no 500, no body that does not parse, no dead server.
 
-    python benchmarks/fuzzing STORE [--seconds 600] [--write]
+    python benchmarks/fuzzing STORE [--seconds 600 | --rounds 16] [--write]
 
 STORE is a folder `.kg`, which is copied. Half of the time goes to requests that schemathesis makes of the server's own
 description (`/openapi.json`), half to queries of a grammar (`grammar.py`), sent in each way that the protocol has, with
@@ -21,6 +21,7 @@ import tempfile
 import time
 from collections import Counter
 from contextlib import contextmanager
+from itertools import cycle, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -49,6 +50,8 @@ PARAMETERS: Final = st.dictionaries(
 )
 _BATCH: Final = 25
 _ENOUGH: Final = 5
+_PATIENCE: Final = 300
+"""Seconds that the server may take for a request, and for its end, on a machine that is busy."""
 
 COUNTS: Counter[int] = Counter()
 FOUND: list[str] = []
@@ -59,6 +62,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("store", type=Path, help="the folder .kg of a store")
     parser.add_argument("--seconds", type=float, default=600, help="how long to ask")
+    parser.add_argument("--rounds", type=int, help="how many batches to ask of each half, the same each time")
     parser.add_argument("--write", action="store_true", help="let the server be changed")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="kg-fuzzing-") as folder:
@@ -66,9 +70,12 @@ def main() -> None:
         shutil.copytree(options.store, copy)
         with _served(copy, write=options.write) as (address, process, log):
             headers = {"Authorization": f"Bearer {TOKEN}"} if options.write else {}
-            with httpx.Client(base_url=address, headers=headers, timeout=60) as client:
-                _for(options.seconds / 2, _described(address, client))
-                _for(options.seconds / 2, _asked(client, write=options.write))
+            with httpx.Client(base_url=address, headers=headers, timeout=_PATIENCE) as client:
+                for kinds in (_described(address, client), _asked(client, write=options.write)):
+                    if options.rounds:
+                        _times(options.rounds, kinds)
+                    else:
+                        _for(options.seconds / 2, kinds)
                 _judge(client.get("/health"), "the server afterwards")
             if process.poll() is not None:
                 FOUND.append(f"the server ended: {process.returncode}")
@@ -106,7 +113,7 @@ def _served(store: Path, *, write: bool) -> Iterator[tuple[str, subprocess.Popen
         yield _address(log, process), process, log
     finally:
         process.send_signal(signal.SIGTERM)
-        process.wait(60)
+        process.wait(_PATIENCE)
 
 
 def _address(log: Path, process: subprocess.Popen[bytes]) -> str:
@@ -116,6 +123,13 @@ def _address(log: Path, process: subprocess.Popen[bytes]) -> str:
                 return word.rstrip("/")
         time.sleep(0.1)
     sys.exit(f"the server did not start: {log.read_text()}")
+
+
+def _times(number: int, rounds: list[Callable[[int], None]]) -> None:
+    """Call so many of the functions, in turn, with the same seeds each time, until enough was found."""
+    for seed_of, one in enumerate(islice(cycle(rounds), number)):
+        if len(FOUND) < _ENOUGH:
+            one(seed_of)
 
 
 def _for(seconds: float, rounds: list[Callable[[int], None]]) -> None:

@@ -9,6 +9,7 @@ folder, environment and exit of its own. This process opens no store and starts 
 
 from __future__ import annotations
 
+import atexit
 import gc
 import importlib
 import json
@@ -19,12 +20,11 @@ import signal
 import socket
 import struct
 import sys
-from typing import Any, Final, TextIO
+import threading
+from pathlib import Path
+from typing import Any, Final, NoReturn, TextIO
 
 import kg.cli.commands
-from kg.language.annotating import prepare
-from kg.pipeline.reasoning import rules_in_force
-from kg.settings import load
 
 __all__ = ["ANSWER"]
 
@@ -34,18 +34,32 @@ ANSWER: Final = struct.Struct(">i")
 _MOST: Final = 1 << 20
 """Bytes of an order."""
 _LATER: Final = (
-    "kg.pipeline.build",
-    "kg.query.ask",
     "kg.cli.answers",
+    "kg.cli.app",
+    "kg.cli.build_view",
     "kg.cli.links",
     "kg.lint.running",
+    "kg.pipeline.build",
+    "kg.query.ask",
+    "kg.query.stored",
+    "kg.rules.notations",
+    "kg.store.embedded",
     "kg.views.why",
 )
 """What commands import when they run, for those that tests run most."""
 _BUILDING: Final = {"build", "demo"}
 """Commands that read workspaces, tag what is written there and run rules."""
-_BUILDERS: Final = ("kg.pipeline.pool", "kg.extract.package", "kg.rules.running")
+_BUILDERS: Final = (
+    "kg.extract.package",
+    "kg.pipeline.pool",
+    "kg.pipeline.systems",
+    "kg.pipeline.writing",
+    "kg.rules.running",
+)
 """What these import when they run."""
+_NOT_WRITTEN: Final = 120
+"""The exit code of Python where its streams cannot be written at its end."""
+_TESTS: Final = str(Path(__file__).parents[1])
 
 
 def _serve(orders: socket.socket) -> None:
@@ -55,7 +69,8 @@ def _serve(orders: socket.socket) -> None:
     for name in _LATER:
         importlib.import_module(name)
     gc.freeze()
-    signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    running: dict[int, int] = {}
+    signal.signal(signal.SIGCHLD, lambda *_: _reap(running))
     while True:
         content, files, _, _ = socket.recv_fds(orders, _MOST, 3)
         if not content:
@@ -63,39 +78,51 @@ def _serve(orders: socket.socket) -> None:
         order = json.loads(content)
         if _BUILDING & set(order["arguments"]):
             _prepare_builds()
-        if not os.fork():
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
+        child = os.fork()
+        if not child:
             orders.close()
-            _attend(order, *files)
-        for file in files:
-            os.close(file)
+            for answers in (*running.values(), files[2]):
+                os.close(answers)
+            _attend(order, *files[:2])
+        *streams, running[child] = files
+        for stream in streams:
+            os.close(stream)
+        os.write(running[child], ANSWER.pack(child))
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGCHLD})
+
+
+def _reap(running: dict[int, int]) -> None:
+    """Tell how runs ended, each where its order said."""
+    for child, answers in list(running.items()):
+        ended, status = os.waitpid(child, os.WNOHANG)
+        if ended:
+            os.write(answers, ANSWER.pack(os.waitstatus_to_exitcode(status)))
+            os.close(answers)
+            del running[child]
 
 
 def _prepare_builds() -> None:
-    """Import what builds need, and read the tagger and the rules, all of which this process keeps.
+    """Import what builds need, and read the tagger, the calls and the rules, all of which this process keeps.
 
     A run reads rules again where their files have changed.
     """
     for name in _BUILDERS:
         importlib.import_module(name)
-    prepare()
-    rules_in_force(load({}, environment={}), [])
+    sys.path.insert(0, _TESTS)  # which runs do not have
+    workspaces = importlib.import_module("workspaces")
+    sys.path.remove(_TESTS)
+    workspaces.prepare_builds()
+    workspaces.prepare_rules()
     gc.freeze()
 
 
-def _attend(order: dict[str, Any], out: int, err: int, answers: int) -> None:
-    """Fork what runs, tell its number and how it ended, and end."""
+def _attend(order: dict[str, Any], out: int, err: int) -> None:
+    """Be a run, with its streams, and end as it does."""
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-    child = os.fork()
-    if not child:
-        os.close(answers)
-        sys.stdout, sys.stderr = _stream(out, sys.stdout), _stream(err, sys.stderr)
-        _run(order)
-    os.close(out)
-    os.close(err)
-    os.write(answers, ANSWER.pack(child))
-    _, status = os.waitpid(child, 0)
-    os.write(answers, ANSWER.pack(os.waitstatus_to_exitcode(status)))
-    os._exit(0)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGCHLD})
+    sys.stdout, sys.stderr = _stream(out, sys.stdout), _stream(err, sys.stderr)
+    _end(_run(order))
 
 
 def _stream(file: int, like: TextIO) -> TextIO:
@@ -107,15 +134,41 @@ def _stream(file: int, like: TextIO) -> TextIO:
     )
 
 
-def _run(order: dict[str, Any]) -> None:
-    """Be `python -m kg`."""
+def _run(order: dict[str, Any]) -> int:
+    """Be `python -m kg`; return its exit code."""
     os.chdir(order["folder"])
     os.environ.clear()
     os.environ.update(order["environment"])
     sys.argv = ["kg", *order["arguments"]]
     sys.path.insert(0, order["folder"])
-    runpy.run_module("kg", run_name="__main__", alter_sys=True)
-    sys.exit()
+    try:
+        runpy.run_module("kg", run_name="__main__", alter_sys=True)
+    except SystemExit as end:
+        if end.code is None or isinstance(end.code, int):
+            return end.code or 0
+        sys.stderr.write(f"{end.code}\n")
+        return 1
+    except BaseException:  # noqa: BLE001 - as the interpreter does
+        sys.excepthook(*sys.exc_info())
+        return 1
+    return 0
+
+
+def _end(code: int) -> NoReturn:
+    """End as the interpreter does, without its last step.
+
+    It visits every object of the process that this one was forked from, which would copy all its memory.
+    """
+    for thread in threading.enumerate():
+        if thread is not threading.current_thread() and not thread.daemon:
+            thread.join()
+    atexit._run_exitfuncs()
+    try:
+        sys.stdout.flush()
+        sys.stderr.flush()
+    except OSError:
+        code = _NOT_WRITTEN
+    os._exit(code)
 
 
 if __name__ == "__main__":

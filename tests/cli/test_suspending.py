@@ -75,7 +75,7 @@ def test_a_silent_controller_stops_and_does_not_go_on(
     assert robot.stands_still()
 
 
-@pytest.mark.parametrize("command", [DO, RUN], ids=["do", "run"])
+@pytest.mark.parametrize(("robot", "command"), [(1, DO), (2, RUN)], indirect=["robot"], ids=["ros1-do", "dds-run"])
 def test_ctrl_z_stops_at_once(robot: Drivable, tmp_path: Path, command: tuple[str, ...]) -> None:
     """SIGTSTP ends the command as Ctrl-C does, with KG828; no watchdog has to."""
     with kg(robot, tmp_path, *command, "--watchdog", "3600") as process:
@@ -90,7 +90,12 @@ def test_ctrl_z_stops_at_once(robot: Drivable, tmp_path: Path, command: tuple[st
     assert robot.stands_still()
 
 
-@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL, signal.SIGUSR1, signal.SIGTSTP])
+@pytest.mark.parametrize(
+    ("robot", "number"),
+    [(1, signal.SIGSTOP), (1, signal.SIGTSTP), (2, signal.SIGKILL), (2, signal.SIGUSR1)],
+    indirect=["robot"],
+    ids=["ros1-stop", "ros1-ctrl-z", "dds-kill", "dds-block"],
+)
 def test_a_goal_is_cancelled(robot: Drivable, tmp_path: Path, number: signal.Signals) -> None:
     """The goal of a process that is suspended, killed, blocked, or ended by Ctrl-Z is cancelled."""
     with kg(robot, tmp_path, *GO) as process:

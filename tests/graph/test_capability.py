@@ -7,15 +7,14 @@ from collections import defaultdict
 from itertools import product
 from pathlib import Path
 
+import ontologies
 import pytest
-from rdflib import OWL, RDF, RDFS, SKOS, Graph, Namespace, URIRef
-
-from kg.resources import folder
+from rdflib import OWL, RDF, RDFS, SKOS, Namespace, URIRef
 
 CAPABILITY = "https://w3id.org/rnkg/capability#"
 ROS = Namespace("http://data.mksmart.org/onto-ros/class#")
 RNKG = Namespace("https://w3id.org/rnkg/ns#")
-ONTOLOGY = sum((Graph().parse(path) for path in sorted(folder("ontology").glob("capability*.ttl"))), Graph())
+ONTOLOGY = ontologies.together("capability")
 EVOKING, EXCLUDED = (
     {str(name) for name in ONTOLOGY.objects(None, relation)} for relation in (RNKG.evokedBy, RNKG.excludes)
 )

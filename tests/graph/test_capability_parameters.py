@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 
+import ontologies
 import pytest
-from rdflib import RDF, Graph, Namespace, URIRef
+from rdflib import RDF, Namespace, URIRef
 
-from kg.resources import folder
 from kg.robot.driving.paths import FUNCTIONS, Call, Each, Element, Field, parse
 from kg.robot.messages.types import Types
 from kg.robot.programs.units import UNITS
@@ -15,7 +15,7 @@ from kg.robot.programs.units import UNITS
 CAPABILITY = "https://w3id.org/rnkg/capability#"
 ROS = Namespace("http://data.mksmart.org/onto-ros/class#")
 RNKG = Namespace("https://w3id.org/rnkg/ns#")
-ONTOLOGY = sum((Graph().parse(path) for path in sorted(folder("ontology").glob("capability*.ttl"))), Graph())
+ONTOLOGY = ontologies.together("capability")
 PARAMETERS = sorted(map(URIRef, map(str, ONTOLOGY.subjects(RDF.type, RNKG.CapabilityParameter))))
 PARTS = {"request", "response", "goal", "result", "feedback"}
 KINDS = {"number", "integer", "boolean", "text", "list"}

@@ -5,17 +5,16 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+import ontologies
 import pytest
-from rdflib import RDF, RDFS, SKOS, Graph, Namespace, URIRef
-
-from kg.resources import folder
+from rdflib import RDF, RDFS, SKOS, Namespace, URIRef
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
 RNKG = Namespace("https://w3id.org/rnkg/ns#")
 HARDWARE = Namespace("https://w3id.org/rnkg/hardware#")
-ONTOLOGY = Graph().parse(folder("ontology") / "hardware.ttl")
+ONTOLOGY = ontologies.named()["hardware"]
 
 
 def _all(of_class: URIRef) -> set[URIRef]:

@@ -4,11 +4,11 @@ import re
 from itertools import product
 from pathlib import Path
 
+import ontologies
 import pytest
 from rdflib import OWL, RDF, RDFS, Graph, URIRef
 
 from kg.graph import vocabulary
-from kg.graph.ontology_files import default_ontologies
 
 ONTO_ROS_TERMS = {
     "ROSCommunication",
@@ -43,10 +43,10 @@ ONTO_ROS_TERMS = {
     "hasModality",
 }
 KINDS = (OWL.Class, OWL.ObjectProperty, OWL.DatatypeProperty, OWL.AnnotationProperty, OWL.NamedIndividual)
-GRAPHS = {path.stem: Graph().parse(path) for path in default_ontologies()}
+GRAPHS = ontologies.named()
 ONTO_ROS, RNKG = GRAPHS["onto-ros"], GRAPHS["rnkg"]
 BOTH = ONTO_ROS + RNKG + GRAPHS["architecture"]
-ALL = sum(GRAPHS.values(), Graph())
+ALL = ontologies.together()
 NAMESPACES = {
     "onto-ros": vocabulary.ROS,
     "rnkg": vocabulary.RNKG,

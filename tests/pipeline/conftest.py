@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 from pyoxigraph import RdfFormat
+from workspaces import prepare_builds
 
-from kg.language.annotating import prepare
+from kg.pipeline import inferring
 from kg.pipeline.build import build
 from kg.pipeline.calls import call_files, read_calls
 from kg.settings import load
@@ -36,6 +37,8 @@ int main(int argc, char** argv) {{
 """
 CMAKE = "project({name})\nfind_package(catkin REQUIRED roscpp)\nadd_executable({name}_node src/node.cpp)\n"
 
+_ONTOLOGY = b'<urn:x:a> <http://www.w3.org/2000/01/rdf-schema#label> "a" .\n'
+
 
 @dataclass(frozen=True, slots=True)
 class Bench:
@@ -59,9 +62,16 @@ class Bench:
         (self.source / package / "package.xml").write_text(MANIFEST.format(name=package))
         (folder / "topics.hpp").write_text(f'#pragma once\n#define SHARED_TOPIC "{topic}"\n')
 
-    def build(self, *named: str, jobs: int = 2) -> BuildReport:
-        """Build the sources named, by default the workspace."""
-        return build(named or [str(self.source)], self.store, load({"jobs": jobs}, environment={}))
+    def build(self, *named: str, jobs: int = 2, rules: bool = False) -> BuildReport:
+        """Build the sources named, by default the workspace.
+
+        Without rules, also with next to no ontologies: both together take most of the time. Each such build writes a
+        generation.
+        """
+        with pytest.MonkeyPatch.context() as patch:
+            if not rules:
+                patch.setattr(inferring, "ontology_triples", lambda _: _ONTOLOGY)
+            return build(named or [str(self.source)], self.store, load({"jobs": jobs}, environment={}), rules=rules)
 
     def content(self) -> list[str]:
         """Return all quads of sources and of what they share, sorted."""
@@ -100,9 +110,9 @@ def _settings_only(settings: Settings, _folder: Path | None = None) -> str:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _tagger() -> None:
-    """Load the tagger once, for the processes that builds start."""
-    prepare()
+def _prepared() -> None:
+    """Load once what the processes that builds start need."""
+    prepare_builds()
 
 
 @pytest.fixture(autouse=True)

@@ -37,8 +37,8 @@ def test_a_cold_build_reads_everything(bench: Bench) -> None:
 
 def test_nothing_changed_nothing_written(bench: Bench) -> None:
     """The second build reads nothing and leaves the generation as it is, with the same totals."""
-    first = bench.build()
-    second = bench.build()
+    first = bench.build(rules=True)
+    second = bench.build(rules=True)
     assert (second.read, second.reused, second.generation) == (0, 3, None)
     assert bench.store.layout.current() == 1
     assert second.total("interfaces") == first.total("interfaces")
@@ -46,11 +46,11 @@ def test_nothing_changed_nothing_written(bench: Bench) -> None:
 
 def test_touched_files_are_not_read_again(bench: Bench) -> None:
     """A file with a new time but the same content changes nothing, and is not looked into twice."""
-    bench.build()
+    bench.build(rules=True)
     (bench.source / "one" / "src" / "node.cpp").touch()
-    assert bench.build().read == 0
+    assert bench.build(rules=True).read == 0
     state = load(bench.store.layout.cache)
-    bench.build()
+    bench.build(rules=True)
     assert load(bench.store.layout.cache) == state
 
 
@@ -148,13 +148,13 @@ def test_a_forgotten_graph_comes_back(bench: Bench) -> None:
 
 def test_other_graphs_do_not_matter(bench: Bench) -> None:
     """Data imported into other graphs stays and causes no work."""
-    bench.build()
+    bench.build(rules=True)
     extra = NamedNode("https://example.org/g")
     with bench.store.write("test") as transaction:
         transaction.append(extra, b"<urn:a> <urn:b> <urn:c> .\n")
-    assert bench.build().generation is None
+    assert bench.build(rules=True).generation is None
     bench.package("one", "changed")
-    bench.build()
+    bench.build(rules=True)
     with bench.store.read() as snapshot:
         assert snapshot.count(extra) == 1
 
@@ -212,16 +212,16 @@ def test_checkouts_of_a_workspace_are_sources(bench: Bench) -> None:
 def test_a_checkout_that_is_gone(bench: Bench) -> None:
     """A checkout deleted from a workspace leaves the store with the next build, and so does a source renamed."""
     subprocess.run(["git", "init", "-q"], cwd=bench.source / "one", check=True)
-    bench.build()
+    bench.build(rules=True)
     shutil.rmtree(bench.source / "one")
-    report = bench.build()
+    report = bench.build(rules=True)
     assert report.gone == ("local/one",)
     assert report.read == 0
     assert bench.topics() - IMPLICIT == {"/first", "/talk"}
-    assert bench.build().generation is None
+    assert bench.build(rules=True).generation is None
     subprocess.run(["git", "init", "-q"], cwd=bench.source, check=True)
     subprocess.run(["git", "remote", "add", "origin", "https://example.org/a/b.git"], cwd=bench.source, check=True)
-    assert bench.build().gone == ("local/src",)
+    assert bench.build(rules=True).gone == ("local/src",)
     assert bench.topics() - IMPLICIT == {"/first", "/talk"}
     with bench.store.read() as snapshot:
         graphs = {graph.value.rpartition("/graph/")[2] for graph in snapshot.graphs()}
@@ -253,7 +253,7 @@ def test_a_repository_is_cloned(bench: Bench, tmp_path: Path) -> None:
     subprocess.run(["git", *identity, "commit", "-qm", "x"], cwd=origin, check=True)
     listed = tmp_path / "sources.txt"
     listed.write_text(f"file://{origin}  # a comment\nsrc\n")
-    report = bench.build(str(listed))
+    report = bench.build(str(listed), rules=True)
     assert len(report.sources) == 2
     assert len(list(bench.store.layout.checkouts.iterdir())) == 1
     shutil.rmtree(origin)

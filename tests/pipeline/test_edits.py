@@ -129,7 +129,7 @@ class Site:
 
     folder: Path
 
-    def build(self, sources: Sources, store: str = "store") -> BuildReport:
+    def build(self, sources: Sources, store: str = "store", *, rules: bool = False) -> BuildReport:
         """Write the sources, where they differ from what is there, and build them into a store."""
         wanted = {self.folder / "src" / path: text for path, text in sources.files()}
         for path in [one for one in (self.folder / "src").rglob("*") if one.is_file() and one not in wanted]:
@@ -139,7 +139,8 @@ class Site:
             if not path.exists() or path.read_text() != text:
                 path.write_text(text)
         named = [str(self.folder / "src")]
-        return build(named, EmbeddedStore.create(self.folder / store), load({"jobs": 1}, environment={}))
+        chosen = load({"jobs": 1}, environment={})
+        return build(named, EmbeddedStore.create(self.folder / store), chosen, rules=rules)
 
     def content(self, store: str = "store") -> list[str]:
         """Return all quads of a store, but for the record of when it was built."""
@@ -161,8 +162,8 @@ def test_after_random_edits_the_store_is_that_of_a_build_from_scratch(edits: lis
         (site.folder / "src").mkdir()
         states = list(accumulate(edits, lambda now, change: replace(now, **dict([change])), initial=Sources()))
         for state in states:
-            site.build(state)
-        site.build(states[-1], "fresh")
+            site.build(state, rules=True)
+        site.build(states[-1], "fresh", rules=True)
         assert site.content() == site.content("fresh")
 
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from typing import TYPE_CHECKING
 
+import ontologies
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 from rdflib import OWL, RDF, RDFS, Graph
 
-from kg.graph.ontology_files import default_ontologies
 from kg.resources import folder
 from kg.rules.authoring.memory import infer
 from kg.rules.engine.evaluate import Program
@@ -23,12 +24,8 @@ if TYPE_CHECKING:
 
     from rdflib.term import Node
 
-RULES = folder("rules")
-PROFILE = discover([RULES], families=["owl-rl"])
-IN_FORCE = {file.name.split("/")[1] for file in discover([RULES], families=["owl"]).files}
-ONTOLOGIES = Graph()
-for _path in default_ontologies():
-    ONTOLOGIES.parse(_path)
+    from kg.rules.files import RuleSet
+
 
 NEEDS: dict[tuple[Node | None, Node | None], set[str]] = {
     (RDFS.subClassOf, None): {"cax-sco", "scm-sco"},
@@ -73,22 +70,43 @@ FACTS = st.one_of(
 
 def test_the_rules_in_force_are_those_that_the_ontologies_need() -> None:
     """Each kind of axiom that occurs has its rules, and no rule is there for what does not occur."""
-    occurring = [names for (predicate, value), names in NEEDS.items() if (None, predicate, value) in ONTOLOGIES]
-    assert set().union(*occurring) == IN_FORCE
+    occurring = [
+        names for (predicate, value), names in NEEDS.items() if (None, predicate, value) in ontologies.together()
+    ]
+    in_force = {file.name.split("/")[1] for file in discover([folder("rules")], families=["owl"]).files}
+    assert set().union(*occurring) == in_force
 
 
 def test_the_whole_profile_is_there() -> None:
     """The tables of the profile have 78 rules; the three about literals as subjects cannot be stated in RDF."""
-    tables = [re.search(r"table (\d)", (file.documentation.sections or {})["References"]) for file in PROFILE.files]
+    tables = [re.search(r"table (\d)", (file.documentation.sections or {})["References"]) for file in profile().files]
     counted = [int(found[1]) for found in tables if found]
     assert [counted.count(table) for table in range(4, 10)] == [9, 20, 19, 5, 2, 20]
+
+
+@cache
+def profile() -> RuleSet:
+    """Return the rules of the whole profile."""
+    return discover([folder("rules")], families=["owl-rl"])
+
+
+@cache
+def program() -> Program:
+    """Return the profile, ready to run."""
+    return Program(profile().rules)
+
+
+@cache
+def axiomatic() -> frozenset[Triple]:
+    """Return what the profile infers from nothing."""
+    return frozenset(infer(program(), [])[0])
 
 
 def ours(data: Iterable[Triple]) -> set[str]:
     """Return what the profile infers together with the data, as text; without what no data is needed for."""
     given = set(data)
-    inferred, _ = infer(PROGRAM, given)
-    return {str(each) for each in {*given, *inferred} - AXIOMATIC}
+    inferred, _ = infer(program(), given)
+    return {str(each) for each in {*given, *inferred} - axiomatic()}
 
 
 def theirs(data: Iterable[Triple]) -> set[str]:
@@ -97,11 +115,7 @@ def theirs(data: Iterable[Triple]) -> set[str]:
     graph = Graph().parse(data="\n".join(f"{each} ." for each in data), format="nt")
     owlrl.DeductiveClosure(owlrl.OWLRL_Semantics, axiomatic_triples=False, datatype_axioms=False).expand(graph)
     closure = parse(graph.serialize(format="nt", encoding="utf-8"), RdfFormat.N_TRIPLES)
-    return {str(quad.triple) for quad in closure} - {str(each) for each in AXIOMATIC}
-
-
-PROGRAM = Program(PROFILE.rules)
-AXIOMATIC = set(infer(PROGRAM, [])[0])
+    return {str(quad.triple) for quad in closure} - {str(each) for each in axiomatic()}
 
 
 def compared(found: set[str]) -> set[str]:

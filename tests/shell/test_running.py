@@ -161,7 +161,7 @@ async def test_an_answer_does_not_take_keys_from_who_types(
 
 async def test_leaving_while_a_buffer_opens_is_no_error(store: Path, tmp_path: Path) -> None:
     """The shell ends with 0, and its buffers are kept, however early in the opening of another it is left."""
-    for turns in range(12):
+    for turns in (0, 1, 2, 4, 7, 11):
         async with running(store, tmp_path / str(turns)) as (app, pilot):
             current(app).editor.text = "ASK {}"
             app.main.call_later(app.main.open_text, "SELECT")

@@ -40,13 +40,14 @@ def _resume(process: subprocess.Popen[str], number: signal.Signals) -> None:
 
 
 @pytest.mark.parametrize(
-    ("pause", "resume"),
+    ("robot", "pause", "resume"),
     [
-        (signal.SIGSTOP, signal.SIGCONT),
-        (signal.SIGTSTP, signal.SIGCONT),
-        (signal.SIGUSR1, signal.SIGUSR2),
+        (1, signal.SIGSTOP, signal.SIGCONT),
+        (2, signal.SIGTSTP, signal.SIGCONT),
+        (1, signal.SIGUSR1, signal.SIGUSR2),
     ],
-    ids=["stop", "ctrl-z", "block"],
+    indirect=["robot"],
+    ids=["ros1-stop", "dds-ctrl-z", "ros1-block"],
 )
 def test_a_silent_server_stops_the_robot(
     robot: Drivable, store: Path, pause: signal.Signals, resume: signal.Signals
