@@ -211,6 +211,8 @@ class Framework:
             return first
         if what == "value":
             return arguments[int(detail)] if int(detail) < len(arguments) else Unknown("it has no value")
+        if what == "pair" and len(arguments) == 1 and getattr(first, "parameter", None) is not None:
+            return first  # a copy of a parameter, which is its value
         if what == "pair":
             return Sequence(tuple(arguments[:2])) if arguments else Unknown("it has no value")
         if what == "duration":

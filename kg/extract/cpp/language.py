@@ -129,6 +129,8 @@ class Cpp:
         found = self.kinds.kind(form.Type(names, expression.template), frame)
         if isinstance(found, Kind) and (found.cls is not None or found.names != names):
             return TypeValue(found)
+        if last == "npos":
+            return library.NPOS
         return Unknown(f"{'::'.join(names)} is not in the sources that were read")
 
     def static_member(self, kind: Kind, name: str) -> Value | None:
