@@ -175,7 +175,7 @@ class Calls:
         matching = [
             one
             for one in self._linker.find_functions(names, frame.unit, frame.scope)
-            if one.owner is None and fits(one, len(given.values))
+            if one.owner is None and not _constructs(one) and fits(one, len(given.values))
         ]
         if matching:
             return self._invoke([(one, {}) for one in matching], given)
@@ -309,6 +309,11 @@ class Calls:
 
 def _is_plain(value: Value) -> bool:
     return isinstance(value, Truth | Number) or value == NULL
+
+
+def _constructs(function: Function) -> bool:
+    """Return whether a function that is defined outside of a class is a constructor of it."""
+    return function.scope[-1:] == (function.name,) and function.returns is None
 
 
 def fits(function: Function, count: int) -> bool:

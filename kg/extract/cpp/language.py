@@ -294,7 +294,9 @@ class Cpp:
             return value
         if isinstance(value, Sequence):
             found = self.kind_of(kind, frame)
-            if found is not None and (found.cls is not None or found.name in library.MAPS):
+            if found is not None and (
+                found.cls is not None or found.name in library.MAPS or self.machine.framework.constructs(found)
+            ):
                 return self.construct(found, list(value.items), frame, listed=True)
         elif isinstance(value, (Text, Number)) and not kind.reference and not kind.pointer:
             found = self.kind_of(kind, frame)
