@@ -54,6 +54,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Declared", "Framework"]
 
+_PARAMETER_TYPE: Final = "PARAMETER_"
+"""How the types of parameters begin in C++: `rclcpp::ParameterType::PARAMETER_STRING`."""
 _NODES: Final = ("node", "handle")
 _AUTOMATIC: Final = "automatically_declare_parameters_from_overrides"
 _UNKNOWN_NODE: Final = Unknown("it has no node")
@@ -181,8 +183,10 @@ class Framework:
         return {}
 
     def constant(self, names: tuple[str, ...]) -> Value | None:
-        """Return a constant of a framework: a profile or a policy of the quality of service, or a duration."""
+        """Return a constant of a framework: quality of service, a duration, the type of a parameter."""
         name = names[-1]
+        if names[0] == "rclcpp" and name.startswith(_PARAMETER_TYPE):
+            return TypeValue(Kind(("Type", name.removeprefix(_PARAMETER_TYPE))))
         if name in qos.PROFILES:
             return qos.rmw_profile(qos.PROFILES[name])
         return durations.duration(durations.CONSTANTS[name]) if name in durations.CONSTANTS else qos.policy(names)

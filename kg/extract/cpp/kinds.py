@@ -144,8 +144,8 @@ class Kinds:
         cls = self._linker.find_class(names, unit, scope)
         if cls is not None:
             # The classes of messages in headers that rosserial generated are as those that are generated elsewhere.
-            generated = _ROSSERIAL in cast("CppUnit", cls.unit).includes
-            return Kind((*cls.scope, cls.name), arguments, None if generated else cls)
+            elsewhere = _ROSSERIAL in cast("CppUnit", cls.unit).includes
+            return Kind((*cls.scope, cls.name), arguments, None if elsewhere else cls)
         stem = _POINTER_NAME.sub("", names[-1])
         pointed = self._linker.find_class((*names[:-1], stem), unit, scope) if stem and stem != names[-1] else None
         if pointed is not None:

@@ -122,7 +122,9 @@ def _without_branches(source: bytes, ros: int) -> bytes:
     return bytes(found)
 
 
-def _set_macro(directive: re.Match[bytes], before: re.Match[bytes] | None, groups: list[_Group], macros: Macros) -> None:
+def _set_macro(
+    directive: re.Match[bytes], before: re.Match[bytes] | None, groups: list[_Group], macros: Macros
+) -> None:
     """Record what a `#define` or `#undef`, within groups and after another directive, says about a macro."""
     found = _SET.match(directive[0])
     if found is None:
