@@ -17,6 +17,7 @@ from kg.symbolic.containers import counted, element, elements, key_of, with_elem
 from kg.symbolic.kinds import pointee
 from kg.symbolic.state import Alias, Frame
 from kg.symbolic.values import (
+    OUTSIDE,
     PLACEHOLDER,
     Bound,
     Closure,
@@ -131,7 +132,7 @@ class Cpp:
             return TypeValue(found)
         if last == "npos":
             return library.NPOS
-        return Unknown(f"{'::'.join(names)} is not in the sources that were read")
+        return Unknown(f"{'::'.join(names)} {OUTSIDE}")
 
     def static_member(self, kind: Kind, name: str) -> Value | None:
         """Return a static member of a class by its name; None if the class has none of that name."""

@@ -18,6 +18,7 @@ from kg.symbolic.containers import counted, with_element
 from kg.symbolic.qos import PROFILES, RMW_PROFILE, policy, rmw_profile
 from kg.symbolic.state import Frame, Site
 from kg.symbolic.values import (
+    OUTSIDE,
     Bound,
     Closure,
     Kind,
@@ -207,7 +208,7 @@ class Python:
                 return found
         if name in BUILTINS:
             return TypeValue(Kind(("builtins", name)))
-        return Unknown(f"{name} is not in the sources that were read")
+        return Unknown(f"{name} {OUTSIDE}")
 
     def assign_name(self, target: form.Name, value: Value, frame: Frame) -> None:
         """Set a variable that has no value yet: one of the module."""
