@@ -116,7 +116,9 @@ def element(of: Value, key: Value) -> Value:
                 return of.items[index] if 0 <= index < len(of.items) else Unknown("the list has no such element")
         if of.parameter is not None:
             return join(*elements(of)) if of.items else _some(of)
-        return join(*of.items) if of.items else Unknown("the list is empty")
+        if not of.items:
+            return _some(of) if of.open else Unknown("the list is empty")
+        return join(*of.items)
     if isinstance(of, Mapping):
         if isinstance(key, Text) and key.known is not None:
             found = [value for own, value in of.items if isinstance(own, Text) and own.known == key.known]
@@ -138,7 +140,7 @@ def element(of: Value, key: Value) -> Value:
 
 
 def _is_foreign(key: Value, of: Mapping) -> bool:
-    """Check whether a key of a map is a constant of code outside of the build, which its name alone tells from others."""
+    """Check whether a key of a map is a constant of code outside of the build, which its name tells from others."""
     foreign = isinstance(key, Unknown) and key.reason.endswith(OUTSIDE) and "(" not in key.reason
     return foreign and any(own == key for own, _ in of.items)
 

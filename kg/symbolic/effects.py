@@ -197,6 +197,11 @@ class Framework:
         """Check whether a type is a framework class."""
         return kind.cls is None and self.descriptions.class_named(kind.names) is not None
 
+    def is_handle(self, kind: Kind) -> bool:
+        """Check whether a type is a framework class of node handles, which are made of names."""
+        described = self.descriptions.class_named(kind.names) if kind.cls is None else None
+        return described is not None and described.is_a == "handle"
+
     def replaces(self, kind: Kind) -> bool:
         """Check whether the description of a class is used even if its sources are in the build."""
         described = self.descriptions.class_named(kind.names)

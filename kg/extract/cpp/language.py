@@ -296,7 +296,7 @@ class Cpp:
         if isinstance(value, Sequence):
             found = self.kind_of(kind, frame)
             if found is not None and (
-                found.cls is not None or found.name in library.MAPS or self.machine.framework.constructs(found)
+                found.cls is not None or found.name in library.MAPS or self.machine.framework.is_handle(found)
             ):
                 return self.construct(found, list(value.items), frame, listed=True)
         elif isinstance(value, (Text, Number)) and not kind.reference and not kind.pointer:
