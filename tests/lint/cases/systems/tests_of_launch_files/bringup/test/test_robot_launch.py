@@ -1,7 +1,7 @@
 import importlib.util
 
 
-def test_robot():
+def robot_is_described():
     spec = importlib.util.spec_from_file_location("robot", "launch/robot.launch.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
