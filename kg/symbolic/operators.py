@@ -100,7 +100,7 @@ def _same(value: Value) -> Value:
 def under(value: Value, terms: Iterable[str]) -> Value:
     """Return a value where terms of guards hold: a parameter that they say is not empty has no empty default there."""
     if isinstance(value, Text) and value.known == "" and value.parameter is not None and value.parameter in terms:
-        return _without_empty(value, text=True)
+        return Text.hole(f"the parameter {value.parameter} is empty by default", parameter=value.parameter)
     return value
 
 
