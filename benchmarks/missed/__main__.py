@@ -5,9 +5,9 @@
 
 A checkout is a folder of one source of the build. Lines are found by a regular expression over C++ and Python, without
 `kg`, and count as read if an interface is there or one line away, directly or as the call in between. Tests and
-copies of libraries are left out (`--all` keeps them), and so are comments. A line that no node runs is no error: a
-class that nothing creates, a file that no target compiles. So the figure is a lower bound, and the list shows where to
-read.
+copies of libraries are left out (`--all` keeps them), and so are comments and folders that no build enters. A line that
+no node runs is no error: a class that nothing creates, a file that no target compiles. So the figure is a lower bound,
+and the list shows where to read.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ CALL: Final = re.compile(
 NOT_CALLS: Final = re.compile(r"^\s*(?://|#|\*|/\*|\"\"\")|\b(?:import|class|def|typedef|using)\b")
 BLOCK: Final = re.compile(r"/\*.*?\*/", re.DOTALL)
 OTHERS: Final = re.compile(r"(?:^|/)(?:tests?|3rdparty|third_party|thirdparty|external)(?:/|_)|_tests?\.(?:py|cpp)$")
+IGNORED: Final = ("CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE")
+"""Files in folders that no build enters."""
 SUFFIXES: Final = {".cpp", ".cc", ".cxx", ".hpp", ".h", ".hh", ".py"}
 PLACE: Final = re.compile(r"([\w./+-]+):(\d+)\b")
 
@@ -74,14 +76,17 @@ def places(found: Any) -> Iterator[tuple[str, int]]:
 
 def calls(checkout: Path, *, others: bool) -> Iterator[tuple[str, int, str]]:
     """Yield path, line and text of each call that creates an interface."""
+    ignored = {marker.parent for name in IGNORED for marker in checkout.rglob(name)}
     for file in sorted(checkout.rglob("*")):
         path = file.relative_to(checkout).as_posix()
         if file.suffix not in SUFFIXES or not file.is_file() or (OTHERS.search(path) and not others):
             continue
-        text = file.read_text("utf-8", "replace")
+        if not ignored.isdisjoint(file.parents):
+            continue
+        text = file.read_bytes().decode("utf-8", "replace")
         if file.suffix != ".py":
             text = BLOCK.sub(lambda match: "\n" * match[0].count("\n"), text)
-        for number, line in enumerate(text.splitlines(), 1):
+        for number, line in enumerate(text.split("\n"), 1):
             if CALL.search(line) and not NOT_CALLS.search(line):
                 yield path, number, line.strip()
 

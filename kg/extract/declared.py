@@ -180,7 +180,7 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
         qos=one.qos if ros == _ROS2 else None,
         reason=reason,
         arguments=_least_arguments(one.guards),
-        switches=tuple(term for term in one.guards if not term.startswith(("argc", "?", "!?"))),
+        switches=tuple(term for term in one.guards if not term.startswith(("argc", "argv[", "!argv[", "?", "!?"))),
         via=via,
     )
 

@@ -46,7 +46,8 @@ def bind(
             written = given[index] if plain and len(given) == len(arguments) else None
             frame.variables[parameter.name] = machine.language.converted(arguments[index], kind, written, frame)
         elif parameter.default is not None:
-            frame.variables[parameter.name] = machine.value(parameter.default, frame)
+            default = machine.value(parameter.default, frame)
+            frame.variables[parameter.name] = machine.language.converted(default, kind, None, frame)
         else:
             frame.variables[parameter.name] = machine.language.unknown(kind, frame, parameter.name)
 

@@ -11,6 +11,7 @@ from kg.symbolic import form
 from kg.symbolic.names import OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.parameters import with_parameter
 from kg.symbolic.values import (
+    OUTSIDE,
     Enumerator,
     Mapping,
     Number,
@@ -115,13 +116,15 @@ def element(of: Value, key: Value) -> Value:
                 return of.items[index] if 0 <= index < len(of.items) else Unknown("the list has no such element")
         if of.parameter is not None:
             return join(*elements(of)) if of.items else _some(of)
-        return join(*of.items) if of.items else Unknown("the list is empty")
+        if not of.items:
+            return _some(of) if of.open else Unknown("the list is empty")
+        return join(*of.items)
     if isinstance(of, Mapping):
         if isinstance(key, Text) and key.known is not None:
             found = [value for own, value in of.items if isinstance(own, Text) and own.known == key.known]
         elif isinstance(key, Number):
             found = [value for own, value in of.items if isinstance(own, Number) and own.value == key.value]
-        elif isinstance(key, Enumerator):
+        elif isinstance(key, Enumerator) or _is_foreign(key, of):
             found = [value for own, value in of.items if own == key]
         else:
             found = [value for _, value in of.items]
@@ -134,6 +137,12 @@ def element(of: Value, key: Value) -> Value:
         part = f".{key.known}" if isinstance(key, Text) and key.known is not None else "[]"
         return part_of(f"{of.parameter}{part}")
     return Unknown("the elements of the container are not known")
+
+
+def _is_foreign(key: Value, of: Mapping) -> bool:
+    """Check whether a key of a map is a constant of code outside of the build, which its name tells from others."""
+    foreign = isinstance(key, Unknown) and key.reason.endswith(OUTSIDE) and "(" not in key.reason
+    return foreign and any(own == key for own, _ in of.items)
 
 
 def with_element(of: Value, key: Value, value: Value) -> Value:

@@ -55,6 +55,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Declared", "Framework"]
 
+_PARAMETER_TYPE: Final = "PARAMETER_"
+"""How the types of parameters begin in C++: `rclcpp::ParameterType::PARAMETER_STRING`."""
 _NODES: Final = ("node", "handle")
 _AUTOMATIC: Final = "automatically_declare_parameters_from_overrides"
 _UNKNOWN_NODE: Final = Unknown("it has no node")
@@ -182,8 +184,10 @@ class Framework:
         return {}
 
     def constant(self, names: tuple[str, ...]) -> Value | None:
-        """Return a constant of a framework: a profile or a policy of the quality of service, or a duration."""
+        """Return a constant of a framework: quality of service, a duration, the type of a parameter."""
         name = names[-1]
+        if names[0] == "rclcpp" and name.startswith(_PARAMETER_TYPE):
+            return TypeValue(Kind(("Type", name.removeprefix(_PARAMETER_TYPE))))
         if name in qos.PROFILES:
             return qos.rmw_profile(qos.PROFILES[name])
         return durations.duration(durations.CONSTANTS[name]) if name in durations.CONSTANTS else qos.policy(names)
@@ -193,6 +197,11 @@ class Framework:
     def constructs(self, kind: Kind) -> bool:
         """Check whether a type is a framework class."""
         return kind.cls is None and self.descriptions.class_named(kind.names) is not None
+
+    def is_handle(self, kind: Kind) -> bool:
+        """Check whether a type is a framework class of node handles, which are made of names."""
+        described = self.descriptions.class_named(kind.names) if kind.cls is None else None
+        return described is not None and described.is_a == "handle"
 
     def replaces(self, kind: Kind) -> bool:
         """Check whether the description of a class is used even if its sources are in the build."""
@@ -212,6 +221,8 @@ class Framework:
             return first
         if what == "value":
             return arguments[int(detail)] if int(detail) < len(arguments) else Unknown("it has no value")
+        if what == "pair" and len(arguments) == 1 and getattr(first, "parameter", None) is not None:
+            return first  # a copy of a parameter, which is its value
         if what == "pair":
             return Sequence(tuple(arguments[:2])) if arguments else Unknown("it has no value")
         if what == "duration":

@@ -178,9 +178,9 @@ class Machine:
         """Return the value that alternatives have together; `terms` are the conditions of each."""
         return join(*values)
 
-    def merge(self, sides: list[Written], terms: list[tuple[str, ...]]) -> None:  # noqa: ARG002 - the same
+    def merge(self, sides: list[Written], terms: list[tuple[str, ...]]) -> None:
         """Write the values of several sides, of which one runs; `terms` are the conditions of each."""
-        self._journal.merge(sides, object())
+        self._journal.merge(sides, object(), terms)
 
     def leave(self, value: Value, frame: Frame) -> None:
         """Add a value that a function returns."""

@@ -47,6 +47,7 @@ __all__ = [
     "plain",
     "terms_of",
     "truth",
+    "under",
 ]
 
 NULL: Final = Unknown("it is null")
@@ -93,6 +94,13 @@ def chosen(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:
 
 
 def _same(value: Value) -> Value:
+    return value
+
+
+def under(value: Value, terms: Iterable[str]) -> Value:
+    """Return a value where terms of guards hold: a parameter that they say is not empty has no empty default there."""
+    if isinstance(value, Text) and value.known == "" and value.parameter is not None and value.parameter in terms:
+        return Text.hole(f"the parameter {value.parameter} is empty by default", parameter=value.parameter)
     return value
 
 
@@ -204,7 +212,11 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
         constant = next((v for v in row if isinstance(v, Truth) and v.parameter is None), None)
         if sign in ("==", "!=") and constant is not None:
             return Guard((parameter if constant.value == (sign == "==") else f"!{parameter}",))
+        if sign in ("==", "!=") and any(isinstance(v, Text) and v.known == "" and v.parameter is None for v in row):
+            return Guard((f"!{parameter}" if sign == "==" else parameter,))
         return Unknown("it depends on a parameter", parameter)
+    if isinstance(left, Guard) and right == number(0) and sign in ("==", "!="):
+        return negate(left) if sign == "==" else left
     if sign in ("==", "!="):
         if right == NULL and (left == NULL or isinstance(left, _NOT_NULL)):
             holds = Truth(False) if left == NULL else truth(left) if isinstance(left, Object) else Truth(True)
@@ -269,7 +281,10 @@ def logical(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:
 
 
 def truth(value: Value) -> Truth | Guard | Unknown:
-    """Return a value as a condition: `Truth` if it is known, `Guard` if it depends on parameters, else `Unknown`."""
+    """Return a value as a condition: `Truth` if it is known, `Guard` if it depends on parameters, else `Unknown`.
+
+    A text is true if it is not empty.
+    """
     if isinstance(value, Either):
         found = {truth(item) for item in value.items if not isinstance(item, Object)}
         return next(iter(found)) if len(found) == 1 == len(value.items) else Unknown("it depends")
@@ -283,7 +298,7 @@ def truth(value: Value) -> Truth | Guard | Unknown:
         # A subscriber without a topic, for one, is an object and false.
         return Truth(True) if value.made and "empty" not in value.native else Unknown("it may be null")
     if isinstance(value, Text) and value.known is not None:
-        return Truth(value.known != "") if value.parameter is None else Unknown("it depends", value.parameter)
+        return Truth(value.known != "") if value.parameter is None else Guard((value.parameter,))
     if isinstance(value, (Sequence, Mapping)) and not value.open:
         return Truth(bool(value.items)) if value.parameter is None else Unknown("it depends", value.parameter)
     if isinstance(value, (Closure, Bound, TypeValue)):

@@ -179,7 +179,7 @@ def prefixed(prefix: Value, name: Value) -> Value:
 
 
 def _stated_type(default: Value | None) -> str | None:
-    """Return the type that `Parameter.Type.STRING` states in place of a default."""
+    """Return the type that `Parameter.Type.STRING` or `rclcpp::PARAMETER_STRING` states in place of a default."""
     names = default.kind.names if isinstance(default, TypeValue) else ()
     if names[-2:-1] != ("Type",):
         return None

@@ -7,7 +7,8 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, cast, final
 
 from kg.symbolic.form import Opaque
-from kg.symbolic.values import ABSENT, Pack, Unknown, Value
+from kg.symbolic.operators import under
+from kg.symbolic.values import ABSENT, Pack, Text, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -249,8 +250,11 @@ class Journal:
                 holder[name] = before
         return written, result
 
-    def merge(self, sides: list[Written], choice: object) -> None:
-        """Write the joined values of several sides, one of which runs; `choice` stands for which."""
+    def merge(self, sides: list[Written], choice: object, terms: list[tuple[str, ...]] | None = None) -> None:
+        """Write the joined values of several sides, one of which runs; `choice` stands for which.
+
+        `terms` are the guards of each side, which say more about the values that it has.
+        """
         keys: Written = {}
         for side in sides:
             keys |= side
@@ -258,5 +262,8 @@ class Journal:
             before = holder.get(name, _MISSING)
             values = [side[key][2] if key in side else before for side in sides]
             kept: list[Slot] = [UNSET if isinstance(value, _Missing) else value for value in values]
+            if terms is not None:
+                pairs = zip(kept, terms, strict=True)
+                kept = [under(value, held) if isinstance(value, Text) else value for value, held in pairs]
             plain: list[Value] = [value for value in kept if not isinstance(value, _SPECIAL)]
             self.write(holder, name, kept[0] if len(plain) != len(kept) else self._joined(plain, choice))

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ABSENT",
     "LENGTH",
+    "OUTSIDE",
     "PLACEHOLDER",
     "Bound",
     "Closure",
@@ -248,6 +249,8 @@ class Unknown:
     label: str | None = field(default=None, compare=False)
 
 
+OUTSIDE: Final = "is not in the sources that were read"
+"""How the reason of a name or a function ends that is not in the build."""
 LENGTH: Final = Unknown("a loop fills the list")
 """The length of a list that a loop fills as often as is not known; it can be any number."""
 
@@ -395,7 +398,7 @@ def labelled(result: Value, function: str, arguments: list[Value]) -> Value:
 
 def outside(function: str, arguments: list[Value], reason: str | None = None) -> Value:
     """Return the result of a function that no source defines; by default that is the reason why it is unknown."""
-    return labelled(Unknown(reason or f"{function}() is not in the sources that were read"), function, arguments)
+    return labelled(Unknown(reason or f"{function}() {OUTSIDE}"), function, arguments)
 
 
 def whole_parameter(value: Value) -> bool:

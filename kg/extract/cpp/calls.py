@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard
 
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
@@ -18,8 +18,10 @@ from kg.symbolic.values import (
     Closure,
     Either,
     Kind,
+    Mapping,
     Number,
     Object,
+    Sequence,
     Truth,
     TypeValue,
     Unknown,
@@ -176,7 +178,7 @@ class Calls:
         matching = [
             one
             for one in self._linker.find_functions(names, frame.unit, frame.scope)
-            if one.owner is None and fits(one, len(given.values))
+            if one.owner is None and not _constructs(one) and fits(one, len(given.values))
         ]
         if matching:
             return self._invoke([(one, {}) for one in matching], given)
@@ -203,7 +205,7 @@ class Calls:
         return outside(last, given.values)
 
     def _leave(self, given: Arguments, function: str) -> None:
-        """Pass arguments to code that is not run: it can call functions, and write numbers and pointers by address.
+        """Pass arguments to code that is not run: it can call functions, write by address, and fill empty containers.
 
         Texts keep the value that they have, as the default of an option usually is what counts.
         """
@@ -213,6 +215,8 @@ class Calls:
         for written, value in zip(given.written, given.values, strict=False):
             if isinstance(written, form.Unary) and written.sign == "&" and _is_plain(value):
                 put(self._language.machine, written, outside(function, []), given.frame)
+            elif isinstance(written, form.Name | form.Member) and _is_empty(value):
+                put(self._language.machine, written, replace(value, open=True), given.frame)
 
     # Methods
 
@@ -310,6 +314,15 @@ class Calls:
 
 def _is_plain(value: Value) -> bool:
     return isinstance(value, Truth | Number) or value == NULL
+
+
+def _is_empty(value: Value) -> TypeGuard[Sequence | Mapping]:
+    return isinstance(value, Sequence | Mapping) and not value.items and not value.open and value.parameter is None
+
+
+def _constructs(function: Function) -> bool:
+    """Return whether a function that is defined outside of a class is a constructor of it."""
+    return function.scope[-1:] == (function.name,) and function.returns is None
 
 
 def fits(function: Function, count: int) -> bool:

@@ -1,4 +1,4 @@
-"""Conditions of the preprocessor, as far as the version of ROS decides them.
+"""Conditions of the preprocessor, as far as the version of ROS and the macros of the file decide them.
 
 Packages for both versions of ROS name it in macros that no standard fixes: `ROS_VERSION`, `__ROS_VERSION` or
 `ROS_AVAILABLE` with a number, `ROS1`, `USE_ROS2` or `BUILDING_ROS1` defined or not.
@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import operator
 import re
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["holds"]
+__all__ = ["Macros", "holds"]
 
 _VERSION: Final = re.compile(rb"(?:\w*_)?ROS_?(?:VERSION|AVAILABLE|EDITION|VERSION_MAJOR)_*", re.IGNORECASE)
 _FLAG: Final = re.compile(
@@ -25,6 +26,8 @@ _TOKEN: Final = re.compile(rb"\w+|&&|\|\||[=!<>]=|[()!<>]|\S")
 _MOST_TOKENS: Final = 200
 """A longer condition is not read: its brackets could be deeper than Python can follow."""
 _MOST_DIGITS: Final = 18
+_MOST_MACROS: Final = 10
+"""So many macros in a row can stand for each other."""
 _COMPARISONS: Final[dict[bytes, Callable[[int, int], bool]]] = {
     b"==": operator.eq,
     b"!=": operator.ne,
@@ -35,16 +38,27 @@ _COMPARISONS: Final[dict[bytes, Callable[[int, int], bool]]] = {
 }
 
 
-def holds(directive: bytes, ros: int, defined: frozenset[bytes]) -> bool | None:
-    """Return whether the side after a directive is compiled in a package of ROS 1 or 2, if no side before it is.
+@dataclass(slots=True)
+class Macros:
+    """What is known of macros at a place of a file."""
+
+    ros: int
+    """The version of ROS."""
+    guards: frozenset[bytes] = frozenset()
+    """The macros that the file itself defines without a value, anywhere; their names say nothing about ROS."""
+    texts: dict[bytes, bytes | None] = field(default_factory=dict)
+    """What the file has certainly defined before the place; None for macros that it has certainly undefined."""
+
+
+def holds(directive: bytes, macros: Macros) -> bool | None:
+    """Return whether the side after a directive is compiled, if no side before it is.
 
     Args:
         directive: the line of `#if`, `#ifdef`, `#ifndef`, `#elif` or `#else`.
-        ros: the version of ROS.
-        defined: the macros that the file itself defines without a value, as guards; nothing is known of them.
+        macros: what is known of macros there.
 
     Returns:
-        None if something else than the version of ROS decides it.
+        None if something else decides it.
     """
     found = _DIRECTIVE.match(directive)
     if found is None:
@@ -55,7 +69,7 @@ def holds(directive: bytes, ros: int, defined: frozenset[bytes]) -> bool | None:
     tokens = _TOKEN.findall(condition)
     if len(tokens) > _MOST_TOKENS:
         return None
-    reading = _Reading(tokens, ros, defined)
+    reading = _Reading(tokens, macros)
     if kind in (b"ifdef", b"ifndef"):
         known = reading.is_defined(condition.strip())
         return known if kind == b"ifdef" or known is None else not known
@@ -65,10 +79,9 @@ def holds(directive: bytes, ros: int, defined: frozenset[bytes]) -> bool | None:
 class _Reading:
     """A condition that is read from left to right, in logic with an unknown truth (Kleene)."""
 
-    def __init__(self, tokens: list[bytes], ros: int, defined: frozenset[bytes]) -> None:
+    def __init__(self, tokens: list[bytes], macros: Macros) -> None:
         self._tokens = tokens
-        self._ros = ros
-        self._defined = defined
+        self._macros = macros
         self._at = 0
 
     def whole(self) -> bool | None:
@@ -78,10 +91,12 @@ class _Reading:
 
     def is_defined(self, name: bytes) -> bool | None:
         """Return whether a macro is defined."""
-        if name in self._defined:
+        if name in self._macros.texts:
+            return self._macros.texts[name] is not None
+        if name in self._macros.guards:
             return None
         if flag := _FLAG.fullmatch(name):
-            return int(flag[1]) == self._ros
+            return int(flag[1]) == self._macros.ros
         return True if _VERSION.fullmatch(name) else None
 
     def _next(self) -> bytes:
@@ -126,12 +141,17 @@ class _Reading:
 
     def _value(self, token: bytes) -> int | None:
         """Return the number that a word of a condition stands for."""
+        for _ in range(_MOST_MACROS):
+            text = self._macros.texts.get(token)
+            if text is None:
+                break
+            token = text.strip(b"( )")
         if token.isdigit():
             return int(token) if len(token) <= _MOST_DIGITS else None
         if token in (b"true", b"false"):
             return int(token == b"true")
-        if token in self._defined:
+        if token in self._macros.texts or token in self._macros.guards:
             return None
         if flag := _FLAG.fullmatch(token):
-            return int(int(flag[1]) == self._ros)
-        return self._ros if _VERSION.fullmatch(token) else None
+            return int(int(flag[1]) == self._macros.ros)
+        return self._macros.ros if _VERSION.fullmatch(token) else None

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["Kinds", "frame_of", "inside", "this_of"]
 
 _DEEPEST: Final = 12
+_ROSSERIAL: Final = "ros/msg.h"
+"""What the headers of messages include that rosserial generates, and no other header of messages."""
 _PLAIN: Final = library.NUMBERS | library.TEXTS | {"bool"}
 _POINTER_NAME: Final = re.compile(r"(?:Const)?(?:Shared|Unique|Weak)?Ptr$")
 """The end of names that macros, such as `MOVEIT_CLASS_FORWARD`, give to pointers to a class."""
@@ -141,7 +143,9 @@ class Kinds:
                 return self.kind(kind, inner, depth + 1)
         cls = self._linker.find_class(names, unit, scope)
         if cls is not None:
-            return Kind((*cls.scope, cls.name), arguments, cls)
+            # The classes of messages in headers that rosserial generated are as those that are generated elsewhere.
+            elsewhere = _ROSSERIAL in cast("CppUnit", cls.unit).includes
+            return Kind((*cls.scope, cls.name), arguments, None if elsewhere else cls)
         stem = _POINTER_NAME.sub("", names[-1])
         pointed = self._linker.find_class((*names[:-1], stem), unit, scope) if stem and stem != names[-1] else None
         if pointed is not None:

@@ -17,6 +17,7 @@ from kg.symbolic.containers import counted, element, elements, key_of, with_elem
 from kg.symbolic.kinds import pointee
 from kg.symbolic.state import Alias, Frame
 from kg.symbolic.values import (
+    OUTSIDE,
     PLACEHOLDER,
     Bound,
     Closure,
@@ -130,7 +131,9 @@ class Cpp:
         found = self.kinds.kind(form.Type(names, expression.template), frame)
         if isinstance(found, Kind) and (found.cls is not None or found.names != names):
             return TypeValue(found)
-        return Unknown(f"{'::'.join(names)} is not in the sources that were read")
+        if last == "npos":
+            return library.NPOS
+        return Unknown(f"{'::'.join(names)} {OUTSIDE}")
 
     def static_member(self, kind: Kind, name: str) -> Value | None:
         """Return a static member of a class by its name; None if the class has none of that name."""
@@ -317,7 +320,9 @@ class Cpp:
             return value
         if isinstance(value, Sequence):
             found = self.kind_of(kind, frame)
-            if found is not None and (found.cls is not None or found.name in library.MAPS):
+            if found is not None and (
+                found.cls is not None or found.name in library.MAPS or self.machine.framework.is_handle(found)
+            ):
                 return self.construct(found, list(value.items), frame, listed=True)
         elif isinstance(value, (Text, Number)) and not kind.reference and not kind.pointer:
             found = self.kind_of(kind, frame)

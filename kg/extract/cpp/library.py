@@ -15,6 +15,7 @@ from kg.symbolic import form
 from kg.symbolic.binding import put
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
+from kg.symbolic.operators import compute, negate
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
     LENGTH,
@@ -44,12 +45,15 @@ from kg.symbolic.values import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Expression, Type
     from kg.symbolic.state import Frame
 
 __all__ = [
     "MAPS",
+    "NPOS",
     "STREAMS",
     "TEXTS",
     "TYPES",
@@ -64,6 +68,14 @@ __all__ = [
 ]
 
 TEXTS: Final[frozenset[str]] = frozenset({"string", "basic_string", "string_view", "path", "String", "QString"})
+NPOS: Final = number(float(2**64 - 1))
+"""What a search in a text returns that finds nothing: `std::string::npos`."""
+_SEARCHES: Final[dict[str, Callable[[str, str], int]]] = {
+    "find": str.find,
+    "rfind": str.rfind,
+    "find_first_of": lambda text, letters: min((at for at, one in enumerate(text) if one in letters), default=-1),
+    "find_last_of": lambda text, letters: max((at for at, one in enumerate(text) if one in letters), default=-1),
+}
 _CUT: Final = "it is cut when the program runs"
 _LAST_SLASH: Final = Unknown("it is the place of the last slash")
 """The place of the last slash in the namespace of the node."""
@@ -399,7 +411,7 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
         return of
     if name == "value_or" and values:
         return of if not isinstance(of, Unknown) else values[0]
-    return None
+    return _of_text(of, name, values) if isinstance(of, Text) else None
 
 
 def _of_object(language: Cpp, of: Object, name: str, given: Arguments, written: Expression | None) -> Value | None:
@@ -516,11 +528,29 @@ def _empty(of: Value) -> Value:
         return Truth(not of.items)
     if isinstance(of, Text):
         if of.parameter is not None:
-            return Unknown("it depends on a parameter", of.parameter)
+            return Guard((f"!{of.parameter}",))
         if any(isinstance(part, str) and part for part in of.parts):
             return Truth(False)
         return Truth(True) if of.known == "" else Unknown("it is not known")
     return Unknown("it is not known")
+
+
+def _of_text(of: Text, name: str, values: list[Value]) -> Value | None:
+    """Return the result of a method that looks into a text; None for other methods, or if it is not known."""
+    if name == "compare" and len(values) == 1:
+        same = compute("==", (of, values[0]))
+        if isinstance(same, Guard):
+            return negate(same)
+        return number(float(not same.value)) if isinstance(same, Truth) else None
+    given = values[0].known if len(values) == 1 and isinstance(values[0], Text) and not values[0].parameter else None
+    if name not in _SEARCHES or given is None or of.parameter is not None:
+        return None
+    first = of.parts[0]
+    if of.known is None:
+        begins = isinstance(first, str) and first.startswith(given)
+        return number(0) if name == "find" and begins else None
+    found = _SEARCHES[name](of.known, given)
+    return NPOS if found < 0 else number(float(found))
 
 
 def _of_node(text: Text) -> bool:

@@ -90,6 +90,7 @@ class _Nodes:
         self._plugins_read: dict[PluginClass, list[Extracted]] = {}
         self._alone: dict[Class, Extracted] = {}
         """The components that declare everything while they are constructed without arguments."""
+        self._in_trees: set[tuple[str, Kind | None]] = set()
         self.build = build
 
     def read(self) -> list[Extracted]:
@@ -174,7 +175,7 @@ class _Nodes:
         arguments: list[Value] = [Unknown("it is the number of arguments", "argc"), COMMAND_LINE]
         machine.invoke(main, Frame(main.unit, ()), arguments[: len(main.parameters)])
         machine.drain()
-        return self._extracted(framework, node, None)
+        return [*self._extracted(framework, node, None), *self._of_trees(framework, self._files(target))]
 
     def _component(self, main: Function, language: Cpp, plugins: list[PluginClass]) -> Extracted | None:
         """Return the component that declares all that a program declares; None if there is none."""
@@ -261,9 +262,15 @@ class _Nodes:
             machine.stack.append(Site(function.unit, function.line))
             machine.invoke(function, frame, [])
             machine.stack.pop()
+        yield from self._of_trees(framework, files)
+
+    def _of_trees(self, framework: Framework, files: list[FilePath]) -> Iterator[Extracted]:
+        """Yield the nodes of behavior trees that a run registered, each once, and that have interfaces."""
         for one in framework.registered:
-            if isinstance(one.name, Text) and one.name.known:
-                yield from self._tree_node(one, one.name.known, files)
+            name = one.name.known if isinstance(one.name, Text) else None
+            if name and (name, one.kind) not in self._in_trees:
+                self._in_trees.add((name, one.kind))
+                yield from self._tree_node(one, name, files)
 
     def _tree_node(self, registered: Registered, name: str, files: list[FilePath]) -> list[Extracted]:
         """Return a node of behavior trees, created as its factory does."""

@@ -9,7 +9,7 @@ import re
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.cpp.conditions import holds
+from kg.extract.cpp.conditions import Macros, holds
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,8 +27,11 @@ _QT: Final = re.compile(
 _CONNECTED: Final = re.compile(rb"\b((?:SIGNAL|SLOT)\(\s*)(\w+\s*\([^()]*\))(?=\s*\))")
 """The signatures of signals and slots, which are no expressions."""
 _DIRECTIVE: Final = re.compile(
-    rb"^[ \t]*#[ \t]*(if|ifdef|ifndef|elif|else|endif)\b(?:[^\n\\]|\\\r?\n|\\.)*", re.MULTILINE
+    rb"^[ \t]*#[ \t]*(if|ifdef|ifndef|elif|else|endif|define|undef)\b(?:[^\n\\]|\\\r?\n|\\.)*", re.MULTILINE
 )
+_SET: Final = re.compile(rb"[ \t]*#[ \t]*\w+[ \t]+(\w+)(\(?)[ \t]*((?:[^\n/]|/(?![/*]))*)")
+"""A macro that is defined or undefined, whether it has parameters, and its text without comments."""
+_UNDEFINED: Final = re.compile(rb"[ \t]*#[ \t]*(?:ifndef[ \t]+|if[ \t]*![ \t]*defined[ \t]*\(?[ \t]*)(\w+)\b")
 _DEFINED: Final = re.compile(rb"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]*(?:/[/*].*)?\r?$", re.MULTILINE)
 """Macros without a value: guards of headers, which may look like flags for a version of ROS. Others are defaults."""
 _HAS_INCLUDE: Final = b"__has_include"
@@ -72,24 +75,71 @@ def _unless_directive(change: Callable[[re.Match[bytes]], bytes]) -> Callable[[r
     return changed
 
 
-def _without_branches(source: bytes, ros: int) -> bytes:
-    """Return a source without the sides of `#if` that are for the other ROS, or that split a block of code.
+class _Group:
+    """An `#if` with its directives so far."""
 
-    Of the sides that split a block the first is left that may be compiled. All sides of a test with `__has_include` are
-    left; the grammar does not know the test itself.
+    def __init__(self, first: re.Match[bytes], known: bool | None) -> None:  # noqa: FBT001 - a truth of three values
+        self.marks = [first]
+        self.known = [known]
+        """Whether each side is compiled if none before it is; None if that is unknown."""
+        self.guarded = False
+
+    def compiled(self) -> bool | None:
+        """Return whether the side that was begun last is compiled; None if that is unknown."""
+        if self.guarded:
+            return True
+        if True in self.known[:-1] or self.known[-1] is False:
+            return False
+        return None if None in self.known else True
+
+
+def _without_branches(source: bytes, ros: int) -> bytes:
+    """Return a source without the sides of `#if` that are not compiled, or that split a block of code.
+
+    Not compiled is what is for the other ROS, and what the macros exclude that the file defines. Of the sides that
+    split a block the first is left that may be compiled. All sides of a test with `__has_include` are left; the grammar
+    does not know the test itself.
     """
     found = bytearray(source)
-    defined = frozenset(_DEFINED.findall(source))
-    groups: list[list[re.Match[bytes]]] = []
+    macros = Macros(ros, frozenset(_DEFINED.findall(source)))
+    groups: list[_Group] = []
+    before: re.Match[bytes] | None = None
     for directive in _DIRECTIVE.finditer(source):
-        if directive[1].startswith(b"if"):
-            groups.append([directive])
+        kind = directive[1]
+        if kind in (b"define", b"undef"):
+            _set_macro(directive, before, groups, macros)
+        elif kind.startswith(b"if"):
+            groups.append(_Group(directive, holds(directive[0], macros)))
         elif groups:
-            groups[-1].append(directive)
-            if directive[1] == b"endif":
+            groups[-1].marks.append(directive)
+            if kind == b"endif":
                 group = groups.pop()
-                _keep_sides(found, group, [holds(one[0], ros, defined) for one in group[:-1]])
+                _keep_sides(found, group.marks, group.known)
+            else:
+                groups[-1].known.append(holds(directive[0], macros))
+                groups[-1].guarded = False
+        before = directive
     return bytes(found)
+
+
+def _set_macro(
+    directive: re.Match[bytes], before: re.Match[bytes] | None, groups: list[_Group], macros: Macros
+) -> None:
+    """Record what a `#define` or `#undef`, within groups and after another directive, says about a macro."""
+    found = _SET.match(directive[0])
+    if found is None:
+        return
+    name, text = found[1], None if directive[1] == b"undef" or found[2] else found[3].strip()
+    guard = _UNDEFINED.match(before[0]) if before is not None and text == b"" else None
+    if guard is not None and guard[1] == name and groups and len(groups[-1].marks) == 1:
+        groups[-1].guarded = True
+    compiled = [group.compiled() for group in groups]
+    if False in compiled:
+        return
+    if None in compiled or found[2]:
+        macros.texts.pop(name, None)
+    else:
+        macros.texts[name] = text
 
 
 def _keep_sides(source: bytearray, marks: list[re.Match[bytes]], known: list[bool | None]) -> None:

@@ -63,7 +63,7 @@ _ASSIGNED: Final = re.compile(
     r"|(?:\+\+|--)\s*(?:\w+(?:\.|->))*([A-Za-z_]\w*)"
 )
 _QUALIFIER: Final = re.compile(r"[A-Za-z_]\w*(?:\s*::\s*[A-Za-z_]\w*)*")
-"""A macro with such a text can stand in front of `::`, as another name of a namespace."""
+"""A macro with such a text can be another name of a type, or, in front of `::`, of a namespace."""
 _NAMESPACE_ALIAS: Final = re.compile(rb"\bnamespace\s+(\w+)\s*=\s*([\w:\s]+?)\s*;")
 _DECLARED: Final = re.compile(rb"\b(?:(?:class|struct)\s+|[A-Z_]+_FORWARD\s*\(\s*)(\w+)\s*[;)]")
 """Declarations of classes without their bodies, also by macros such as `MOVEIT_CLASS_FORWARD`."""
@@ -323,6 +323,7 @@ class CppUnit(Unit):
             self.macros[shown] = Macro(self, shown, parameters, text, line_of(node))
             if parameters is None and _QUALIFIER.fullmatch(text):
                 self._add_namespace(shown.encode(), text.encode(), ())
+                self._aliases[shown].append(((), Type(tuple(re.sub(r"\s", "", text).split("::"))), ()))
 
     def _using(self, node: Node, scope: _Scope) -> None:
         named = syntax.of_type(node, "identifier", "qualified_identifier", "namespace_identifier")

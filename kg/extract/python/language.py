@@ -16,8 +16,9 @@ from kg.extract.python.texts import percent
 from kg.symbolic import form
 from kg.symbolic.containers import counted, with_element
 from kg.symbolic.qos import PROFILES, RMW_PROFILE, policy, rmw_profile
-from kg.symbolic.state import Frame
+from kg.symbolic.state import Frame, Site
 from kg.symbolic.values import (
+    OUTSIDE,
     Bound,
     Closure,
     Kind,
@@ -121,6 +122,13 @@ class Python:
         return Frame(unit, (), variables=cast("Variables", module.fields))
 
     def _import(self, statement: form.Import, frame: Frame) -> Value:
+        self.machine.stack.append(Site(frame.unit, statement.line))
+        try:
+            return self._bring_in(statement, frame)
+        finally:
+            self.machine.stack.pop()
+
+    def _bring_in(self, statement: form.Import, frame: Frame) -> Value:
         unit = cast("PythonUnit", frame.unit)
         names = [name for name in statement.module.split(".") if name]
         if statement.name is None:
@@ -201,7 +209,7 @@ class Python:
                 return found
         if name in BUILTINS:
             return TypeValue(Kind(("builtins", name)))
-        return Unknown(f"{name} is not in the sources that were read")
+        return Unknown(f"{name} {OUTSIDE}")
 
     def assign_name(self, target: form.Name, value: Value, frame: Frame) -> None:
         """Set a variable that has no value yet: one of the module."""
@@ -379,8 +387,12 @@ class Python:
         return value
 
     def assigned(self, target: Expression, value: Value, written: Expression, frame: Frame) -> Value:
-        """Return the value, which variables hold as it is."""
-        del target, written, frame
+        """Return the value, which variables hold as it is; a module runs before its variables are set from outside."""
+        del written
+        if isinstance(target, form.Member) and isinstance(target.of, form.Name):
+            for module in alternatives(self.machine.value(target.of, frame)):
+                if isinstance(module, Object):
+                    self._run(module)
         return value
 
     # Operators

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import posixpath
 import re
 import tomllib
 from functools import cache, cached_property
@@ -23,6 +24,13 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Function
 
 __all__ = ["BUILTINS", "GENERATED", "Modules", "PythonUnit", "mentions_ros"]
+
+
+_SEARCHED: Final = re.compile(r"^[ \t]*sys\.path\.(?:append|insert)\((.*__file__.*)\)", re.MULTILINE)
+"""What is added to the search path in terms of the place of the file."""
+_PARTS: Final = re.compile(r"(['\"])(.*?)\1|\bpardir\b")
+_PARENT: Final = re.compile(r"\bdirname\(|\.parent\b")
+_UP: Final = ".."
 
 
 class PythonUnit(Unit):
@@ -50,6 +58,16 @@ class PythonUnit(Unit):
     def body(self) -> Block:
         """The statements of the module."""
         return self._statements.module(self.root)
+
+    @cached_property
+    def search_path(self) -> tuple[str, ...]:
+        """The folders that the module adds to the search path, from where its own file is."""
+        found = []
+        for added in _SEARCHED.findall(self.source.decode("utf-8", "replace")):
+            parts = [_UP if quoted is None else quoted for quoted in (one[2] or None for one in _PARTS.finditer(added))]
+            up = len(_PARENT.findall(added))
+            found.append(posixpath.normpath(posixpath.join(self.path, *[_UP] * up, *(p.lstrip("/") for p in parts))))
+        return tuple(found)
 
     @property
     def too_deep(self) -> int | None:
@@ -135,8 +153,18 @@ class Modules:
             dotted += "__init__"
         elif not self._follows(dotted):
             return None
-        file = self.reader.workspace.module(dotted, near=unit.key)
+        file = self.reader.workspace.module(dotted, near=unit.key) or self._on_path(dotted, unit)
         return self.unit(file) if file and file != unit.key else None
+
+    def _on_path(self, dotted: str, unit: PythonUnit) -> FilePath | None:
+        """Return the module in a folder that a file adds to the search path, relative to itself."""
+        for folder_ in unit.search_path if not dotted.startswith(".") else ():
+            stem = posixpath.join(folder_, *dotted.split("."))
+            for path in (f"{stem}.py", f"{stem}/__init__.py"):
+                file = unit.key._replace(path=posixpath.normpath(path))
+                if not file.path.startswith("..") and self.reader.workspace.is_file(file):
+                    return file
+        return None
 
     def may_start(self, unit: PythonUnit) -> bool:
         """Check whether a program can start a node: one of its modules, directly or not, names what starts one."""

@@ -212,8 +212,16 @@ def _may_be(switch: str, node: NodeType, settings: Settings, place: Place) -> bo
     name, wanted = switch.removeprefix("!"), not switch.startswith("!")
     setting = settings.get(name, place)
     if setting is not None:
-        value = parsed(setting.value)
+        truth = _truth(setting.value)
     else:
-        defaults = {parsed(one.default) for one in node.parameters if one.name == name and one.default is not None}
-        value = defaults.pop() if len(defaults) == 1 else None
-    return value is wanted or not isinstance(value, bool)
+        defaults = {_truth(one.default) for one in node.parameters if one.name == name and one.default is not None}
+        truth = defaults.pop() if len(defaults) == 1 else None
+    return truth is wanted or truth is None
+
+
+def _truth(value: str | None) -> bool | None:
+    """Return a truth value, or whether a text is not empty; None for what is unknown or neither."""
+    found = "" if value is not None and not value.strip() else parsed(value)
+    if isinstance(found, str):
+        return None if "{" in found else found != ""
+    return found if isinstance(found, bool) else None

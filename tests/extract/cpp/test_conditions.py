@@ -6,9 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.extract.cpp.conditions import holds
+from kg.extract.cpp.conditions import Macros, holds
 
-NONE: frozenset[bytes] = frozenset()
 ATOMS = {
     "ROS_VERSION == 2": (False, True),
     "defined(USE_ROS1)": (True, False),
@@ -41,13 +40,32 @@ def test_conditions_about_the_version_are_decided(
     directive: str, *, in_ros1: bool | None, in_ros2: bool | None
 ) -> None:
     """A condition holds, does not, or depends on something else."""
-    assert holds(directive.encode(), 1, NONE) is in_ros1
-    assert holds(directive.encode(), 2, NONE) is in_ros2
+    assert holds(directive.encode(), Macros(1)) is in_ros1
+    assert holds(directive.encode(), Macros(2)) is in_ros2
 
 
 def test_what_the_file_defines_is_left_alone() -> None:
     """A guard of a header looks like a flag for a version, and is defined in the file."""
-    assert holds(b"#ifndef FILTER_ROS2", 2, frozenset({b"FILTER_ROS2"})) is None
+    assert holds(b"#ifndef FILTER_ROS2", Macros(2, frozenset({b"FILTER_ROS2"}))) is None
+
+
+@pytest.mark.parametrize(
+    ("directive", "truth"),
+    [
+        ("#if PARENT == PLAIN", True),
+        ("#elif PARENT == MANAGED", False),
+        ("#ifdef PARENT", True),
+        ("#if defined(GONE)", False),
+        ("#if BRACKETS", True),
+        ("#if EMPTY", None),
+        ("#ifdef EMPTY", True),
+        ("#if LOOP", None),
+    ],
+)
+def test_macros_of_the_file_decide_conditions(directive: str, *, truth: bool | None) -> None:
+    """A macro stands for a number, for another macro, for nothing, or is undefined."""
+    texts = {b"PLAIN": b"1", b"MANAGED": b"2", b"PARENT": b"PLAIN", b"GONE": None, b"BRACKETS": b"(1)", b"EMPTY": b""}
+    assert holds(directive.encode(), Macros(2, texts=texts | {b"LOOP": b"LOOP"})) is truth
 
 
 def _truth(condition: object, ros: int) -> bool | None:
@@ -83,16 +101,16 @@ CONDITIONS = st.recursive(
 @given(CONDITIONS, st.sampled_from([1, 2]))
 def test_logic_is_that_of_kleene(condition: object, ros: int) -> None:
     """Conditions in brackets are as true as their parts make them."""
-    assert holds(f"#if {_written(condition)}".encode(), ros, NONE) is _truth(condition, ros)
+    assert holds(f"#if {_written(condition)}".encode(), Macros(ros)) is _truth(condition, ros)
 
 
 @given(st.binary(max_size=40))
 def test_no_condition_raises_an_error(text: bytes) -> None:
     """Whatever follows `#if` is true, false or unknown."""
-    assert holds(b"#if " + text, 1, NONE) in {True, False, None}
+    assert holds(b"#if " + text, Macros(1)) in {True, False, None}
 
 
 @pytest.mark.parametrize("condition", ["(" * 50_000, "!" * 50_000 + "1", "9" * 5_000])
 def test_nothing_is_known_of_conditions_without_end(condition: str) -> None:
     """Brackets, signs and digits in any number end no reading."""
-    assert holds(f"#if {condition}".encode(), 2, NONE) is None
+    assert holds(f"#if {condition}".encode(), Macros(2)) is None

@@ -50,3 +50,21 @@ def test_directives_stay() -> None:
     """A macro that is defined is left as it is."""
     source = b'#define A_PUBLIC __attribute__((visibility("default")))\n#define A_LOCAL int\n'
     assert prepared(source, 2) == source
+
+
+@pytest.mark.parametrize(
+    ("source", "compiled"),
+    [
+        ("#define A 1\n#if A\nleft;\n#else\nright;\n#endif\n", "left"),
+        ("#ifndef A_H\n#define A_H\n#define A 0\n#if A\nleft;\n#else\nright;\n#endif\n#endif\n", "right"),
+        ("#ifndef A\n#define A 1\n#endif\n#if A\nleft;\n#else\nright;\n#endif\n", "left right"),
+        ("#define A 1\n#ifdef B\n#undef A\n#endif\n#if A\nleft;\n#else\nright;\n#endif\n", "left right"),
+        ("#define A 1\n#if 0\n#define A 0\n#endif\n#if A\nleft;\n#else\nright;\n#endif\n", "left"),
+        ("#if A\nleft;\n#else\nright;\n#endif\n#define A 1\n", "left right"),
+    ],
+    ids=["defined", "behind a guard", "default", "perhaps undefined", "not compiled", "defined later"],
+)
+def test_macros_that_a_file_defines_select_sides(source: str, compiled: str) -> None:
+    """A side is left out if a macro that was certainly defined before excludes it."""
+    found = prepared(source.encode(), 2).decode()
+    assert " ".join(word for word in ("left", "right") if word in found) == compiled

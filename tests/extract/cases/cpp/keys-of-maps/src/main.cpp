@@ -21,5 +21,9 @@ int main(int argc, char** argv)
   {
     ros::Publisher said = nh.advertise<std_msgs::String>(one.first + "/said", 1);
   }
+  std::map<rs2_stream, std::string> names;
+  names[RS2_STREAM_DEPTH] = "depth";
+  names[RS2_STREAM_COLOR] = "color";
+  ros::Publisher depth = nh.advertise<std_msgs::Bool>(names[RS2_STREAM_DEPTH] + "/ready", 1);
   ros::spin();
 }

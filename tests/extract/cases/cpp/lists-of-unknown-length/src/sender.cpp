@@ -46,5 +46,10 @@ int main(int argc, char** argv)
     ros::Publisher never = nh.advertise<std_msgs::String>("never", 1);
   }
   ros::Publisher second = nh.advertise<std_msgs::String>(known[1], 1);
+  std::vector<std::string> cameras;
+  assertions::getParam(nh, "cameras", cameras);
+  for (const auto & camera : cameras) {
+    ros::Publisher image = nh.advertise<std_msgs::String>(camera + "/image", 1);
+  }
   ros::spin();
 }

@@ -22,6 +22,8 @@ public:
     pub_ = create_publisher<std_msgs::msg::String>(topic, 1);
     framed_ = create_publisher<std_msgs::msg::String>(frame_ + "/state", 1);
     set_parameter(rclcpp::Parameter("rate", 5.0));
+    declare_parameter("host", rclcpp::ParameterType::PARAMETER_STRING);
+    declare_parameter("ports", rclcpp::PARAMETER_INTEGER_ARRAY);
   }
 
 private:
