@@ -10,9 +10,10 @@ which nothing is inferred. Printed are precision, recall and F1 of each class, a
 * macro-F1: the mean of F1 over the classes that some label has. A class that is inferred and that no label has lowers
   micro-F1 and is shown, but has no recall, so it is not part of the mean.
 
-Kinds of hardware are compared in the vocabulary of the labels (benchmarks/labels/README.md): an inferred kind that is
-not in it counts as the nearest broader one that is (`underwaterSonar` as `rangeSensor`), and as none where there is no
-such (`sensor`). Of the inferred kinds of a node only the most specific ones count: no `camera` beside `depthCamera`.
+Kinds of hardware are compared in the vocabulary of the labels (benchmarks/labels/README.md). Labels from number 600 on
+name the most specific kind of all that there are. Those before chose from a list: an inferred kind that is not in it
+counts as the nearest broader one that is (`underwaterSonar` as `rangeSensor`), and as none where there is no such
+(`sensor`). Of the inferred kinds of a node only the most specific ones count: no `camera` beside `depthCamera`.
 A label is met by itself alone, neither by a broader nor by a narrower kind.
 """
 
@@ -61,7 +62,9 @@ LABELLED = frozenset(
         *("radio", "joystick", "spaceMouse", "keyboard", "power", "computer"),
     }
 )
-"""The kinds of hardware that labellers chose from."""
+"""The kinds of hardware that labellers of the nodes before number `SPECIFIC` chose from."""
+SPECIFIC = 600
+"""The number from which on labels name the most specific kind."""
 
 Key = tuple[str, str, str]
 
@@ -119,10 +122,13 @@ class Taxonomy:
             found.append(kind)
         return found
 
-    def compared(self, kinds: set[str]) -> set[str]:
-        """Return inferred kinds in the vocabulary of the labels, the most specific ones only."""
+    def compared(self, kinds: set[str], *, specific: bool) -> set[str]:
+        """Return inferred kinds in the vocabulary of the labels, the most specific ones only.
+
+        `specific` labels are of all kinds, others of those in `LABELLED`.
+        """
         nearest = (next((each for each in (kind, *self.above(kind)) if each in LABELLED), None) for kind in kinds)
-        known = {kind for kind in nearest if kind is not None}
+        known = set(kinds) if specific else {kind for kind in nearest if kind is not None}
         return known - {general for kind in known for general in self.above(kind)}
 
 
@@ -144,7 +150,8 @@ def main() -> None:
         key = (label["repository"], label["package"], label["node"])
         functions, kinds = inferred.get(key, (set(), set()))
         absent += key not in inferred
-        for name, found in (("functions", functions), ("hardware", taxonomy.compared(kinds))):
+        devices = taxonomy.compared(kinds, specific=label["number"] >= SPECIFIC)
+        for name, found in (("functions", functions), ("hardware", devices)):
             counts[name].add(found, set(label[name]))
             if options.misses and found != set(label[name]):
                 print(f"{'/'.join(key[1:])}: {name}: missing {sorted(set(label[name]) - found)}", end=" ")

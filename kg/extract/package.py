@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 from kg.errors import guarded
 from kg.extract import cpp, definitions, implicit, manifests, parameters, python, texts
 from kg.extract.buildmodel import BuildModel, TargetKind
+from kg.extract.imports import add_imports
 from kg.facts import Interface, Location, NodeKind, Package, PackageFacts, Parameter, Role, SourceFile
 from kg.holes import is_partial
 from kg.names import resolve
@@ -256,7 +257,8 @@ def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: tup
     whole = merge(read)
     complete = guard(reader, parameters.attach, whole, reader, package, build, whole)
     found = settled(guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
-    return tuple(replace(node, aliases=_aliases(node, build)) for node in found)
+    named = tuple(replace(node, aliases=_aliases(node, build)) for node in found)
+    return guard(reader, add_imports, named, reader, package, named)
 
 
 def _aliases(node: NodeType, build: BuildModel) -> tuple[str, ...]:

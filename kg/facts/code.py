@@ -18,6 +18,7 @@ __all__ = [
     "Dependency",
     "Field",
     "FileKind",
+    "Import",
     "Interface",
     "InterfaceDefinition",
     "NodeKind",
@@ -217,6 +218,17 @@ class Bound:
 
 
 @dataclass(frozen=True, slots=True)
+class Import:
+    """A module or header from outside of its package that a node imports, at the first place that does.
+
+    `name` is written as in the code: `RPi.GPIO`, `serial/serial.h`.
+    """
+
+    name: str
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
 class PluginDefault:
     """A plugin that a node loads if its parameters are not set: its `class_name`, and the name that it gets, if any."""
 
@@ -265,6 +277,8 @@ class NodeType:
     parameters: tuple[Parameter, ...] = ()
     bounds: tuple[Bound, ...] = ()
     slots: tuple[PluginSlot, ...] = ()
+    imports: tuple[Import, ...] = ()
+    """What its sources take from outside of the package, by name; not the C++ standard library."""
     exported: Location | None = None
     """For plugins, nodelets and components: what registers the class, in a plugin description, CMake or C++."""
 

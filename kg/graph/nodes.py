@@ -48,6 +48,7 @@ def node(scope: Scope, package: str, fact: NodeType) -> Stated:
         writer.text(subject, v.EXPORTED_AT, chain_text((fact.exported,)))
     for bound in fact.bounds:
         writer.text(subject, v.BOUND, f"{bound.limit} {chain_text((bound.location,))}")
+    _imports(scope, subject, fact)
     scope.evidence(subject, fact.location)
     _executable(scope, subject, fact)
     for path in fact.sources:
@@ -65,6 +66,25 @@ def node(scope: Scope, package: str, fact: NodeType) -> Stated:
         tuple(part for _, part in ends),
         tuple(part for _, part in settable),
     )
+
+
+def _imports(scope: Scope, subject: str, fact: NodeType) -> None:
+    """Write what a node imports, with the modules and folders that hold it, and each name with its place."""
+    holders: dict[str, None] = {}
+    for each in fact.imports:
+        holders.update(dict.fromkeys(_holders(each.name)))
+        scope.writer.text(subject, v.IMPORTED_AT, f"{each.name} {chain_text((each.location,))}")
+    for name in holders:
+        scope.writer.text(subject, v.IMPORTS, name)
+
+
+def _holders(name: str) -> list[str]:
+    """Return a name and what holds it: `RPi` for `RPi.GPIO`, `pcl` for `pcl/point_types.h`."""
+    mark = "/" if "/" in name else "."
+    if mark == "." and name.endswith((".h", ".hpp", ".hh")):
+        return [name]
+    parts = name.split(mark)
+    return [mark.join(parts[:count]) for count in range(1, len(parts) + 1)]
 
 
 def _executable(scope: Scope, subject: str, fact: NodeType) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 
 from pyoxigraph import NamedNode
 
-from kg.facts import Bound, DataFile, Interface, Location, NodeReference, NodeType, Parameter, Qos
+from kg.facts import Bound, DataFile, Import, Interface, Location, NodeReference, NodeType, Parameter, Qos
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.fields import INTERFACE, NODE, PARAMETER, QOS, Properties, one
@@ -50,7 +50,7 @@ _Settable: TypeAlias = "list[tuple[Parameter, str]]"
 _ROLES: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
 _ANY: Final = "?node a rnkg:NodeType ."
 _PLACE: Final = (v.PATH, v.LINE, v.IN_REPOSITORY)
-_OF_NODES: Final = (*NODE.terms, *_PLACE, v.BOUND, v.EXPORTED_AT)
+_OF_NODES: Final = (*NODE.terms, *_PLACE, v.BOUND, v.EXPORTED_AT, v.IMPORTED_AT)
 """The properties of node types that facts have."""
 _TYPE_OF: Final = tuple(dict.fromkeys(shape.has_type for shape in SHAPES.values()))
 """The properties that hold the type of an end."""
@@ -372,6 +372,7 @@ def _node(
         interfaces=tuple(sorted(parts[0], key=order)),
         parameters=tuple(sorted(parts[1], key=order)),
         bounds=tuple(map(_bound, sorted(properties.get(v.bare(v.BOUND), ())))),
+        imports=tuple(sorted(map(_import, properties.get(v.bare(v.IMPORTED_AT), ())), key=lambda one: one.name)),
         exported=next(iter(chain_of(one(properties, v.EXPORTED_AT))), None),
         **NODE.read(properties),
     )
@@ -380,6 +381,11 @@ def _node(
 def _bound(text: str) -> Bound:
     limit, _, place = text.partition(" ")
     return Bound(limit, *chain_of(place))
+
+
+def _import(text: str) -> Import:
+    name, _, place = text.partition(" ")
+    return Import(name, *chain_of(place))
 
 
 def _interface(role: Role, properties: Properties, types: Mapping[str, str], qualities: Mapping[str, Qos]) -> Interface:

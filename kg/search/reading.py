@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 __all__ = ["Concept", "Content", "read"]
 
 _NODES: Final = (
-    "?s ?p ?o { ?s a rnkg:NodeType ; ?p ?o FILTER(?p NOT IN (ros:hasComponent, rnkg:hasParameter, rnkg:hasSource)) }"
+    "?s ?p ?o { ?s a rnkg:NodeType ; ?p ?o "
+    "FILTER(?p NOT IN (ros:hasComponent, rnkg:hasParameter, rnkg:hasSource, rnkg:imports, rnkg:importedAt)) }"
 )
 _PACKAGES: Final = (
     "?s ?p ?o { ?s a rnkg:Package ; ?p ?o "

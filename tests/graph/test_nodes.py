@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from graph.samples import IRIS, MAIN, REPOSITORY, ROVER, loaded, rows, sample, true
 
-from kg.facts import Location, NodeKind, NodeType, Package, PackageFacts
+from kg.facts import Import, Location, NodeKind, NodeType, Package, PackageFacts
 from kg.graph.sources import source_triples
 
 
@@ -45,3 +45,14 @@ def test_two_nodes_of_one_name_stay_two() -> None:
     store = loaded(source_triples(REPOSITORY, [facts], IRIS))
     query = 'SELECT ?n (COUNT(?k) AS ?kinds) { ?n a rnkg:NodeType ; rnkg:name "n" ; rnkg:kind ?k } GROUP BY ?n'
     assert [row[1] for row in rows(store, query)] == ["1", "1"]
+
+
+def test_an_import_is_there_with_what_holds_it() -> None:
+    """A rule can ask for a library as a whole, and for one of its modules; the place is kept for each name."""
+    imported = (Import("RPi.GPIO", Location("a.py", 2)), Import("pcl/io/pcd.h", MAIN), Import("termios.h", MAIN))
+    node = NodeType("n", NodeKind.SCRIPT, "python", 1, Location("a.py", 1), imports=imported)
+    facts = PackageFacts(ROVER, Package("p", "p", 1, Location("p/package.xml", 1)), (node,))
+    store = loaded(source_triples(REPOSITORY, [facts], IRIS))
+    names = [row[0] for row in rows(store, "SELECT ?i { ?n rnkg:imports ?i } ORDER BY ?i")]
+    assert names == ["RPi", "RPi.GPIO", "pcl", "pcl/io", "pcl/io/pcd.h", "termios.h"]
+    assert true(store, '?n rnkg:importedAt "RPi.GPIO a.py:2"')

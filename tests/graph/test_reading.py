@@ -11,6 +11,7 @@ from pyoxigraph import RdfFormat, Store
 from kg.facts import (
     Access,
     Bound,
+    Import,
     Interface,
     Location,
     NodeKind,
@@ -77,6 +78,7 @@ ROVER: Final = NodeType(
         ),
     ),
     exported=Location("plugins.xml", 3),
+    imports=(Import("RPi.GPIO", HERE), Import("serial/serial.h", Location("include/base.hpp", 2))),
     bounds=(Bound("depth", HERE), Bound("steps", Location("include/base.hpp", 8, "github.com/other/base"))),
 )
 
