@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from pyoxigraph import BlankNode, NamedNode, Triple
 
 from kg.rules.form import (
-    AUXILIARY,
     Aggregate,
     Assignment,
     Atom,
@@ -23,6 +22,7 @@ from kg.rules.form import (
     Filter,
     TripleTerm,
     Variable,
+    is_auxiliary,
     variables_of,
 )
 
@@ -113,7 +113,7 @@ def depends(reader: Atom, head: Atom) -> bool:
 
     A predicate that decomposition introduced is not a triple of the data: a variable predicate does not match it.
     """
-    if isinstance(reader.predicate, Variable) and _auxiliary(head.predicate):
+    if isinstance(reader.predicate, Variable) and is_auxiliary(head.predicate):
         return False
     pairs = list(zip(reader.positions, head.positions, strict=True))
     # A name distinguishes most, which needs no renaming.
@@ -130,10 +130,6 @@ def _plain(atom: Atom) -> bool:
     variables = [one.name for one in atom.positions if isinstance(one, Variable)]
     named = sum(isinstance(one, NamedNode) for one in atom.positions)
     return len(set(variables)) + named == len(atom.positions)
-
-
-def _auxiliary(predicate: Pattern) -> bool:
-    return isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)
 
 
 def _apart(pattern: Pattern) -> _Node:
@@ -209,8 +205,7 @@ def _makes(pattern: Pattern) -> bool:
 
 def _open(pattern: TripleTerm) -> bool:
     """Whether a triple term of a head has anything in it that differs from solution to solution."""
-    parts = (pattern.subject, pattern.predicate, pattern.object)
-    return any(True for _ in variables_of(pattern)) or any(_makes(part) for part in parts)
+    return any(True for _ in variables_of(pattern)) or any(map(_makes, pattern))
 
 
 def volatile(rule: Rule) -> bool:

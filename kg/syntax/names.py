@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["PREFIXES", "WELL_KNOWN", "is_absolute", "resolve", "shorten"]
+__all__ = ["PREFIXES", "WELL_KNOWN", "is_absolute", "prefixed", "resolve", "shorten"]
 
 PREFIXES: Final = MappingProxyType(
     {
@@ -50,16 +50,27 @@ WELL_KNOWN: Final = MappingProxyType(
 )
 """Prefixes that a text must declare, with the namespace that they usually stand for."""
 
+_LOCAL: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 _PARTS: Final = re.compile(r"(?:([^:/?#]+):)?(?://([^/?#]*))?([^?#]*)(?:\?([^#]*))?(?:#(.*))?", re.DOTALL)
 
 
 def shorten(iri: str, prefixes: Mapping[str, str] = PREFIXES) -> str:
-    """Return `iri` as a prefixed name if one of the prefixes fits and its rest needs no escape, else in brackets."""
-    for prefix, namespace in prefixes.items():
-        local = iri.removeprefix(namespace)
-        if local != iri and local.replace("_", "").replace("-", "").isalnum() and local.isascii():
-            return f"{prefix}:{local}"
-    return f"<{iri}>"
+    """Return `iri` as a prefixed name if one of the prefixes fits (see `prefixed`), else in brackets."""
+    found = prefixed(iri, prefixes)
+    return ":".join(found) if found else f"<{iri}>"
+
+
+def prefixed(iri: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, str] | None:
+    """Return prefix and local name of an IRI, None where no prefix fits without an escape.
+
+    Of several the one with the longest namespace is taken, the empty prefix only where it has no equal.
+    """
+    fitting = (
+        (prefix, iri[len(namespace) :])
+        for prefix, namespace in prefixes.items()
+        if iri.startswith(namespace) and _LOCAL.fullmatch(iri, len(namespace))
+    )
+    return min(fitting, key=lambda one: (len(one[1]), one[0] == ""), default=None)
 
 
 def is_absolute(iri: str) -> bool:

@@ -15,10 +15,9 @@ from kg.rules.authoring.spelling import spell_triple
 from kg.rules.authoring.testing import run_example
 from kg.rules.dependencies import depends, reads
 from kg.rules.engine.heads import made_node
-from kg.rules.explain.closures import is_auxiliary
 from kg.rules.explain.derivations import bound_by, derivation_of
 from kg.rules.explain.unify import instance
-from kg.rules.form import Exists
+from kg.rules.form import Exists, is_auxiliary
 from kg.rules.scope import bound_in, mentions
 from kg.syntax.names import PREFIXES
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kg.rules.authoring.elements import element_place, spell_element, spell_head
+from kg.rules.authoring.elements import spell_element, spell_head
 from kg.rules.authoring.firing import fire, holds
+from kg.rules.form import place_of
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ def _gaps(firing: Firing, tried: Try, bench: Workbench, prefixes: Mapping[str, s
     first = len(rule.body) if any(len(head) for head in firing.heads) else _stop(rule, tried, bench)
     for number, element in enumerate(rule.body[first:]):
         kind = "behind" if number else "element"
-        yield Gap(kind, spell_element(element, prefixes), element_place(element, rule), rule.part)
+        yield Gap(kind, spell_element(element, prefixes), place_of(element) or rule.place, rule.part)
     for head, facts in zip(rule.head, firing.heads, strict=True):
         if not len(facts):
             yield Gap("head", spell_head(head, prefixes), head.place or rule.place, rule.part)

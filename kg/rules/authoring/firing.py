@@ -6,15 +6,13 @@ import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from pyoxigraph import NamedNode
-
 from kg.rules.engine.blocks import Blocks
 from kg.rules.engine.expressions import Expressions
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver, View, Workshop
-from kg.rules.form import AUXILIARY
+from kg.rules.form import is_auxiliary
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -71,11 +69,7 @@ class _Bench:
 
     def __init__(self, rules: Iterable[Rule], dictionary: Dictionary, limits: Limits | None) -> None:
         predicates = {atom.predicate for rule in rules for atom in rule.head}
-        hidden = frozenset(
-            dictionary.intern_term(predicate)
-            for predicate in predicates
-            if isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)
-        )
+        hidden = frozenset(dictionary.intern_term(predicate) for predicate in predicates if is_auxiliary(predicate))
         clock = Clock(limits or Limits())
         self.shop = Workshop(dictionary, Expressions(dictionary), Blocks(dictionary), clock, hidden)
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from kg.errors import RuleError
 from kg.rules.authoring.examples import read_examples
-from kg.rules.authoring.graph import RuleGraph, is_inner, rule_graph, spell_atom
+from kg.rules.authoring.graph import RuleGraph, rule_graph, spell_atom
 from kg.rules.dependencies import reads, writes
 from kg.rules.files import HEADINGS, NOTATIONS
-from kg.rules.form import atoms_of
+from kg.rules.form import atoms_of, is_auxiliary
 from kg.rules.header import parse_header
 from kg.syntax.names import PREFIXES
 
@@ -94,7 +94,7 @@ def _atoms(file: RuleFile) -> Iterator[tuple[Atom, bool]]:
 
 
 def _spelt(atoms: Iterable[Atom], prefixes: Mapping[str, str]) -> tuple[str, ...]:
-    return tuple(sorted({spell_atom(atom, prefixes) for atom in atoms if not is_inner(atom)}))
+    return tuple(sorted({spell_atom(atom, prefixes) for atom in atoms if not is_auxiliary(atom.predicate)}))
 
 
 def _graph(library: Library, schema: Iterable[Triple]) -> tuple[RuleGraph, RuleError | None]:

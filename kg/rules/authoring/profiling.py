@@ -6,8 +6,9 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kg.rules.authoring.elements import element_place, spell_element
+from kg.rules.authoring.elements import spell_element
 from kg.rules.authoring.firing import fire
+from kg.rules.form import place_of
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ def _elements(file: RuleFile, tried: Try, bench: Workbench, detailed: Sequence[s
     found: list[ElementProfile] = []
     for firing in fire(file.rules, bench.dictionary, tried.asserted, tried.known):
         for number, element in enumerate(firing.rule.body):
-            text, place = spell_element(element, prefixes), element_place(element, firing.rule)
+            text, place = spell_element(element, prefixes), place_of(element) or firing.rule.place
             found.append(_element(text, place, firing.rule.part, firing.passages.get(number)))
     return tuple(found)
 

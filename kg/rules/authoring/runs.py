@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from kg.rules.authoring.graph import is_inner
+from kg.rules.form import is_auxiliary
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -35,7 +35,7 @@ def rule_runs(reports: Iterable[RuleReport]) -> list[RuleRun]:
     for report in reports:
         name = report.rule.name
         before = found.pop(name, RuleRun(name, 0, 0, 0, 0.0))
-        derived = 0 if all(map(is_inner, report.rule.head)) else report.derived
+        derived = 0 if all(is_auxiliary(atom.predicate) for atom in report.rule.head) else report.derived
         found[name] = RuleRun(
             name,
             max(before.stratum, report.stratum),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from pyoxigraph import Literal, NamedNode, Triple
 
-from kg.syntax.names import PREFIXES
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -27,12 +27,12 @@ def common_prefixes(files: Iterable[RuleFile]) -> dict[str, str]:
 
 
 def spell_term(term: Term, prefixes: Mapping[str, str] = PREFIXES) -> str:
-    """Return a term as Turtle spells it with these prefixes; the empty prefix is used where no other fits."""
+    """Return a term as Turtle spells it with these prefixes."""
     if isinstance(term, NamedNode):
-        return _name(term.value, prefixes)
+        return shorten(term.value, prefixes)
     if isinstance(term, Literal) and '"^^<' in str(term):
         quoted, _, _ = str(term).rpartition("^^")
-        return f"{quoted}^^{_name(term.datatype.value, prefixes)}"
+        return f"{quoted}^^{shorten(term.datatype.value, prefixes)}"
     if isinstance(term, Triple):
         return f"<<( {spell_triple(term, prefixes)} )>>"
     return str(term)
@@ -40,12 +40,4 @@ def spell_term(term: Term, prefixes: Mapping[str, str] = PREFIXES) -> str:
 
 def spell_triple(triple: Triple, prefixes: Mapping[str, str] = PREFIXES) -> str:
     """Return a triple as Turtle spells it, without the full stop."""
-    return " ".join(spell_term(term, prefixes) for term in (triple.subject, triple.predicate, triple.object))
-
-
-def _name(iri: str, prefixes: Mapping[str, str]) -> str:
-    for prefix in sorted(prefixes, key=lambda one: (one == "", -len(prefixes[one]), one)):
-        local = iri.removeprefix(prefixes[prefix])
-        if local != iri and local.replace("_", "").replace("-", "").isalnum() and local.isascii():
-            return f"{prefix}:{local}"
-    return f"<{iri}>"
+    return " ".join(spell_term(term, prefixes) for term in triple)

@@ -30,12 +30,12 @@ from kg.rules.blocks.tree import (
     Thing,
     Truth,
 )
-from kg.rules.blocks.write import SECTIONS, inferred, name_of, namespace
+from kg.rules.blocks.write import SECTIONS, inferred, namespace
 from kg.rules.form import Variable
 from kg.rules.header import parse_header
 from kg.syntax import tree
 from kg.syntax.lexer import Kind, normalise, tokens_of
-from kg.syntax.names import PREFIXES
+from kg.syntax.names import PREFIXES, shorten
 from kg.syntax.parser import parse_rq
 from kg.syntax.printer import renamed
 
@@ -148,14 +148,14 @@ class _Reader:
     def _fact(self, node: tree.TriplePattern) -> Fact | Is:
         subject = self._term(node.subject)
         if node.predicate == _TYPE and isinstance(node.object, NamedNode):
-            return Is(subject=subject, kind=name_of(node.object, self._prefixes))
+            return Is(subject=subject, kind=shorten(node.object.value, self._prefixes))
         return Fact(subject=subject, property=self._path_of(node.predicate), object=self._term(node.object))
 
     def _path_of(self, path: tree.Path) -> str:
         if isinstance(path, Variable):
             return f"?{self._name(path)}"
         if isinstance(path, NamedNode):
-            return name_of(path, self._prefixes)
+            return shorten(path.value, self._prefixes)
         if isinstance(path, tree.Inverse):
             return f"^{self._inner(path.path)}"
         if isinstance(path, tree.Sequence):
@@ -176,7 +176,7 @@ class _Reader:
         if isinstance(term, Variable):
             return Thing(name=self._name(term))
         if isinstance(term, NamedNode):
-            return Name(name=name_of(term, self._prefixes))
+            return Name(name=shorten(term.value, self._prefixes))
         assert isinstance(term, Literal)  # noqa: S101 - callers let nothing else through
         return self._literal(term)
 
@@ -190,7 +190,7 @@ class _Reader:
             return Truth(value=literal.value == "true")
         if kind in _NUMBERS and re.fullmatch(_NUMBERS[kind], literal.value):
             return Number(value=literal.value)
-        return Text(value=literal.value, datatype=name_of(literal.datatype, self._prefixes))
+        return Text(value=literal.value, datatype=shorten(kind, self._prefixes))
 
     def _name(self, variable: Variable) -> str:
         """Return the name of a variable; `[ ]` gets one that the text does not have."""

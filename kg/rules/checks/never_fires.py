@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Final
 
 from kg.query.runner import DeadlineError, in_thread
 from kg.rules.checks.finding import Finding, at_rule
 from kg.rules.dependencies import depends
-from kg.rules.form import AUXILIARY, Aggregate, Assignment, Atom, Exists, Filter, atoms_of
-from kg.rules.sparql import group
-from kg.syntax.names import PREFIXES, shorten
+from kg.rules.form import Assignment, Atom, Exists, Filter, atoms_of, is_auxiliary, place_of
+from kg.rules.sparql import brief
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.errors import Place
     from kg.rules.checks.finding import Context, Store
     from kg.rules.files import RuleFile
     from kg.rules.form import Element, Rule
@@ -25,7 +23,6 @@ __all__ = ["CODE", "TITLE", "check"]
 CODE: Final = "KG213"
 TITLE: Final = "never fires"
 _LATE: Final = "KG205"
-_IRI: Final = re.compile(r"<([^<>\s]*)>")
 
 
 def check(file: RuleFile, context: Context) -> Iterator[Finding]:
@@ -45,8 +42,8 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
         yield Finding(_LATE, "note", file.name, message, at_rule(file), hint)
         return
     if not fires:
-        reason = f": nothing matches {_shown(element, file)}" if element else ""
-        place = (_place(element) if element else None) or at_rule(file)
+        reason = f": nothing matches {brief(element, {**PREFIXES, **(file.prefixes or {})})}" if element else ""
+        place = (place_of(element) if element else None) or at_rule(file)
         yield Finding(
             CODE,
             "note",
@@ -62,22 +59,6 @@ def _ask(store: Store, rules: Sequence[Rule]) -> tuple[bool, Element | None]:
     if any(store.matches(rule.body) for rule in rules):
         return True, None
     return False, store.failing(rules[0].body)
-
-
-def _shown(element: Element, file: RuleFile) -> str:
-    """Return a part of a body as SPARQL on one line, with the prefixes of the file and those that all know."""
-    prefixes = {**PREFIXES, **(file.prefixes or {})}
-    text = _IRI.sub(lambda match: shorten(match[1], prefixes), group((element,)))
-    return " ".join(text.split())
-
-
-def _place(element: Element) -> Place | None:
-    """Return the place of a part of a body: its own, that of its expression, or of its first triple."""
-    if isinstance(element, Filter | Assignment):
-        return element.expression.place
-    if isinstance(element, Exists | Aggregate):
-        return next((place for part in element.body if (place := _place(part))), None)
-    return getattr(element, "place", None)
 
 
 def _hint(element: Element | None, file: RuleFile, context: Context) -> str:
@@ -97,5 +78,4 @@ def _hint(element: Element | None, file: RuleFile, context: Context) -> str:
 
 def _auxiliary(rule: Rule) -> bool:
     """Return whether a rule reads or derives auxiliary predicates of decomposition, which no store holds."""
-    atoms: list[Element] = [*rule.head, *(atom for atom, _ in atoms_of(rule.body))]
-    return any(isinstance(atom, Atom) and str(atom.predicate).startswith(f"<{AUXILIARY}") for atom in atoms)
+    return any(is_auxiliary(atom.predicate) for atom in (*rule.head, *(atom for atom, _ in atoms_of(rule.body))))

@@ -10,7 +10,7 @@ from kg.errors import Fix
 from kg.rules.checks.finding import Finding
 from kg.rules.checks.standard import STANDARD, is_standard, namespace_of
 from kg.rules.checks.tokens import names, place_of_name
-from kg.rules.form import AUXILIARY, Atom, atoms_of
+from kg.rules.form import Atom, atoms_of, is_auxiliary
 from kg.similar import asked, similar
 from kg.syntax.names import PREFIXES, shorten
 
@@ -92,7 +92,7 @@ def _used(rule: Rule) -> Iterator[tuple[str, bool]]:
 
 def _terms(atom: Atom) -> Iterator[tuple[str, bool]]:
     """Yield the property of an atom, and the class if the atom is a type."""
-    if isinstance(atom.predicate, NamedNode) and not atom.predicate.value.startswith(AUXILIARY):
+    if isinstance(atom.predicate, NamedNode) and not is_auxiliary(atom.predicate):
         yield atom.predicate.value, True
         if atom.predicate.value == _TYPE and isinstance(atom.object, NamedNode):
             yield atom.object.value, False

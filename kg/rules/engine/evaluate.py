@@ -23,7 +23,7 @@ from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver, View, Workshop
-from kg.rules.form import AUXILIARY, Atom
+from kg.rules.form import Atom, is_auxiliary
 from kg.rules.stratify import Stratum, stratify
 
 if TYPE_CHECKING:
@@ -119,9 +119,7 @@ class _Bound:
         atoms = (one for rule in rules for one in (*rule.head, *rule.body) if isinstance(one, Atom))
         predicates = {atom.predicate for atom in atoms}
         self.hidden = frozenset(
-            dictionary.intern_term(predicate)
-            for predicate in predicates
-            if isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)
+            dictionary.intern_term(predicate) for predicate in predicates if is_auxiliary(predicate)
         )
 
 

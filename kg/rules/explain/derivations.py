@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.rules.explain.closures import is_auxiliary
 from kg.rules.explain.proof import Condition, Derivation
 from kg.rules.explain.unify import heads, instance
-from kg.rules.form import Aggregate, Atom, EngineBlock, Exists
+from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, is_auxiliary
 from kg.rules.scope import bound_in
-from kg.rules.sparql import group
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -19,7 +17,7 @@ if TYPE_CHECKING:
     from kg.rules.explain.view import View
     from kg.rules.form import Element, Rule, Term
 
-__all__ = ["bound_by", "derivation_of", "derivations", "described"]
+__all__ = ["bound_by", "derivation_of", "derivations"]
 
 _SAMPLE = 5
 _BREADTH = 1000
@@ -89,7 +87,7 @@ def _witness(view: View, element: Exists, solution: Mapping[str, Term]) -> Itera
 
 def _condition(view: View, element: Element, solution: Mapping[str, Term]) -> Condition:
     if not isinstance(element, Aggregate):
-        return Condition(view.brief(described(element)))
+        return Condition(view.brief(element))
     keys = {key.name: solution[key.name] for key in element.keys if key.name in solution}
     members = view.solutions(element.body, bound_by(element.body), keys, 1000)
     facts = [
@@ -105,8 +103,3 @@ def _condition(view: View, element: Element, solution: Mapping[str, Term]) -> Co
         if column.variable.name in solution
     )
     return Condition(values, tuple(dict.fromkeys(facts)), len(members))
-
-
-def described(element: Element) -> str:
-    """Return one part of a body as SPARQL, on one line."""
-    return " ".join(group((element,)).split())

@@ -22,8 +22,7 @@ def unify(atom: Atom, fact: Triple) -> dict[str, Term] | None:
     A blank node in a head stands for any blank node: which one, the solution of the body decides.
     """
     bindings: dict[str, Term] = {}
-    terms = (fact.subject, fact.predicate, fact.object)
-    if all(_match(pattern, term, bindings) for pattern, term in zip(atom.positions, terms, strict=True)):
+    if all(_match(pattern, term, bindings) for pattern, term in zip(atom.positions, fact, strict=True)):
         return bindings
     return None
 
@@ -34,9 +33,7 @@ def _match(pattern: Pattern, term: Term, bindings: dict[str, Term]) -> bool:
     if isinstance(pattern, TripleTerm):
         if not isinstance(term, Triple):
             return False
-        patterns = (pattern.subject, pattern.predicate, pattern.object)
-        terms = (term.subject, term.predicate, term.object)
-        return all(_match(inner, part, bindings) for inner, part in zip(patterns, terms, strict=True))
+        return all(_match(inner, part, bindings) for inner, part in zip(pattern, term, strict=True))
     if isinstance(pattern, BlankNode):
         return isinstance(term, BlankNode)
     return pattern == term
@@ -67,7 +64,7 @@ def _filled(pattern: Pattern, bindings: Mapping[str, Term]) -> Term | None:
     if isinstance(pattern, Variable):
         return bindings.get(pattern.name)
     if isinstance(pattern, TripleTerm):
-        parts = [_filled(inner, bindings) for inner in (pattern.subject, pattern.predicate, pattern.object)]
+        parts = [_filled(inner, bindings) for inner in pattern]
         if any(part is None for part in parts):
             return None
         subject, predicate, value = parts

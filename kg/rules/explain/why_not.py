@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import TYPE_CHECKING, Final
 
-from kg.rules.explain.derivations import bound_by, described
+from kg.rules.explain.derivations import bound_by
 from kg.rules.explain.proof import Attempt, WhyNot
 from kg.rules.explain.unify import heads, instance
 from kg.rules.form import Aggregate, Atom, Exists, Filter, Values, Variable
@@ -178,8 +178,8 @@ class _Inquiry:
         values = ", ".join(f"{each} = {self.view.label(solution[each.name])}" for each in known)
         suffix = f" where {values}" if values else ""
         if isinstance(element, Filter):
-            return f"{self.view.brief(described(element))} is not true{suffix}"
-        return f"{self.view.brief(described(element))} fails{suffix}"
+            return f"{self.view.brief(element)} is not true{suffix}"
+        return f"{self.view.brief(element)} fails{suffix}"
 
     def _shown(self, position: Pattern, solution: Mapping[str, Term]) -> str:
         term = filled(position, solution)

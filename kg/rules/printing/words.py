@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kg.errors import RuleError
 from kg.rules import sparql
 from kg.syntax.lexer import Kind
-from kg.syntax.names import PREFIXES
+from kg.syntax.names import PREFIXES, prefixed
 from kg.syntax.printer import respelt
 
 if TYPE_CHECKING:
@@ -24,22 +24,13 @@ def shortened(text: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, t
     used: set[str] = set()
 
     def spelling(token: Token) -> str | None:
-        found = _short(token.text[1:-1], prefixes) if token.kind is Kind.IRI else None
+        found = prefixed(token.text[1:-1], prefixes) if token.kind is Kind.IRI else None
         if found is None:
             return None
         used.add(found[0])
         return ":".join(found)
 
     return respelt(text, spelling), tuple(sorted(used))
-
-
-def _short(iri: str, prefixes: Mapping[str, str]) -> tuple[str, str] | None:
-    """Return prefix and local name, of the longest namespace that fits; None where none does without an escape."""
-    for prefix in sorted(prefixes, key=lambda one: (-len(prefixes[one]), one)):
-        local = iri.removeprefix(prefixes[prefix])
-        if local != iri and local.isascii() and local.replace("_", "").replace("-", "").isalnum() and local[0] != "-":
-            return prefix, local
-    return None
 
 
 def with_prefixes(text: str, prefixes: Mapping[str, str]) -> str:
