@@ -24,7 +24,7 @@ from kg.rules.blocks.tree import (
     Thing,
     Truth,
 )
-from kg.syntax.lexer import END, Kind, as_operator, token_at, unescape
+from kg.syntax.lexer import END, Kind, as_operator, quoted, token_at, unescape
 
 if TYPE_CHECKING:
     from kg.rules.blocks.tree import Test, Value
@@ -38,7 +38,6 @@ _WORDS: Final = {"||": "or", "&&": "and"}
 _TESTS: Final = (Compare, Match, Known, Logic, Not, Says)
 _MATCHES: Final = frozenset(get_args(get_type_hints(Match)["how"]))
 _FUNCTIONS: Final = frozenset(get_args(get_type_hints(Of)["function"]))
-_LONG: Final = ('"""', "'''")
 
 
 class _NoBlock(Exception):  # noqa: N818 - no error: there is only no block for it
@@ -153,8 +152,7 @@ class _Parser:
         return Number(value=sign + digits)
 
     def _string(self, token: Token) -> Text:
-        quotes = 3 if token.text.startswith(_LONG) else 1
-        content = unescape(token.text[quotes:-quotes])
+        content = unescape(quoted(token)[1])
         if self.token.kind is Kind.TAG:
             return Text(value=content, language=self._advance().text[1:])
         if self._accept("^^"):

@@ -61,7 +61,7 @@ def documentation_missing(file: RuleFile, _context: Context) -> Iterator[Finding
 
 
 def _lacking(documentation: Documentation) -> Iterator[str]:
-    sections = documentation.sections or {}
+    sections = documentation.sections
     if not documentation.title:
         yield "title"
     for member, heading in zip(("infers", "why"), REQUIRED_HEADINGS, strict=True):

@@ -15,7 +15,6 @@ from kg.rules.explain.view import View
 from kg.rules.form import Assignment, Atom, Exists, Filter, atoms_of, is_auxiliary, place_of
 from kg.rules.sparql import brief
 from kg.store.snapshot import MemorySnapshot
-from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -65,7 +64,7 @@ def never_fires(file: RuleFile, context: Context) -> Iterator[Finding]:
         yield Finding("KG205", "note", file.name, message, at_rule(file), hint)
         return
     if not fires:
-        reason = f": nothing matches {brief(element, {**PREFIXES, **(file.prefixes or {})})}" if element else ""
+        reason = f": nothing matches {brief(element, file.known_prefixes)}" if element else ""
         place = (place_of(element) if element else None) or at_rule(file)
         yield Finding(
             "KG213",

@@ -59,7 +59,7 @@ def _finding(file: RuleFile, iri: str, kind: str, message: str, known: Iterable[
     hint = asked(map(shorten, meant)) or "Define it in an ontology, or correct the name."
     # Names in the strings of SHACL rules have no place of their own.
     named = any(found == iri for found, _ in names(file))
-    fixes = tuple(Fix(shorten(each, file.prefixes or {})) for each in meant) if named else ()
+    fixes = tuple(Fix(shorten(each, file.prefixes)) for each in meant) if named else ()
     return Finding("KG211", "warning", file.name, message, place_of_name(file, iri), hint, fixes=fixes)
 
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
 from kg.query.guard import check
+from kg.rules.decompose import decompose
 from kg.rules.explain.derivations import bound_by, derivation_of
 from kg.rules.explain.why import why
-from kg.rules.notations import rq
 from kg.syntax.lexer import Kind, normalise, tokens
 from kg.syntax.parser import parse_rq
 
@@ -119,7 +119,7 @@ def _parts(text: str, found: Sequence[Token], clauses: tuple[int, int, int]) -> 
 
 def _read(rule: str) -> tuple[Rule, ...]:
     try:
-        return rq.rules(parse_rq(rule, _NAME), _NAME, _NAME, rule)
+        return decompose(parse_rq(rule, _NAME).rules[0], _NAME, _NAME, rule)
     except RuleError as error:
         if error.code != _UNBOUND:
             raise
