@@ -18,7 +18,7 @@ from kg.rules.dependencies import depends, mints
 from kg.rules.engine.blocks import Blocks
 from kg.rules.engine.equality import Closure, equalities
 from kg.rules.engine.expressions import Expressions
-from kg.rules.engine.facts import Facts
+from kg.rules.engine.facts import Facts, absorb
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
@@ -161,8 +161,7 @@ class _Run:
 
     def learn(self, facts: Facts) -> None:
         """Add triples that are known, but neither asserted nor inferred by this evaluation."""
-        for predicate, keys in facts:
-            self._known.add(predicate, keys)
+        absorb(self._known, facts)
 
     def stratum(self, stratum: Stratum) -> None:
         """Evaluate a stratum to its fixpoint."""
