@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Column, Element, Pattern, Rule, Term
 
-__all__ = ["Placed", "brief", "construct", "group", "select", "spelling", "substitutions", "term"]
+__all__ = ["Placed", "brief", "construct", "group", "indented", "select", "spelling", "substitutions", "term", "triple"]
 
 _MADE: Final = "_·"
 """What the spelling of a variable begins with whose name begins with `.`."""
@@ -116,24 +116,26 @@ def construct(rule: Rule, *, inferred: NamedNode | None = None) -> str:
 
     Each distinct solution of the body gives its triples once, which matters where the head has blank nodes.
     """
-    head = " .\n".join(_triple(atom) for atom in rule.head)
-    text = _indent(group(rule.body, inferred=inferred))
+    head = " .\n".join(triple(atom) for atom in rule.head)
+    text = indented(group(rule.body, inferred=inferred))
     if any(has_blank(position) for atom in rule.head for position in atom.positions):
         names = " ".join(sorted(map(spelling, bound_in(rule.body)))) or "*"
-        text = _indent(f"{{\n  SELECT DISTINCT {names} WHERE {{\n{_indent(text)}\n  }}\n}}")
-    return f"CONSTRUCT {{\n{_indent(head)}\n}}\nWHERE {{\n{text}\n}}"
+        text = indented(f"{{\n  SELECT DISTINCT {names} WHERE {{\n{indented(text)}\n  }}\n}}")
+    return f"CONSTRUCT {{\n{indented(head)}\n}}\nWHERE {{\n{text}\n}}"
 
 
-def _triple(atom: Atom) -> str:
+def triple(atom: Atom) -> str:
+    """Return a triple of a head or a body, without the full stop."""
     return " ".join(map(term, atom.positions))
 
 
-def _indent(text: str) -> str:
-    return "\n".join(f"  {line}" for line in text.split("\n"))
+def indented(text: str) -> str:
+    """Return text one step to the right."""
+    return "\n".join(f"  {line}" if line else line for line in text.split("\n"))
 
 
 def _braces(text: str) -> str:
-    return f"{{\n{_indent(text)}\n}}"
+    return f"{{\n{indented(text)}\n}}"
 
 
 class _Writer:
@@ -188,9 +190,9 @@ class _Writer:
 
     def _atom(self, atom: Atom) -> str:
         if any(map(has_blank, atom.positions)):
-            message = f"`{_triple(atom)}` has a blank node of the data, which SPARQL cannot write"
+            message = f"`{triple(atom)}` has a blank node of the data, which SPARQL cannot write"
             raise RuleError("KG209", message, place=atom.place, hint="Give the node a name, or write a variable.")
-        text = f"{_triple(atom.replaced(self._fixed))} ."
+        text = f"{triple(atom.replaced(self._fixed))} ."
         if isinstance(atom, Placed):
             return f"GRAPH {atom.graph} {{ {text} }}"
         if atom.asserted and self._inferred is not None:

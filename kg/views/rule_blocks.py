@@ -121,7 +121,7 @@ def blocks_try(  # noqa: PLR0913 - a rule in one of two forms, and how much is t
     begin = time.perf_counter()
     shown, written, _ = _given(rule, text, name)
     file = _read(written.text if written else text, shown.name if shown else name or f"{FAMILY}/rule")
-    view = View(snapshot, explained_vocabulary(settings), file.rules, prefixes=dict(file.prefixes or {}))
+    view = View(snapshot, explained_vocabulary(settings), file.rules, prefixes=file.prefixes)
     most = min(max(whole(str(limit), 50), 1), _MOST)
     found = trial(view, file, most)
     telling = Telling(view, RuleSet((file,)), places(snapshot), settings.base)

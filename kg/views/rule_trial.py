@@ -165,7 +165,7 @@ def examples(file: RuleFile, found: Sequence[Found]) -> str:
 
 
 def _page(file: RuleFile, derivation: Derivation) -> str:
-    prefixes = {**PREFIXES, **(file.prefixes or {})}
+    prefixes = file.known_prefixes
     heads = [fact for head in derivation.rule.head if (fact := instance(head, derivation.bindings))]
     given = _statements(derivation.facts, prefixes)
     expected = _statements(heads, prefixes)

@@ -142,7 +142,7 @@ def _listed(library: Library, entry: Entry, costs: Mapping[str, Any]) -> dict[st
         told = library.read(entry.name).documentation
     except RuleError as problem:
         error, told = problem, _header(entry)
-    return {**entry_object(entry, told, error), "sections": dict(told.sections or {}), **_cost(entry.name, costs)}
+    return {**entry_object(entry, told, error), "sections": dict(told.sections), **_cost(entry.name, costs)}
 
 
 def _header(entry: Entry) -> Documentation:

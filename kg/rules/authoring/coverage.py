@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kg.rules.authoring.elements import spell_element, spell_head
 from kg.rules.authoring.firing import fire, holds
+from kg.rules.authoring.spelling import spell_element, spell_head
 from kg.rules.form import place_of
-from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -73,7 +72,7 @@ def cover(
     tried = bench.infer(files, limits)
     found = []
     for file in chosen or files:
-        prefixes = {**PREFIXES, **(file.prefixes or {})}
+        prefixes = file.known_prefixes
         firings = list(fire(file.rules, bench.dictionary, tried.asserted, tried.known))
         gaps = tuple(gap for firing in firings for gap in _gaps(firing, tried, bench, prefixes))
         parts = sum(len(rule.body) + len(rule.head) for rule in file.rules)

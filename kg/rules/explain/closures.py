@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 __all__ = ["Closures"]
 
 _FROM: Final = Variable(".from")
-_TO: Final = Variable(".to")
 _MOST_STEPS: Final = 20_000
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.rules.explain.proof import Condition, Derivation
-from kg.rules.explain.unify import heads, instance
+from kg.rules.explain.unify import heads, instance, instances
 from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, is_auxiliary
 from kg.rules.scope import bound_in
 
@@ -70,8 +70,7 @@ def _way(view: View, fact: Triple) -> tuple[Triple, ...]:
 
     def step(body: tuple[Element, ...], here: Term) -> Iterator[tuple[Term, tuple[Triple, ...]]]:
         for solution in view.solutions(body, bound_by(body), {".from": here}, _BREADTH):
-            passed = (instance(part, solution) for part in body if isinstance(part, Atom))
-            yield solution[".to"], tuple(each for each in passed if each is not None)
+            yield solution[".to"], instances(body, solution)
 
     return view.closures.way(fact.predicate.value, fact.subject, fact.object, step)
 
@@ -79,10 +78,7 @@ def _way(view: View, fact: Triple) -> tuple[Triple, ...]:
 def _witness(view: View, element: Exists, solution: Mapping[str, Term]) -> Iterator[Triple]:
     """Yield the facts of one solution of an inner body."""
     for inner in view.solutions(element.body, bound_by(element.body), solution, 1):
-        for part in element.body:
-            fact = instance(part, inner) if isinstance(part, Atom) else None
-            if fact is not None:
-                yield fact
+        yield from instances(element.body, inner)
 
 
 def _condition(view: View, element: Element, solution: Mapping[str, Term]) -> Condition:
@@ -90,12 +86,7 @@ def _condition(view: View, element: Element, solution: Mapping[str, Term]) -> Co
         return Condition(view.brief(element))
     keys = {key.name: solution[key.name] for key in element.keys if key.name in solution}
     members = view.solutions(element.body, bound_by(element.body), keys, 1000)
-    facts = [
-        fact
-        for member in members[:_SAMPLE]
-        for part in element.body
-        if isinstance(part, Atom) and (fact := instance(part, member)) is not None
-    ]
+    facts = [fact for member in members[:_SAMPLE] for fact in instances(element.body, member)]
     values = ", ".join(
         f"{column.function}({'*' if column.expression is None else column.expression.text}) = "
         f"{view.label(solution[column.variable.name])}"

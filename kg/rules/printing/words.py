@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kg.rules.form import Atom, Rule
     from kg.syntax.lexer import Token
 
-__all__ = ["head", "indented", "refusal", "shortened", "with_prefixes"]
+__all__ = ["head", "refusal", "shortened", "with_prefixes"]
 
 
 def shortened(text: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, tuple[str, ...]]:
@@ -42,12 +42,7 @@ def with_prefixes(text: str, prefixes: Mapping[str, str]) -> str:
 
 def head(atoms: Iterable[Atom]) -> str:
     """Return the triples of a head, one a line."""
-    return "\n".join(f"{' '.join(map(sparql.term, atom.positions))} ." for atom in atoms)
-
-
-def indented(text: str) -> str:
-    """Return text one step to the right."""
-    return "\n".join(f"  {line}" if line else line for line in text.split("\n"))
+    return "\n".join(f"{sparql.triple(atom)} ." for atom in atoms)
 
 
 def refusal(rule: Rule, what: str, hint: str) -> RuleError:

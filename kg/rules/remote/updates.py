@@ -19,7 +19,7 @@ from kg.rules.form import (
     readers_of,
 )
 from kg.rules.scope import binds, bound_in, mentions
-from kg.rules.sparql import Placed, group, spelling, term
+from kg.rules.sparql import Placed, group, spelling, triple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -52,9 +52,7 @@ def next_update(rule: Rule, stratum: Stratum, graphs: Graphs) -> str | None:
 
 
 def _insert(rule: Rule, bodies: Sequence[tuple[Element, ...]], graphs: Graphs) -> str:
-    head = " ".join(
-        f"GRAPH {graphs.channel(atom.predicate).new} {{ {' '.join(map(term, atom.positions))} }}" for atom in rule.head
-    )
+    head = " ".join(f"GRAPH {graphs.channel(atom.predicate).new} {{ {triple(atom)} }}" for atom in rule.head)
     groups = [group(body) for body in bodies]
     where = groups[0] if len(groups) == 1 else "\nUNION\n".join(f"{{\n{text}\n}}" for text in groups)
     if any(has_blank(position) for atom in rule.head for position in atom.positions):
