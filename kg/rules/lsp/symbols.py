@@ -153,9 +153,10 @@ def _imports(text: str, path: Path) -> Iterator[Occurrence]:
     before = None
     for token in tokens(text):
         if token.kind is Kind.IRI and before is not None and before.text.upper() == "IMPORTS":
-            parts = urlsplit(resolve(path.absolute().as_uri(), token.text[1:-1]))
-            if parts.scheme == "file":
-                yield Occurrence(token.start + 1, token.end - 1, path=Path(unquote(parts.path)))
+            with suppress(ValueError):
+                parts = urlsplit(resolve(path.absolute().as_uri(), token.text[1:-1]))
+                if parts.scheme == "file":
+                    yield Occurrence(token.start + 1, token.end - 1, path=Path(unquote(parts.path)))
         before = token
 
 
