@@ -24,9 +24,11 @@ from kg.rules.form import (
     TripleTerm,
     Values,
     Variable,
+    binds,
+    bound_in,
     has_blank,
+    mentions,
 )
-from kg.rules.scope import binds, bound_in, mentions
 from kg.syntax.names import shorten
 
 if TYPE_CHECKING:

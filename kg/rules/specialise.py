@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeGuard
 from pyoxigraph import BlankNode, NamedNode, Quad, Store
 
 from kg.rules.files import RuleSet
-from kg.rules.form import Atom, Filter, Values, Variable, is_auxiliary, variables_of
-from kg.rules.scope import bound_in, mentions
+from kg.rules.form import Atom, Filter, Values, Variable, bound_in, is_auxiliary, mentions, variables_of
 from kg.rules.sparql import construct, select
 
 if TYPE_CHECKING:

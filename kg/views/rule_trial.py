@@ -17,8 +17,7 @@ from kg.rules.dependencies import depends, reads
 from kg.rules.engine.heads import made_node
 from kg.rules.explain.derivations import bound_by, derivation_of
 from kg.rules.explain.unify import instance
-from kg.rules.form import Exists, is_auxiliary
-from kg.rules.scope import bound_in, mentions
+from kg.rules.form import Exists, bound_in, is_auxiliary, mentions
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:

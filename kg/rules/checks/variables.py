@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from kg.errors import Fix
 from kg.rules.checks.finding import Finding, at_offset, at_rule
 from kg.rules.checks.tokens import variables
-from kg.rules.form import Atom, Exists, Variable, atoms_of
-from kg.rules.scope import binds, mentions
+from kg.rules.form import Atom, Exists, Variable, atoms_of, binds, mentions
 from kg.similar import asked, similar
 
 if TYPE_CHECKING:

@@ -17,8 +17,8 @@ from kg.rules.form import (
     Filter,
     Values,
     Variable,
+    mentions,
 )
-from kg.rules.scope import mentions
 from kg.syntax import printer
 
 if TYPE_CHECKING:

@@ -14,8 +14,20 @@ from kg.rules.decompose.parts import IndivisibleError, Scope
 from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.uses import possible
 from kg.rules.decompose.work import Work, head_variables
-from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Rule, Variable, atoms_of
-from kg.rules.scope import binds, bound_in, mentions
+from kg.rules.form import (
+    Aggregate,
+    Assignment,
+    Atom,
+    EngineBlock,
+    Exists,
+    Filter,
+    Rule,
+    Variable,
+    atoms_of,
+    binds,
+    bound_in,
+    mentions,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

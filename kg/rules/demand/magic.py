@@ -34,9 +34,10 @@ from kg.rules.form import (
     TripleTerm,
     Values,
     Variable,
+    binds,
+    bound_in,
     variables_of,
 )
-from kg.rules.scope import binds, bound_in
 from kg.rules.stratify import Heads, edges
 
 if TYPE_CHECKING:

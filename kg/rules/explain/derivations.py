@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from kg.rules.explain.proof import Condition, Derivation
 from kg.rules.explain.unify import heads, instance, instances
-from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, is_auxiliary
-from kg.rules.scope import bound_in
+from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, bound_in, is_auxiliary
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

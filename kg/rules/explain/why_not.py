@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Final
 from kg.rules.explain.derivations import bound_by
 from kg.rules.explain.proof import Attempt, WhyNot
 from kg.rules.explain.unify import filled, heads, instance, instances
-from kg.rules.form import Aggregate, Atom, Exists, Filter, Values, Variable
-from kg.rules.scope import binds, mentions
+from kg.rules.form import Aggregate, Atom, Exists, Filter, Values, Variable, binds, mentions
 from kg.similar import similar
 
 if TYPE_CHECKING:

@@ -14,11 +14,13 @@ from kg.rules.form import (
     Exists,
     Filter,
     Rule,
+    binds,
+    bound_in,
     has_blank,
     is_auxiliary,
+    mentions,
     readers_of,
 )
-from kg.rules.scope import binds, bound_in, mentions
 from kg.rules.sparql import Placed, group, spelling, triple
 
 if TYPE_CHECKING:
