@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kg.rules.authoring.library import Entry
     from kg.rules.authoring.manual import Manual
     from kg.rules.authoring.profiling import RuleProfile
-    from kg.rules.authoring.shares import Share
+    from kg.rules.authoring.runs import Share
     from kg.rules.authoring.testing import Result
     from kg.rules.explain.view import View
     from kg.rules.files import Documentation

@@ -200,7 +200,7 @@ def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Cont
     from kg.query.stored import discover as discover_queries  # noqa: PLC0415 - see above
     from kg.query.terms import iris_of  # noqa: PLC0415 - see above
     from kg.rules.checks.finding import Context  # noqa: PLC0415 - see above
-    from kg.rules.checks.stores import StoreOf, nothing  # noqa: PLC0415 - see above
+    from kg.rules.checks.firing import StoreOf, nothing  # noqa: PLC0415 - see above
     from kg.rules.explain.view import View  # noqa: PLC0415 - see above
 
     vocabulary = explained_vocabulary(settings)

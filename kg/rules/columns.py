@@ -10,25 +10,40 @@ from __future__ import annotations
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from itertools import islice
+from itertools import groupby, islice
+from operator import itemgetter
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
-from pyoxigraph import Literal, NamedNode
+from pyoxigraph import Literal, NamedNode, RdfFormat, parse
 
 from kg.rules.engine.facts import Facts, distinct, pack
 from kg.rules.engine.terms import Dictionary
-from kg.rules.form import AUXILIARY, Aggregate, Atom, EngineBlock, Exists
+from kg.rules.form import EngineBlock, is_auxiliary, readers_of
 from kg.store.terms import cells, spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from numpy.typing import NDArray
+    from pyoxigraph import Quad, Triple
 
-    from kg.rules.form import Element, Rule, Term
+    from kg.rules.form import Rule, Term
 
-__all__ = ["EVERYTHING", "Tables", "Wanted", "by_predicate", "only", "read", "read_columns", "union_of", "wanted"]
+__all__ = [
+    "EVERYTHING",
+    "Tables",
+    "Wanted",
+    "by_predicate",
+    "only",
+    "patched",
+    "read",
+    "read_columns",
+    "rows_of",
+    "stated",
+    "union_of",
+    "wanted",
+]
 
 _THREADS: Final = 2
 _SMALL: Final = 20_000
@@ -68,7 +83,7 @@ def wanted(rules: Iterable[Rule]) -> Wanted:
     predicates: set[NamedNode] = set()
     members: set[tuple[NamedNode, Term]] = set()
     for rule in rules:
-        for element in (*rule.head, *_flat(rule.body)):
+        for element in (*rule.head, *(each for each, _ in readers_of(rule.body))):
             if isinstance(element, EngineBlock):
                 if element.reads is None:
                     return EVERYTHING
@@ -84,17 +99,9 @@ def wanted(rules: Iterable[Rule]) -> Wanted:
 
 
 def _simplified(predicates: Iterable[NamedNode], members: Iterable[tuple[NamedNode, Term]]) -> Wanted:
-    whole = frozenset(one for one in predicates if not one.value.startswith(AUXILIARY))
-    single = (pair for pair in members if pair[0] not in whole and not pair[0].value.startswith(AUXILIARY))
+    whole = frozenset(one for one in predicates if not is_auxiliary(one))
+    single = (pair for pair in members if pair[0] not in whole and not is_auxiliary(pair[0]))
     return Wanted(whole, frozenset(single))
-
-
-def _flat(body: tuple[Element, ...]) -> Iterator[Atom | EngineBlock]:
-    for element in body:
-        if isinstance(element, Exists | Aggregate):
-            yield from _flat(element.body)
-        elif isinstance(element, Atom | EngineBlock):
-            yield element
 
 
 def read_columns(
@@ -226,3 +233,42 @@ def union_of(parts: Iterable[Facts]) -> Facts:
         columns = [part.keys(predicate) for part in every if part.keys(predicate).size]
         found.replace(predicate, columns[0] if len(columns) == 1 else distinct(np.concatenate(columns)))
     return found
+
+
+def rows_of(triples: Iterable[Triple | Quad], dictionary: Dictionary) -> NDArray[np.int64]:
+    """Return triples as rows of identifiers, terms spelt as a store spells them; blank nodes keep their labels."""
+    return dictionary.intern_all(_terms(triples)).reshape(-1, 3)
+
+
+def _terms(triples: Iterable[Triple | Quad]) -> Iterator[bytes]:
+    for one in triples:
+        yield from (spell(one.subject), spell(one.predicate), spell(one.object))
+
+
+def stated(triples: Iterable[Triple | Quad], dictionary: Dictionary, what: Wanted = EVERYTHING) -> Facts:
+    """Return those of some triples that are wanted."""
+    found = Facts()
+    pairs = by_predicate(rows_of(triples, dictionary))
+    for predicate, keys in pairs if what is EVERYTHING else only(what, pairs, dictionary):
+        found.replace(predicate, distinct(keys))
+    return found
+
+
+def patched(
+    facts: Facts, patches: Iterable[tuple[bytes, bytes]], what: Wanted, dictionary: Dictionary
+) -> tuple[Facts, set[int]]:
+    """Return the columns of a graph after patches, and the predicates that these name."""
+    found, touched = facts.copy(), set[int]()
+    parts = ((adds, text) for patch in patches for adds, text in enumerate(patch) if text.strip())
+    for adds, together in groupby(parts, itemgetter(0)):  # each reading costs more than a few triples
+        for predicate, keys in _of_lines(b"".join(text for _, text in together), what, dictionary):
+            (found.add if adds else found.remove)(predicate, keys)
+            touched.add(predicate)
+    return found, touched
+
+
+def _of_lines(text: bytes, what: Wanted, dictionary: Dictionary) -> Facts:
+    """Return the wanted triples of a text; what is not is left out before it is read, since patches may be large."""
+    names = None if what.predicates is None else what.predicates | {predicate for predicate, _ in what.members}
+    quads = parse(text, RdfFormat.N_TRIPLES, lenient=True)
+    return stated((quad for quad in quads if names is None or quad.predicate in names), dictionary, what)

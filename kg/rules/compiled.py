@@ -97,7 +97,7 @@ def save(cache: Path, mark: str, rule_set: RuleSet, *, cut: bool = True) -> Rule
 def pack(rule_set: RuleSet, *, cut: bool = True) -> Packed:
     """Put rules in order and pickle them, which does not depend on where they are kept; errors as `save`."""
     strata = tuple(stratify(rule_set.rules, bounded=True)) if cut else ()
-    prefixes = {name: iri for file in rule_set.files for name, iri in (file.prefixes or {}).items()}
+    prefixes = {name: iri for file in rule_set.files for name, iri in file.prefixes.items()}
     parts = (rule_set.rules, rule_set.data, prefixes, strata, rule_set.digest)
     written = io.BytesIO()
     _Writer(written, pickle.HIGHEST_PROTOCOL).dump(parts)

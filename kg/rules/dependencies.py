@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from pyoxigraph import BlankNode, NamedNode, Triple
 
 from kg.rules.form import (
-    AUXILIARY,
     Aggregate,
     Assignment,
     Atom,
@@ -23,6 +22,8 @@ from kg.rules.form import (
     Filter,
     TripleTerm,
     Variable,
+    is_auxiliary,
+    replaced,
     variables_of,
 )
 
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Pattern, Rule
 
-__all__ = ["Read", "depends", "expressions_of", "mints", "reads", "unifies", "volatile", "writes"]
+__all__ = ["Read", "depends", "expressions_of", "mints", "reads", "volatile", "writes"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,7 @@ class _Fresh:
 
 _NAME: Final = re.compile(r"<([^<>]*)>")
 _NOT_IN: Final = re.compile(r"\(*\?([\w·]+) NOT IN ?\(((?:<[^<>]*>|[, ])*)\)+")
-_Node: TypeAlias = "Pattern | _Fresh | tuple[_Node, _Node, _Node]"
+_Node: TypeAlias = "Pattern | _Fresh | tuple[_Node, ...]"
 _Bindings: TypeAlias = "dict[Variable, _Node]"
 
 
@@ -113,7 +114,7 @@ def depends(reader: Atom, head: Atom) -> bool:
 
     A predicate that decomposition introduced is not a triple of the data: a variable predicate does not match it.
     """
-    if isinstance(reader.predicate, Variable) and _auxiliary(head.predicate):
+    if isinstance(reader.predicate, Variable) and is_auxiliary(head.predicate):
         return False
     pairs = list(zip(reader.positions, head.positions, strict=True))
     # A name distinguishes most, which needs no renaming.
@@ -122,7 +123,7 @@ def depends(reader: Atom, head: Atom) -> bool:
     if _plain(reader) and _plain(head):
         return True
     bindings: _Bindings = {}
-    return all(unifies(_apart(read), _derived(written), bindings) for read, written in pairs)
+    return all(_unifies(_apart(read), _derived(written), bindings) for read, written in pairs)
 
 
 def _plain(atom: Atom) -> bool:
@@ -132,36 +133,19 @@ def _plain(atom: Atom) -> bool:
     return len(set(variables)) + named == len(atom.positions)
 
 
-def _auxiliary(predicate: Pattern) -> bool:
-    return isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)
-
-
-def _apart(pattern: Pattern) -> _Node:
+def _apart(pattern: Pattern) -> Pattern:
     """Return a pattern of a body with its variables renamed away from those of heads."""
-    if isinstance(pattern, Variable):
-        return Variable(f"{pattern.name} body")
-    if isinstance(pattern, TripleTerm):
-        return _apart(pattern.subject), _apart(pattern.predicate), _apart(pattern.object)
-    return _opened(pattern)
+    return replaced(pattern, {variable: Variable(f"{variable.name} body") for variable in variables_of(pattern)})
 
 
 def _derived(pattern: Pattern) -> _Node:
-    """Return a pattern of a head with its blank nodes as fresh terms."""
+    """Return a pattern of a head with its blank nodes as fresh terms, and triple terms as their parts."""
     if isinstance(pattern, BlankNode):
         return _Fresh(pattern.value)
-    if isinstance(pattern, TripleTerm):
-        return _derived(pattern.subject), _derived(pattern.predicate), _derived(pattern.object)
-    return _opened(pattern)
+    return tuple(map(_derived, pattern)) if isinstance(pattern, TripleTerm | Triple) else pattern
 
 
-def _opened(pattern: Pattern) -> _Node:
-    """Return a triple term without variables in the shape of those with them."""
-    if isinstance(pattern, Triple):
-        return _opened(pattern.subject), _opened(pattern.predicate), _opened(pattern.object)
-    return pattern
-
-
-def unifies(left: _Node, right: _Node, bindings: _Bindings) -> bool:
+def _unifies(left: _Node, right: _Node, bindings: _Bindings) -> bool:
     """Unify two patterns, extending `bindings`. Triple terms nest only as written, so no check for cycles."""
     left, right = _value(left, bindings), _value(right, bindings)
     if isinstance(left, Variable):
@@ -171,8 +155,8 @@ def unifies(left: _Node, right: _Node, bindings: _Bindings) -> bool:
     if isinstance(right, Variable):
         bindings[right] = left
         return True
-    if isinstance(left, tuple) and isinstance(right, tuple):
-        return all(unifies(one, other, bindings) for one, other in zip(left, right, strict=True))
+    if isinstance(left, tuple | TripleTerm | Triple) and isinstance(right, tuple | TripleTerm | Triple):
+        return all(_unifies(one, other, bindings) for one, other in zip(left, right, strict=True))
     return left == right
 
 
@@ -209,8 +193,7 @@ def _makes(pattern: Pattern) -> bool:
 
 def _open(pattern: TripleTerm) -> bool:
     """Whether a triple term of a head has anything in it that differs from solution to solution."""
-    parts = (pattern.subject, pattern.predicate, pattern.object)
-    return any(True for _ in variables_of(pattern)) or any(_makes(part) for part in parts)
+    return any(True for _ in variables_of(pattern)) or any(map(_makes, pattern))
 
 
 def volatile(rule: Rule) -> bool:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode
 
+from kg.syntax.prologue import declared
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
@@ -16,7 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Statement", "place_of", "statements"]
 
-_PREFIX: Final = re.compile(r"^\s*@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.MULTILINE | re.IGNORECASE)
 _SUBJECT: Final = re.compile(r"^(?:([\w.-]*):([\w.-]+)|<([^>\s]+)>)(?=\s)")
 
 
@@ -39,7 +40,7 @@ def statements(files: Iterable[Path]) -> dict[str, Statement]:
     found: dict[str, Statement] = {}
     for path in files:
         text = path.read_text("utf-8")
-        prefixes = dict(_PREFIX.findall(text))
+        prefixes = declared(text)
         lines: list[tuple[int, str]] = []
         for number, line in enumerate(text.splitlines(), 1):
             match = _SUBJECT.match(line)

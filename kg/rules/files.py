@@ -22,9 +22,11 @@ A header has the same form in the three notations, all of which begin comments w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
+
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -53,7 +55,7 @@ class Documentation:
     """The header of a file; `sections` by heading, their text without the comment signs."""
 
     title: str = ""
-    sections: Mapping[str, str] | None = None
+    sections: Mapping[str, str] = field(default_factory=dict)
     since: str | None = None
     severity: str | None = None
 
@@ -75,7 +77,7 @@ class RuleFile:
     rules: tuple[Rule, ...]
     data: tuple[Triple, ...] = ()
     """Triples that the file itself states (`DATA` of SPARQL 1.2 RL)."""
-    prefixes: Mapping[str, str] | None = None
+    prefixes: Mapping[str, str] = field(default_factory=dict)
     pack: str = ""
     """The rule pack that brought it; empty for folders."""
 
@@ -83,6 +85,11 @@ class RuleFile:
     def family(self) -> str:
         """The first part of the name; empty for a file that is in no folder of its own."""
         return family_of(self.name)
+
+    @property
+    def known_prefixes(self) -> dict[str, str]:
+        """The prefixes that names in it may have: those that it declares, and those that need no declaration."""
+        return {**PREFIXES, **self.prefixes}
 
     @property
     def notation(self) -> str:

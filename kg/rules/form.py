@@ -17,15 +17,16 @@ Terms are pyoxigraph's. Nothing here knows notations, stores or ROS.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final, TypeAlias
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard
 
-from kg.syntax.terms import Pattern, Term, TripleTerm, Variable, variables_of
+from pyoxigraph import NamedNode
+
+from kg.syntax.terms import Pattern, Term, TripleTerm, Variable, has_blank, replaced, variables_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from pyoxigraph import NamedNode
+    from collections.abc import Iterable, Iterator, Mapping
+    from typing import Self
 
     from kg.errors import Place
 
@@ -47,6 +48,14 @@ __all__ = [
     "Values",
     "Variable",
     "atoms_of",
+    "binds",
+    "bound_in",
+    "has_blank",
+    "is_auxiliary",
+    "mentions",
+    "place_of",
+    "readers_of",
+    "replaced",
     "variables_of",
 ]
 
@@ -68,6 +77,11 @@ class Atom:
     def positions(self) -> tuple[Pattern, Pattern, Pattern]:
         """Subject, predicate and object."""
         return self.subject, self.predicate, self.object
+
+    def replaced(self, by: Mapping[Variable, Pattern]) -> Self:
+        """Return the atom with other patterns in the place of some variables."""
+        subject, predicate, value = (replaced(position, by) for position in self.positions)
+        return replace(self, subject=subject, predicate=predicate, object=value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,14 +195,72 @@ class Rule:
         return self.name if self.part == 1 else f"{self.name}#{self.part}"
 
 
-def atoms_of(body: tuple[Element, ...]) -> Iterator[tuple[Atom, bool]]:
-    """Yield each atom of a body, those of inner bodies too, with whether more matches may take solutions away."""
+def readers_of(body: Iterable[Element]) -> Iterator[tuple[Atom | EngineBlock, bool]]:
+    """Yield what reads triples in a body, at any depth, with whether more triples may take solutions away around it."""
     for element in body:
-        if isinstance(element, Atom):
+        if isinstance(element, Atom | EngineBlock):
             yield element, False
-        elif isinstance(element, Exists):
-            for atom, negated in atoms_of(element.body):
-                yield atom, negated or element.negated
-        elif isinstance(element, Aggregate):
-            for atom, _ in atoms_of(element.body):
-                yield atom, True
+        elif isinstance(element, Exists | Aggregate):
+            denied = isinstance(element, Aggregate) or element.negated
+            yield from ((each, denied or negated) for each, negated in readers_of(element.body))
+
+
+def atoms_of(body: Iterable[Element]) -> Iterator[tuple[Atom, bool]]:
+    """Yield the atoms among `readers_of`."""
+    return ((each, negated) for each, negated in readers_of(body) if isinstance(each, Atom))
+
+
+def is_auxiliary(predicate: object) -> TypeGuard[NamedNode]:
+    """Return whether decomposition introduced a predicate."""
+    return isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)
+
+
+def place_of(element: Element) -> Place | None:
+    """Return the place of an element of a body: its own, that of its expression, or of the first part that has one."""
+    if isinstance(element, Filter | Assignment):
+        return element.expression.place
+    if isinstance(element, Exists | Aggregate):
+        return next((place for part in element.body if (place := place_of(part))), None)
+    return None if isinstance(element, Values) else element.place
+
+
+def binds(element: Element) -> frozenset[Variable]:
+    """Return the variables that are bound behind an element; those of an EngineBlock that may stay unbound too."""
+    if isinstance(element, Atom):
+        return _variables(element)
+    if isinstance(element, Assignment):
+        return frozenset((element.variable,))
+    if isinstance(element, Values | EngineBlock):
+        return frozenset(element.variables)
+    if isinstance(element, Aggregate):
+        return frozenset((*element.keys, *(column.variable for column in element.columns)))
+    return frozenset()
+
+
+def _variables(atom: Atom) -> frozenset[Variable]:
+    """Return the variables of an atom; nearly all are in it by themselves, so only triple terms are searched."""
+    positions = atom.positions
+    found = [position for position in positions if isinstance(position, Variable)]
+    for position in positions:
+        if isinstance(position, TripleTerm):
+            found += variables_of(position)
+    return frozenset(found)
+
+
+def bound_in(body: Iterable[Element]) -> frozenset[Variable]:
+    """Return the variables that are bound behind a body."""
+    return frozenset().union(*map(binds, body))
+
+
+def mentions(element: Element) -> frozenset[Variable]:
+    """Return all variables that an element shares with the body it is in, were they bound there.
+
+    Those inside EXISTS count, for it sees what is before it; those inside an aggregate do not.
+    """
+    if isinstance(element, Filter):
+        return frozenset(map(Variable, element.expression.variables))
+    if isinstance(element, Assignment):
+        return binds(element).union(map(Variable, element.expression.variables))
+    if isinstance(element, Exists):
+        return frozenset().union(*map(mentions, element.body))
+    return binds(element)

@@ -1,10 +1,10 @@
-"""Columns as lines of N-Triples, and the difference between two sets of columns."""
+"""Columns as lines of N-Triples."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.rules.engine.facts import Facts, difference, unpack
+from kg.rules.engine.facts import Facts, unpack
 from kg.rules.form import AUXILIARY
 
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from kg.rules.engine.facts import Keys
     from kg.rules.engine.terms import Dictionary
 
-__all__ = ["lacking", "lines", "stored"]
+__all__ = ["lines", "stored"]
 
 _ROWS: Final = 1 << 17
 """How many lines are made at once."""
@@ -27,15 +27,6 @@ def stored(facts: Facts, dictionary: Dictionary) -> Facts:
     for predicate, keys in facts:
         if not dictionary.spelling(predicate).startswith(_AUXILIARY):
             found.replace(predicate, keys)
-    return found
-
-
-def lacking(facts: Facts, others: Facts) -> Facts:
-    """Return the triples that `others` lack."""
-    found = Facts()
-    for predicate, keys in facts:
-        known = others.keys(predicate)
-        found.replace(predicate, difference(keys, known) if known is not keys else keys[:0])
     return found
 
 

@@ -93,22 +93,22 @@ def _read_rq(text: str, path: Path, name: str, documentation: Documentation) -> 
 @lru_cache(maxsize=_KEPT)
 def _compiled_rq(text: str, path: str, name: str) -> tuple[tuple[Rule, ...], Mapping[str, str]]:
     """Return the rules and prefixes of a text, which nothing else decides; builds that follow each other ask again."""
-    from kg.rules.notations import rq  # noqa: PLC0415 - a notation is loaded when a file has it
+    from kg.rules.decompose import decompose  # noqa: PLC0415 - a notation is loaded when a file has it
     from kg.syntax.parser import parse_rq  # noqa: PLC0415 - the same
 
     unit = parse_rq(text, path)
-    return rq.rules(unit, name, path, text), MappingProxyType(dict(unit.prefixes))
+    return decompose(unit.rules[0], name, path, text), MappingProxyType(dict(unit.prefixes))
 
 
 def _read_srl(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
-    from kg.rules.notations import imports, srl  # noqa: PLC0415 - a notation is loaded when a file has it
+    from kg.rules.notations import srl  # noqa: PLC0415 - a notation is loaded when a file has it
     from kg.syntax.parser import parse_srl  # noqa: PLC0415 - the same
 
     unit = parse_srl(text, str(path))
     rules = list(srl.rules(unit, name, str(path), text))
     data = list(srl.data(unit, str(path), text))
     parts = len(unit.rules)
-    for file, inner, brought in imports.imported(unit, path, text):
+    for file, inner, brought in srl.imported(unit, path, text):
         rules += srl.rules(brought, name, str(file), inner, first=parts + 1)
         data += srl.data(brought, str(file), inner)
         parts += len(brought.rules)

@@ -12,14 +12,17 @@ Inferred triples carry no statement of their rule; it is computed on request.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 from urllib.parse import quote
 
 from pyoxigraph import NamedNode
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
     from datetime import datetime
+
+    from kg.rules.files import RuleSet
 
 __all__ = ["Names", "activity"]
 
@@ -42,6 +45,14 @@ class Names:
     def of(cls, base: str, vocabulary: str) -> Names:
         """Return the names below a base: `<base>graph/inferred` and `<base>graph/builds`."""
         return cls(NamedNode(f"{base}graph/inferred"), NamedNode(f"{base}graph/builds"), base, vocabulary)
+
+    def read_by_rules(self, graphs: Iterable[NamedNode]) -> list[NamedNode | None]:
+        """Return the graphs that rules read: those given but for what runs write, and the default graph as None."""
+        return [*(graph for graph in graphs if graph not in {self.inferred, self.builds}), None]
+
+    def digest(self, rule_set: RuleSet) -> str:
+        """Return the digest of a set of rules and of the graphs that it leaves out."""
+        return blake2b(f"{self} {rule_set.digest}".encode(), digest_size=16).hexdigest()
 
     def rule(self, name: str) -> str:
         """Return the IRI of a rule."""

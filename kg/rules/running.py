@@ -22,7 +22,6 @@ import time
 from collections import Counter
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
-from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -30,15 +29,14 @@ from pyoxigraph import RdfFormat, parse
 
 from kg.errors import GraphError, Place, SourceError, UsageError
 from kg.rules import memory as memories
-from kg.rules.columns import EVERYTHING, by_predicate, read, read_columns, union_of, wanted
+from kg.rules.columns import EVERYTHING, by_predicate, patched, read, read_columns, rows_of, stated, union_of, wanted
 from kg.rules.dependencies import volatile
 from kg.rules.engine.evaluate import Limits, Program, evaluate
-from kg.rules.engine.facts import Facts, distinct
+from kg.rules.engine.facts import Facts, absorb, distinct, lacking
 from kg.rules.engine.terms import Dictionary
-from kg.rules.lines import lacking, lines, stored
+from kg.rules.lines import lines, stored
 from kg.rules.maintain import Maintained
 from kg.rules.memory import Memory
-from kg.rules.patches import patched, stated
 from kg.rules.recording import activity
 from kg.rules.reports import Difference, RunReport, Seconds
 from kg.rules.written import Written
@@ -46,10 +44,10 @@ from kg.store import changes
 from kg.store.changes import Changes
 from kg.store.failure import translated
 from kg.store.layout import write_atomically
-from kg.store.terms import parts_of_lines, spell
+from kg.store.terms import parts_of_lines
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -261,7 +259,7 @@ class Reasoner:
 
     def take(self, rule_set: RuleSet) -> None:
         """Set the rules, and load the memory of their last run; KG202, KG203 for rules that cannot run."""
-        digest = self._digest if rule_set is self._taken else _digest(rule_set, self._names)
+        digest = self._digest if rule_set is self._taken else self._names.digest(rule_set)
         self._taken = rule_set
         if digest != self._digest:
             self.program = Program(rule_set.rules, rule_set.strata)
@@ -285,8 +283,7 @@ class Reasoner:
         `written` is what was written since the store was empty, where that is known.
         The memory is then of this outcome, and of no generation until it is given one. Raises RuleError: KG204, KG205.
         """
-        excluded = {self._names.inferred, self._names.builds}
-        graphs = [*(graph for graph in source.graphs() if graph not in excluded), None]
+        graphs = self._names.read_by_rules(source.graphs())
         if self.memory is None or changes.graphs is None:
             return self._anew(source, graphs, rule_set, limits, written)
         return self._evaluate_again(self.memory, source, graphs, changes, rule_set, limits)
@@ -416,14 +413,9 @@ def _differing(before: Facts, after: Facts) -> set[int]:
 def _shown(memory: Memory, data: Facts) -> Facts:
     """Return the triples for the graph: those inferred, and those of rule files that no graph states."""
     found = stored(memory.inferred, memory.dictionary)
-    for predicate, keys in lacking(data, union_of(memory.graphs.values())) if len(data) else ():
-        found.add(predicate, keys)
+    if len(data):
+        absorb(found, lacking(data, union_of(memory.graphs.values())))
     return found
-
-
-def _digest(rule_set: RuleSet, names: Names) -> str:
-    """Return the digest of a set of rules and of the graphs that it leaves out."""
-    return blake2b(f"{names} {rule_set.digest}".encode(), digest_size=16).hexdigest()
 
 
 def run_files(
@@ -453,13 +445,11 @@ def run_files(
     for predicate, parts in columns.items():
         given.replace(predicate, distinct(np.concatenate(parts)))
     data = lacking(asserted, given)
-    for predicate, keys in given:
-        asserted.add(predicate, keys)
+    absorb(asserted, given)
     read = time.perf_counter()
     found = evaluate(program, dictionary, asserted, limits=limits or Limits())
     inferred = stored(found.inferred, dictionary)
-    for predicate, keys in data:
-        inferred.add(predicate, keys)
+    absorb(inferred, data)
     evaluated = time.perf_counter()
     if output is not None:
         with translated(str(output)):
@@ -479,7 +469,12 @@ def _rows(file: Path, dictionary: Dictionary, *, rename: bool) -> NDArray[np.int
         raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(file))) from error
     kind = rdf_format(file)
     found = parts_of_lines(text) if kind == RdfFormat.N_TRIPLES else None
-    return dictionary.intern_all(found or _parsed(file, text, kind, rename=rename)).reshape(-1, 3)
+    if found is not None:
+        return dictionary.intern_all(found).reshape(-1, 3)
+    try:
+        return rows_of(parse(text, kind, base_iri=file.absolute().as_uri(), rename_blank_nodes=rename), dictionary)
+    except SyntaxError as error:
+        raise GraphError("KG601", error.msg, place=Place(str(file), error.lineno, error.offset)) from error
 
 
 def rdf_format(file: Path) -> RdfFormat:
@@ -489,12 +484,3 @@ def rdf_format(file: Path) -> RdfFormat:
         hint = "The endings are .nt, .ttl, .nq, .trig, .n3, .rdf, .xml and .jsonld."
         raise UsageError("KG003", f"the ending of {file} names no format of RDF", hint=hint)
     return found
-
-
-def _parsed(file: Path, text: bytes, kind: RdfFormat, *, rename: bool) -> Iterator[bytes]:
-    """Yield the terms of a text as a store spells them."""
-    try:
-        for triple in parse(text, kind, base_iri=file.absolute().as_uri(), rename_blank_nodes=rename):
-            yield from (spell(triple.subject), spell(triple.predicate), spell(triple.object))
-    except SyntaxError as error:
-        raise GraphError("KG601", error.msg, place=Place(str(file), error.lineno, error.offset)) from error

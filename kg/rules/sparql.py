@@ -9,29 +9,41 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import BlankNode, Triple
+from pyoxigraph import Triple
 
 from kg.errors import RuleError
-from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, TripleTerm, Values, Variable
-from kg.rules.scope import binds, bound_in, mentions
+from kg.rules.form import (
+    Aggregate,
+    Assignment,
+    Atom,
+    EngineBlock,
+    Exists,
+    Filter,
+    TripleTerm,
+    Values,
+    Variable,
+    binds,
+    bound_in,
+    has_blank,
+    mentions,
+)
+from kg.syntax.names import shorten
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from pyoxigraph import NamedNode
 
     from kg.rules.form import Column, Element, Pattern, Rule, Term
 
-    Asserted: TypeAlias = Callable[[str], str]
-    """Gives the text for a triple pattern that matches only what was asserted, from that of the plain pattern."""
-
-__all__ = ["Placed", "asserted_in", "construct", "group", "outside", "select", "spelling", "substitutions", "term"]
+__all__ = ["Placed", "brief", "construct", "group", "indented", "select", "spelling", "substitutions", "term", "triple"]
 
 _MADE: Final = "_·"
 """What the spelling of a variable begins with whose name begins with `.`."""
 
+_IRI: Final = re.compile(r"<([^<>\s]+)>")
 _NEVER_FAILS: Final = re.compile(r"""\?[\w·]+|<[^<>\s]*>|-?[0-9]+(\.[0-9]+)?|"[^"\\]*\"""")
 """Expressions that have a value in every solution, as far as it shows at once: variables and terms."""
 
@@ -41,20 +53,6 @@ class Placed(Atom):
     """An atom that is read from one graph, whatever the others hold; evaluation on servers puts it into bodies."""
 
     graph: NamedNode = field(kw_only=True)
-
-
-def outside(inferred: NamedNode) -> Asserted:
-    """Express "asserted" by a graph with all inferred triples and no asserted ones."""
-    return lambda pattern: f"{pattern} FILTER NOT EXISTS {{ GRAPH {inferred} {{ {pattern} }} }}"
-
-
-def asserted_in(graph: NamedNode) -> Asserted:
-    """Express "asserted" by the one graph with all asserted triples."""
-    return lambda pattern: f"GRAPH {graph} {{ {pattern} }}"
-
-
-def _plain(pattern: str) -> str:
-    return pattern
 
 
 def spelling(variable: Variable) -> str:
@@ -76,13 +74,19 @@ def term(pattern: Pattern) -> str:
     return str(pattern)
 
 
-def group(body: Sequence[Element], *, asserted: Asserted = _plain) -> str:
+def group(body: Sequence[Element], *, inferred: NamedNode | None = None) -> str:
     """Return what is between the braces of a group that has the solutions of a body; one element a line.
 
-    `asserted` writes the atoms that match asserted triples only; without it they match inferred ones too. RuleError
-    KG209 for an atom with a blank node, which SPARQL takes for a variable.
+    `inferred` is the graph with all inferred triples and no asserted ones, against which atoms that match asserted
+    triples only are written; without it they match inferred ones too. RuleError KG209 for an atom with a blank node,
+    which SPARQL takes for a variable.
     """
-    return _Writer(asserted, {}).group(body)
+    return _Writer(inferred, {}).group(body)
+
+
+def brief(element: Element, prefixes: Mapping[str, str]) -> str:
+    """Return a part of a body on one line, its IRIs with these prefixes; RuleError KG209 as `group`."""
+    return _IRI.sub(lambda match: shorten(match[1], prefixes), " ".join(group((element,)).split()))
 
 
 def select(
@@ -90,15 +94,15 @@ def select(
     variables: Sequence[Variable],
     bindings: Mapping[Variable, Term] | None = None,
     *,
-    asserted: Asserted = _plain,
+    inferred: NamedNode | None = None,
 ) -> str:
     """Return the query for the distinct solutions of a body that agree with `bindings`, cut to `variables`.
 
     Bindings to blank nodes cannot be written: the caller gives `substitutions(bindings)` to the store's engine with
     the query, and those variables must be among `variables`. Without variables it asks for one row without columns.
     """
-    fixed = {variable: value for variable, value in (bindings or {}).items() if not _has_blank(value)}
-    text = _Writer(asserted, fixed).group(body, used=frozenset(variables))
+    fixed = {variable: value for variable, value in (bindings or {}).items() if not has_blank(value)}
+    text = _Writer(inferred, fixed).group(body, used=frozenset(variables))
     if not variables:
         return f"SELECT (1 AS ?{_MADE}one) WHERE {{\n{text}\n}} LIMIT 1"
     return f"SELECT DISTINCT {' '.join(map(spelling, variables))} WHERE {{\n{text}\n}}"
@@ -106,45 +110,41 @@ def select(
 
 def substitutions(bindings: Mapping[Variable, Term]) -> dict[str, Term]:
     """Return the bindings that `select` leaves out, by the names that it gives to the variables, without `?`."""
-    return {spelling(variable)[1:]: value for variable, value in bindings.items() if _has_blank(value)}
+    return {spelling(variable)[1:]: value for variable, value in bindings.items() if has_blank(value)}
 
 
-def construct(rule: Rule, *, asserted: Asserted = _plain) -> str:
+def construct(rule: Rule, *, inferred: NamedNode | None = None) -> str:
     """Return the CONSTRUCT query that gives what a rule derives in one application.
 
     Each distinct solution of the body gives its triples once, which matters where the head has blank nodes.
     """
-    head = " .\n".join(_triple(atom) for atom in rule.head)
-    text = _indent(group(rule.body, asserted=asserted))
-    if any(_has_blank(position) for atom in rule.head for position in atom.positions):
+    head = " .\n".join(triple(atom) for atom in rule.head)
+    text = indented(group(rule.body, inferred=inferred))
+    if any(has_blank(position) for atom in rule.head for position in atom.positions):
         names = " ".join(sorted(map(spelling, bound_in(rule.body)))) or "*"
-        text = _indent(f"{{\n  SELECT DISTINCT {names} WHERE {{\n{_indent(text)}\n  }}\n}}")
-    return f"CONSTRUCT {{\n{_indent(head)}\n}}\nWHERE {{\n{text}\n}}"
+        text = indented(f"{{\n  SELECT DISTINCT {names} WHERE {{\n{indented(text)}\n  }}\n}}")
+    return f"CONSTRUCT {{\n{indented(head)}\n}}\nWHERE {{\n{text}\n}}"
 
 
-def _has_blank(value: Pattern) -> bool:
-    if isinstance(value, Triple | TripleTerm):
-        return any(map(_has_blank, (value.subject, value.predicate, value.object)))
-    return isinstance(value, BlankNode)
-
-
-def _triple(atom: Atom) -> str:
+def triple(atom: Atom) -> str:
+    """Return a triple of a head or a body, without the full stop."""
     return " ".join(map(term, atom.positions))
 
 
-def _indent(text: str) -> str:
-    return "\n".join(f"  {line}" for line in text.split("\n"))
+def indented(text: str) -> str:
+    """Return text one step to the right."""
+    return "\n".join(f"  {line}" if line else line for line in text.split("\n"))
 
 
 def _braces(text: str) -> str:
-    return f"{{\n{_indent(text)}\n}}"
+    return f"{{\n{indented(text)}\n}}"
 
 
 class _Writer:
     """Writes one body with some variables replaced by terms, all of which SPARQL can write."""
 
-    def __init__(self, asserted: Asserted, fixed: Mapping[Variable, Term]) -> None:
-        self._asserted = asserted
+    def __init__(self, inferred: NamedNode | None, fixed: Mapping[Variable, Term]) -> None:
+        self._inferred = inferred
         self._fixed = fixed
 
     def group(self, body: Sequence[Element], used: frozenset[Variable] = frozenset()) -> str:
@@ -182,7 +182,7 @@ class _Writer:
             return self._assignment(element)
         if isinstance(element, Exists):
             seen = {variable: value for variable, value in self._fixed.items() if variable not in late}
-            inner = _Writer(self._asserted, seen).group(element.body)
+            inner = _Writer(self._inferred, seen).group(element.body)
             return f"FILTER {'NOT ' if element.negated else ''}EXISTS {_braces(inner)}"
         if isinstance(element, Values):
             return _values(element)
@@ -191,20 +191,15 @@ class _Writer:
         return self._aggregate(element)
 
     def _atom(self, atom: Atom) -> str:
-        if any(map(_has_blank, atom.positions)):
-            message = f"`{_triple(atom)}` has a blank node of the data, which SPARQL cannot write"
+        if any(map(has_blank, atom.positions)):
+            message = f"`{triple(atom)}` has a blank node of the data, which SPARQL cannot write"
             raise RuleError("KG209", message, place=atom.place, hint="Give the node a name, or write a variable.")
-        text = " ".join(term(self._replaced(position)) for position in atom.positions) + " ."
+        text = f"{triple(atom.replaced(self._fixed))} ."
         if isinstance(atom, Placed):
             return f"GRAPH {atom.graph} {{ {text} }}"
-        return self._asserted(text) if atom.asserted else text
-
-    def _replaced(self, pattern: Pattern) -> Pattern:
-        if isinstance(pattern, Variable):
-            return self._fixed.get(pattern, pattern)
-        if isinstance(pattern, TripleTerm):
-            return TripleTerm(*map(self._replaced, (pattern.subject, pattern.predicate, pattern.object)))
-        return pattern
+        if atom.asserted and self._inferred is not None:
+            return f"{text} FILTER NOT EXISTS {{ GRAPH {self._inferred} {{ {text} }} }}"
+        return text
 
     def _assignment(self, element: Assignment) -> str:
         """Write BIND, or where the variable has its value already a comparison with it.
@@ -221,7 +216,7 @@ class _Writer:
     def _aggregate(self, element: Aggregate) -> str:
         """Write a sub-SELECT; only its keys have the values of the group around it."""
         keys = frozenset(element.keys)
-        inner = _Writer(self._asserted, {key: value for key, value in self._fixed.items() if key in keys})
+        inner = _Writer(self._inferred, {key: value for key, value in self._fixed.items() if key in keys})
         columns = " ".join([*map(spelling, element.keys), *map(_column, element.columns)])
         grouped = f" GROUP BY {' '.join(map(spelling, element.keys))}" if keys else ""
         return _braces(f"SELECT {columns} WHERE {_braces(inner.group(element.body, used=keys))}{grouped}")

@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeGuard
 from pyoxigraph import BlankNode, NamedNode, Quad, Store
 
 from kg.rules.files import RuleSet
-from kg.rules.form import AUXILIARY, Atom, Filter, TripleTerm, Values, Variable, variables_of
-from kg.rules.scope import bound_in, mentions
+from kg.rules.form import Atom, Filter, Values, Variable, bound_in, is_auxiliary, mentions, variables_of
 from kg.rules.sparql import construct, select
 
 if TYPE_CHECKING:
@@ -125,12 +124,7 @@ def specialised(rule_set: RuleSet, schema: Iterable[Triple]) -> RuleSet:
 
 def _hidden(rules: Sequence[Rule]) -> frozenset[NamedNode]:
     """Return the auxiliary predicates that nothing but schema is in: paths such as `rdfs:subClassOf+`."""
-    found = {
-        atom.predicate
-        for rule in rules
-        for atom in rule.head
-        if isinstance(atom.predicate, NamedNode) and atom.predicate.value.startswith(AUXILIARY)
-    }
+    found = {atom.predicate for rule in rules for atom in rule.head if is_auxiliary(atom.predicate)}
     before = -1
     while before != len(found):
         before = len(found)
@@ -220,22 +214,12 @@ def _open(rule: Rule) -> Iterator[Variable]:
 def _instance(rule: Rule, rest: Sequence[Element], bindings: Mapping[Variable, Term]) -> Rule:
     """Return a rule with variables replaced by terms in its atoms, and bound by a row where terms are not allowed."""
     written = {variable: value for variable, value in bindings.items() if not isinstance(value, BlankNode)}
-    head = tuple(_replaced(atom, written) for atom in rule.head)
-    body = tuple(_replaced(element, written) if isinstance(element, Atom) else element for element in rest)
+    head = tuple(atom.replaced(written) for atom in rule.head)
+    body = tuple(element.replaced(written) if isinstance(element, Atom) else element for element in rest)
     left = {variable for atom in head for part in atom.positions for variable in variables_of(part)}
     needed = sorted(left.union(*map(mentions, body)) & bindings.keys(), key=str)
     row = (Values(tuple(needed), (tuple(bindings[variable] for variable in needed),)),) if needed else ()
     return replace(rule, head=head, body=(*row, *body))
-
-
-def _replaced(atom: Atom, terms: Mapping[Variable, Term]) -> Atom:
-    def term(pattern: Pattern) -> Pattern:
-        if isinstance(pattern, TripleTerm):
-            return TripleTerm(term(pattern.subject), term(pattern.predicate), term(pattern.object))
-        return terms.get(pattern, pattern) if isinstance(pattern, Variable) else pattern
-
-    subject, predicate, value = map(term, atom.positions)
-    return replace(atom, subject=subject, predicate=predicate, object=value)
 
 
 def _numbered(rules: Iterable[Rule]) -> Iterator[Rule]:

@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import NamedNode, RdfFormat, parse
 
-from kg.rules.columns import EVERYTHING, by_predicate, only
+from kg.rules.columns import EVERYTHING, by_predicate, only, rows_of
 from kg.rules.engine.facts import Facts, distinct, pack, unpack
 from kg.rules.engine.terms import Dictionary
 from kg.store.changes import Changes
-from kg.store.terms import parts_of_lines, spell
+from kg.store.terms import parts_of_lines
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from numpy.typing import NDArray
 
     from kg.rules.columns import Wanted
@@ -125,9 +123,6 @@ def _compact(dictionary: Dictionary, parts: dict[NamedNode | None, Facts]) -> Di
 def _rows(lines: bytes, dictionary: Dictionary) -> NDArray[np.int64]:
     """Return N-Triples as rows of identifiers, as a store spells the terms; blank nodes keep their labels."""
     found = parts_of_lines(lines)
-    return dictionary.intern_all(_parsed(lines) if found is None else found).reshape(-1, 3)
-
-
-def _parsed(lines: bytes) -> Iterator[bytes]:
-    for triple in parse(lines, RdfFormat.N_TRIPLES, lenient=True):
-        yield from (spell(triple.subject), spell(triple.predicate), spell(triple.object))
+    if found is None:
+        return rows_of(parse(lines, RdfFormat.N_TRIPLES, lenient=True), dictionary)
+    return dictionary.intern_all(found).reshape(-1, 3)

@@ -144,9 +144,9 @@ class Cursor:
 
     def named(self, token: Token) -> NamedNode:
         """Return the IRI that a token stands for; KG201 for an unknown prefix or a relative IRI without a base."""
-        value = self._absolute(token) if token.kind is Kind.IRI else self._expanded(token)
+        value = self._written(token) if token.kind is Kind.IRI else self._expanded(token)
         try:
-            return NamedNode(value)
+            return NamedNode(value if self.base is None else resolve(self.base, value))
         except ValueError as error:
             raise self.error(f"`{value}` is not a valid IRI: {error}", token.start) from None
 
@@ -190,14 +190,12 @@ class Cursor:
             declares = token.kind is Kind.WORD and token.text.upper() == "PREFIX"
         return list(found)
 
-    def _absolute(self, token: Token) -> str:
+    def _written(self, token: Token) -> str:
         try:
             value = unescape(token.text[1:-1])
         except ValueError:
             raise self.error("an escape in the IRI is no character", token.start) from None
-        if self.base is not None:
-            return resolve(self.base, value)
-        if not is_absolute(value):
+        if self.base is None and not is_absolute(value):
             raise self.error(
                 f"the IRI `<{value}>` is relative", token.start, hint="Declare BASE <...> or write it out."
             )

@@ -17,7 +17,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
 __all__ = [
     "END",
@@ -26,8 +26,10 @@ __all__ = [
     "as_assignment",
     "as_operator",
     "as_written",
+    "iri_of",
     "is_name",
     "normalise",
+    "quoted",
     "token_at",
     "tokens",
     "tokens_of",
@@ -154,6 +156,20 @@ def _cut(token: Token, sign: str) -> Token:
 def is_name(token: Token) -> bool:
     """Tell whether a token stands for an IRI: one in brackets, or a prefixed name."""
     return token.kind is Kind.IRI or (token.kind is Kind.NAME and not token.text.startswith("_:"))
+
+
+def iri_of(token: Token, prefixes: Mapping[str, str]) -> str | None:
+    """Return the IRI that a name stands for; None for an unknown prefix."""
+    if token.kind is Kind.IRI:
+        return token.text[1:-1]
+    prefix, _, local = token.text.partition(":")
+    return prefixes[prefix] + unescape_local(local) if prefix in prefixes else None
+
+
+def quoted(token: Token) -> tuple[int, str]:
+    """Return how many quotes a string has at each end, and what stands between them as it is written."""
+    quotes = 3 if token.text.startswith(("'''", '"""')) else 1
+    return quotes, token.text[quotes:-quotes]
 
 
 def unescape(text: str) -> str:

@@ -6,10 +6,12 @@ import re
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
+from pyoxigraph import RdfFormat, parse
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["PREFIXES", "WELL_KNOWN", "is_absolute", "resolve", "shorten"]
+__all__ = ["PREFIXES", "WELL_KNOWN", "is_absolute", "prefixed", "resolve", "shorten"]
 
 PREFIXES: Final = MappingProxyType(
     {
@@ -50,16 +52,26 @@ WELL_KNOWN: Final = MappingProxyType(
 )
 """Prefixes that a text must declare, with the namespace that they usually stand for."""
 
-_PARTS: Final = re.compile(r"(?:([^:/?#]+):)?(?://([^/?#]*))?([^?#]*)(?:\?([^#]*))?(?:#(.*))?", re.DOTALL)
+_LOCAL: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 
 
 def shorten(iri: str, prefixes: Mapping[str, str] = PREFIXES) -> str:
-    """Return `iri` as a prefixed name if one of the prefixes fits and its rest needs no escape, else in brackets."""
-    for prefix, namespace in prefixes.items():
-        local = iri.removeprefix(namespace)
-        if local != iri and local.replace("_", "").replace("-", "").isalnum() and local.isascii():
-            return f"{prefix}:{local}"
-    return f"<{iri}>"
+    """Return `iri` as a prefixed name if one of the prefixes fits (see `prefixed`), else in brackets."""
+    found = prefixed(iri, prefixes)
+    return ":".join(found) if found else f"<{iri}>"
+
+
+def prefixed(iri: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, str] | None:
+    """Return prefix and local name of an IRI, None where no prefix fits without an escape.
+
+    Of several the one with the longest namespace is taken, the empty prefix only where it has no equal.
+    """
+    fitting = (
+        (prefix, iri[len(namespace) :])
+        for prefix, namespace in prefixes.items()
+        if iri.startswith(namespace) and _LOCAL.fullmatch(iri, len(namespace))
+    )
+    return min(fitting, key=lambda one: (len(one[1]), one[0] == ""), default=None)
 
 
 def is_absolute(iri: str) -> bool:
@@ -68,49 +80,14 @@ def is_absolute(iri: str) -> bool:
 
 
 def resolve(base: str, reference: str) -> str:
-    """Return `reference` as an absolute IRI; one that is absolute stays as it is written."""
+    """Return `reference` as an absolute IRI (RFC 3986, 5.2); one that is absolute stays as it is written.
+
+    Raises ValueError for a reference that no IRI comes of.
+    """
     if is_absolute(reference):
         return reference
-    scheme, authority, path, query, _ = _split(base)
-    _, own_authority, own_path, own_query, fragment = _split(reference)
-    if own_authority is not None:
-        authority, path, query = own_authority, _without_dots(own_path or ""), own_query
-    elif not own_path:
-        query = query if own_query is None else own_query
-    else:
-        if not own_path.startswith("/"):
-            own_path = _merged(authority, path or "", own_path)
-        path, query = _without_dots(own_path), own_query
-    return (
-        f"{scheme}:"
-        + ("" if authority is None else f"//{authority}")
-        + (path or "")
-        + ("" if query is None else f"?{query}")
-        + ("" if fragment is None else f"#{fragment}")
-    )
-
-
-def _split(iri: str) -> tuple[str | None, ...]:
-    match = _PARTS.fullmatch(iri)
-    return match.groups() if match else (None, None, iri, None, None)
-
-
-def _merged(authority: str | None, path: str, own: str) -> str:
-    return f"/{own}" if authority is not None and not path else path[: path.rfind("/") + 1] + own
-
-
-def _without_dots(path: str) -> str:
-    kept: list[str] = []
-    segments = path.split("/")
-    for number, segment in enumerate(segments):
-        last = number == len(segments) - 1
-        if segment == "..":
-            if len(kept) > 1 or (kept and kept[0]):
-                kept.pop()
-            if last:
-                kept.append("")
-        elif segment != ".":
-            kept.append(segment)
-        elif last:
-            kept.append("")
-    return "/".join(kept)
+    try:
+        (quad,) = parse(f"<{reference}> <x:> <x:> .", RdfFormat.TURTLE, base_iri=base)
+    except SyntaxError as error:
+        raise ValueError(error.msg) from error
+    return str(quad.subject)[1:-1]

@@ -464,8 +464,8 @@ class Patterns(Triples):
             return self._union()
         readers: dict[str, Callable[[], Node]] = {
             "FILTER": self._filter,
-            "OPTIONAL": self._optional,
-            "MINUS": self._minus,
+            "OPTIONAL": lambda: self._braced(Optional),
+            "MINUS": lambda: self._braced(Minus),
             "VALUES": self._values,
             "GRAPH": self._graph,
         }
@@ -487,13 +487,9 @@ class Patterns(Triples):
         outside = [token.text for token in self.consumed[first:] if not _within(token.start, node)]
         return filter_of(node, outside)
 
-    def _optional(self) -> Node:
+    def _braced(self, kind: type[Optional | Minus]) -> Node:
         start = self.advance().start
-        return Optional(self.group(), self.span(start))
-
-    def _minus(self) -> Node:
-        start = self.advance().start
-        return Minus(self.group(), self.span(start))
+        return kind(self.group(), self.span(start))
 
     def _values(self) -> Node:
         start = self.advance().start

@@ -1,17 +1,22 @@
-"""Prints a text of SPARQL again with some of its tokens spelt differently; all else stays as it is written."""
+"""Prints paths, and a text of SPARQL again with some of its tokens spelt differently."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from pyoxigraph import NamedNode
+
 from kg.syntax.lexer import Kind, tokens_of
+from kg.syntax.terms import Variable
+from kg.syntax.tree import Alternative, Inverse, Negated, Sequence
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from kg.syntax.lexer import Token
+    from kg.syntax.tree import Path
 
-__all__ = ["renamed", "respelt"]
+__all__ = ["path_text", "renamed", "respelt"]
 
 
 def respelt(text: str, spelling: Callable[[Token], str | None]) -> str:
@@ -33,3 +38,21 @@ def renamed(text: str, names: Mapping[str, str]) -> str:
         return None if new is None else f"?{new}"
 
     return respelt(text, spelling)
+
+
+def path_text(path: Path, name: Callable[[NamedNode | Variable], str]) -> str:
+    """Return a path as SPARQL text; `name` gives the text of predicates."""
+    if isinstance(path, NamedNode | Variable):
+        return name(path)
+    if isinstance(path, Negated):
+        return f"!({'|'.join([*map(name, path.forward), *(f'^{name(one)}' for one in path.backward)])})"
+    if isinstance(path, Sequence | Alternative):
+        return ("/" if isinstance(path, Sequence) else "|").join(_inner(part, name) for part in path.parts)
+    if isinstance(path, Inverse):
+        return f"^{_inner(path.path, name)}"
+    return f"{_inner(path.path, name)}{('+' if path.least else '*') if path.many else '?'}"
+
+
+def _inner(path: Path, name: Callable[[NamedNode | Variable], str]) -> str:
+    text = path_text(path, name)
+    return text if isinstance(path, NamedNode | Variable | Negated) else f"({text})"

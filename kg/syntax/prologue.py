@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Final
 
 from kg.syntax.lexer import tokens
@@ -9,10 +10,16 @@ from kg.syntax.lexer import tokens
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["declaration"]
+__all__ = ["declaration", "declared"]
 
+_PREFIX: Final = re.compile(r"@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.IGNORECASE)
 _LENGTHS: Final = {"prefix": 3, "base": 2, "@prefix": 4, "@base": 3}
 """How many tokens a declaration has that begins with these."""
+
+
+def declared(text: str) -> dict[str, str]:
+    """Return the prefixes that a text of SPARQL or Turtle declares anywhere, also one with errors elsewhere."""
+    return dict(_PREFIX.findall(text))
 
 
 def declaration(text: str, prefixes: Mapping[str, str], *, turtle: bool = False) -> tuple[int, str]:

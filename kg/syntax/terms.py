@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
+from pyoxigraph import BlankNode, Triple
+
 from kg.store.terms import Term
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
-__all__ = ["Pattern", "Term", "TripleTerm", "Variable", "variables_of"]
+__all__ = ["Pattern", "Term", "TripleTerm", "Variable", "has_blank", "replaced", "variables_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +37,10 @@ class TripleTerm:
     predicate: Pattern
     object: Pattern
 
+    def __iter__(self) -> Iterator[Pattern]:
+        """Yield subject, predicate and object, as a triple of pyoxigraph does."""
+        return iter((self.subject, self.predicate, self.object))
+
 
 Pattern: TypeAlias = Term | Variable | TripleTerm
 """What may stand in a position of an atom. A blank node in a body is a constant (a term of the data): those that a
@@ -46,5 +52,17 @@ def variables_of(pattern: Pattern) -> Iterator[Variable]:
     if isinstance(pattern, Variable):
         yield pattern
     elif isinstance(pattern, TripleTerm):
-        for inner in (pattern.subject, pattern.predicate, pattern.object):
+        for inner in pattern:
             yield from variables_of(inner)
+
+
+def replaced(pattern: Pattern, by: Mapping[Variable, Pattern]) -> Pattern:
+    """Return a pattern with other patterns in the place of some variables."""
+    if isinstance(pattern, Variable):
+        return by.get(pattern, pattern)
+    return TripleTerm(*(replaced(inner, by) for inner in pattern)) if isinstance(pattern, TripleTerm) else pattern
+
+
+def has_blank(pattern: Pattern) -> bool:
+    """Return whether a pattern is a blank node or has one in it."""
+    return any(map(has_blank, pattern)) if isinstance(pattern, Triple | TripleTerm) else isinstance(pattern, BlankNode)

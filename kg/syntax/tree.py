@@ -44,7 +44,7 @@ __all__ = [
     "TriplePattern",
     "Union",
     "ValuesBlock",
-    "mentioned",
+    "groups_of",
     "visible",
 ]
 
@@ -279,20 +279,14 @@ class RuleUnit:
     prefixes: dict[str, str]
 
 
+def groups_of(node: Exists | Optional | Minus | Union | GraphBlock) -> tuple[Group, ...]:
+    """Return the groups that a node is made of."""
+    return node.groups if isinstance(node, Union) else (node.group,)
+
+
 def visible(nodes: Iterable[Node]) -> set[str]:
     """Return the names of the variables that may be bound behind `nodes`, those of blank nodes too."""
     return {name for node in nodes for name in _names(node)}
-
-
-def mentioned(nodes: Iterable[Node]) -> set[str]:
-    """Return the names of all variables in the triples, filters and assignments of `nodes`, those inside NOT too."""
-    found = visible(nodes := list(nodes))
-    for node in nodes:
-        if isinstance(node, Exists):
-            found |= mentioned(node.group.nodes)
-        elif isinstance(node, Filter | Bind):
-            found.update(node.expression.variables)
-    return found
 
 
 def _names(node: Node) -> Iterator[str]:
@@ -301,12 +295,10 @@ def _names(node: Node) -> Iterator[str]:
             yield node.predicate.name
         for part in (node.subject, node.object):
             yield from (variable.name for variable in variables_of(part))
-    elif isinstance(node, Optional | GraphBlock):
+    elif isinstance(node, Optional | GraphBlock | Union):
         if isinstance(node, GraphBlock) and isinstance(node.name, Variable):
             yield node.name.name
-        yield from visible(node.group.nodes)
-    elif isinstance(node, Union):
-        for group in node.groups:
+        for group in groups_of(node):
             yield from visible(group.nodes)
     elif isinstance(node, Bind):
         yield node.variable.name

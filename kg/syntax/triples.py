@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Triple
 
 from kg.syntax.cursor import Cursor
-from kg.syntax.lexer import Kind, Token, unescape
+from kg.syntax.lexer import Kind, Token, quoted, unescape
 from kg.syntax.terms import TripleTerm, Variable
 from kg.syntax.tree import Alternative, Inverse, Negated, Repeat, Sequence, TriplePattern
 
@@ -155,9 +155,8 @@ class Triples(Cursor):
         if self.token.kind is not Kind.STRING:
             raise self.expected("a string")
         token = self.advance()
-        quotes = 3 if token.text.startswith(_LONG_QUOTES) else 1
         try:
-            return unescape(token.text[quotes:-quotes])
+            return unescape(quoted(token)[1])
         except ValueError:
             raise self.error("an escape in the string is no character", token.start) from None
 

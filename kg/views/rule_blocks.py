@@ -16,10 +16,9 @@ from kg.rules.authoring.naming import find_rule
 from kg.rules.blocks.read import read
 from kg.rules.blocks.tree import FAMILY, Rule
 from kg.rules.blocks.write import write
-from kg.rules.checks import examples_missing
 from kg.rules.checks.finding import from_error
+from kg.rules.checks.firing import StoreOf
 from kg.rules.checks.run import beside, check_file
-from kg.rules.checks.stores import StoreOf
 from kg.rules.explain.view import View
 from kg.rules.files import RuleSet
 from kg.rules.reading import read_text
@@ -122,7 +121,7 @@ def blocks_try(  # noqa: PLR0913 - a rule in one of two forms, and how much is t
     begin = time.perf_counter()
     shown, written, _ = _given(rule, text, name)
     file = _read(written.text if written else text, shown.name if shown else name or f"{FAMILY}/rule")
-    view = View(snapshot, explained_vocabulary(settings), file.rules, prefixes=dict(file.prefixes or {}))
+    view = View(snapshot, explained_vocabulary(settings), file.rules, prefixes=file.prefixes)
     most = min(max(whole(str(limit), 50), 1), _MOST)
     found = trial(view, file, most)
     telling = Telling(view, RuleSet((file,)), places(snapshot), settings.base)
@@ -169,7 +168,7 @@ def _findings(snapshot: EmbeddedSnapshot, settings: Settings, text: str, name: s
     context = _context(snapshot, settings)
     others = (one for one in context.rules.files if one.name != name)
     context = beside(RuleSet((*others, file)), context)
-    found = [one for one in check_file(file, context) if one.code != examples_missing.CODE]
+    found = [one for one in check_file(file, context) if one.code != "KG219"]
     return [*_cycles(context, name), *found]
 
 

@@ -15,11 +15,9 @@ from kg.rules.authoring.spelling import spell_triple
 from kg.rules.authoring.testing import run_example
 from kg.rules.dependencies import depends, reads
 from kg.rules.engine.heads import made_node
-from kg.rules.explain.closures import is_auxiliary
 from kg.rules.explain.derivations import bound_by, derivation_of
 from kg.rules.explain.unify import instance
-from kg.rules.form import Exists
-from kg.rules.scope import bound_in, mentions
+from kg.rules.form import Exists, bound_in, is_auxiliary, mentions
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
@@ -166,7 +164,7 @@ def examples(file: RuleFile, found: Sequence[Found]) -> str:
 
 
 def _page(file: RuleFile, derivation: Derivation) -> str:
-    prefixes = {**PREFIXES, **(file.prefixes or {})}
+    prefixes = file.known_prefixes
     heads = [fact for head in derivation.rule.head if (fact := instance(head, derivation.bindings))]
     given = _statements(derivation.facts, prefixes)
     expected = _statements(heads, prefixes)

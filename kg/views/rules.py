@@ -19,7 +19,7 @@ from kg.rules.authoring.naming import find_rule
 from kg.rules.dependencies import writes
 from kg.rules.explain.view import View
 from kg.rules.files import Documentation
-from kg.rules.form import AUXILIARY
+from kg.rules.form import is_auxiliary
 from kg.rules.recording import Names
 from kg.store.opening import layout_of
 from kg.syntax.names import PREFIXES, shorten
@@ -142,7 +142,7 @@ def _listed(library: Library, entry: Entry, costs: Mapping[str, Any]) -> dict[st
         told = library.read(entry.name).documentation
     except RuleError as problem:
         error, told = problem, _header(entry)
-    return {**entry_object(entry, told, error), "sections": dict(told.sections or {}), **_cost(entry.name, costs)}
+    return {**entry_object(entry, told, error), "sections": dict(told.sections), **_cost(entry.name, costs)}
 
 
 def _header(entry: Entry) -> Documentation:
@@ -210,7 +210,7 @@ def _heads(file: RuleFile) -> dict[str, str]:
     """Return the kinds of triples that a rule derives, spelt, each with the pattern that matches them."""
     found: dict[str, str] = {}
     for atom in (atom for one in file.rules for atom in writes(one)):
-        if isinstance(atom.predicate, NamedNode) and not atom.predicate.value.startswith(AUXILIARY):
+        if isinstance(atom.predicate, NamedNode) and not is_auxiliary(atom.predicate):
             kind, pattern = _pattern(atom)
             found.setdefault(kind, pattern)
     return dict(list(found.items())[:_HEADS])

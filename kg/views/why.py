@@ -117,7 +117,7 @@ def explaining(
     errors are added to `broken`.
     """
     rules = rules_in_force(settings, [] if broken is None else broken, cache=cache)
-    prefixes = {name: iri for file in rules.files for name, iri in (file.prefixes or {}).items()} | PREFIXES
+    prefixes = {name: iri for file in rules.files for name, iri in file.prefixes.items()} | PREFIXES
     return rules, View(snapshot, explained_vocabulary(settings), rules.rules, prefixes=prefixes)
 
 

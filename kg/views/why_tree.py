@@ -115,7 +115,7 @@ class Telling:
 
     def _rule(self, rule: Rule) -> dict[str, Any]:
         file = self._files.get(rule.name)
-        sections = (file.documentation.sections or {}) if file else {}
+        sections = file.documentation.sections if file else {}
         return {
             "name": rule.name,
             "title": file.documentation.title if file else "",

@@ -51,7 +51,7 @@ def test_rules_are_kept_uncut_beside_those_that_are_cut(tmp_path: Path, shipped:
     loaded = compiled.load(tmp_path, "mark", cut=False)
     assert loaded == saved
     assert (loaded.rules, loaded.data, loaded.strata) == (uncut.rules, uncut.data, ())
-    assert loaded.files[0].prefixes == {name: iri for one in uncut.files for name, iri in (one.prefixes or {}).items()}
+    assert loaded.files[0].prefixes == {name: iri for one in uncut.files for name, iri in one.prefixes.items()}
     kept = compiled.load(tmp_path, "mark")
     assert kept is not None
     assert kept.rules == shipped.rules

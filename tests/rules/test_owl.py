@@ -79,7 +79,7 @@ def test_the_rules_in_force_are_those_that_the_ontologies_need() -> None:
 
 def test_the_whole_profile_is_there() -> None:
     """The tables of the profile have 78 rules; the three about literals as subjects cannot be stated in RDF."""
-    tables = [re.search(r"table (\d)", (file.documentation.sections or {})["References"]) for file in profile().files]
+    tables = [re.search(r"table (\d)", file.documentation.sections["References"]) for file in profile().files]
     counted = [int(found[1]) for found in tables if found]
     assert [counted.count(table) for table in range(4, 10)] == [9, 20, 19, 5, 2, 20]
 

@@ -72,7 +72,6 @@ def _found(
     settings: "Settings", names: list[str], seconds: float | None, *, every: bool
 ) -> "tuple[list[Finding], int]":
     from kg.pipeline.reasoning import check_context, rule_folders  # noqa: PLC0415 - start-up time
-    from kg.rules.checks.choosing import outside  # noqa: PLC0415 - start-up time
     from kg.rules.checks.run import check as run  # noqa: PLC0415 - start-up time
     from kg.rules.checks.run import read_all  # noqa: PLC0415 - start-up time
     from kg.rules.folders import families_in_force  # noqa: PLC0415 - start-up time
@@ -81,7 +80,7 @@ def _found(
     folders, installed = rule_folders(settings), packs()
     families = families_in_force(settings)
     found = read_all(folders, installed, families)
-    others = outside(found, names)
+    others = found.outside(names)
     found = read_all([*folders, *others], installed, families) if others else found
     wanted = _wanted(found, names, every=every)
     with ExitStack() as stack:
@@ -96,14 +95,13 @@ def _found(
 def _wanted(found: "Read", names: list[str], *, every: bool) -> list[str]:
     """Return the names of the rules that are meant by names, families and files."""
     from kg.resources import folder  # noqa: PLC0415 - start-up time
-    from kg.rules.checks.choosing import named, others_than  # noqa: PLC0415 - start-up time
 
     known = dict(found.paths)
     if not names:
-        return (not every and list(dict.fromkeys(others_than(found, folder("rules"))))) or list(known)
+        return (not every and list(dict.fromkeys(found.others_than(folder("rules"))))) or list(known)
     wanted: list[str] = []
     for name in names:
-        chosen = named(found, name)
+        chosen = found.named(name)
         if not chosen:
             raise unknown("rule", name, known, otherwise="`kg rules list` lists the rules.")
         wanted += chosen

@@ -37,7 +37,6 @@ def compile_rule(
     from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.manual import manual  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.naming import find_rule  # noqa: PLC0415 - start-up time
-    from kg.syntax.names import PREFIXES  # noqa: PLC0415 - start-up time
 
     if to not in _FORMS:
         raise UsageError("KG003", f"unknown notation `{to}`", hint=f"Use one of {', '.join(_FORMS)}.")
@@ -45,7 +44,7 @@ def compile_rule(
     library = Library.of(settings)
     entry = find_rule(library, name)
     file = library.read(entry.name)
-    prefixes = {**PREFIXES, **(file.prefixes or {})}
+    prefixes = file.known_prefixes
     if to == "form":
         strata = manual(library, entry, ontology_schema(settings)).strata
         text = printing.to_form(file.rules, prefixes, strata)

@@ -157,8 +157,7 @@ def _agree(
 
 def _show(report: "RunReport", *, verbose: bool, json: bool) -> None:
     from kg.cli.rules_view import run_words, share_rows  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.runs import run_objects  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.shares import shares  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.runs import run_objects, shares  # noqa: PLC0415 - start-up time
 
     changes = shares(report)
     if json:

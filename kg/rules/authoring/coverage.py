@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kg.rules.authoring.elements import element_place, spell_element, spell_head
 from kg.rules.authoring.firing import fire, holds
-from kg.syntax.names import PREFIXES
+from kg.rules.authoring.spelling import spell_element, spell_head
+from kg.rules.form import place_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -72,7 +72,7 @@ def cover(
     tried = bench.infer(files, limits)
     found = []
     for file in chosen or files:
-        prefixes = {**PREFIXES, **(file.prefixes or {})}
+        prefixes = file.known_prefixes
         firings = list(fire(file.rules, bench.dictionary, tried.asserted, tried.known))
         gaps = tuple(gap for firing in firings for gap in _gaps(firing, tried, bench, prefixes))
         parts = sum(len(rule.body) + len(rule.head) for rule in file.rules)
@@ -86,7 +86,7 @@ def _gaps(firing: Firing, tried: Try, bench: Workbench, prefixes: Mapping[str, s
     first = len(rule.body) if any(len(head) for head in firing.heads) else _stop(rule, tried, bench)
     for number, element in enumerate(rule.body[first:]):
         kind = "behind" if number else "element"
-        yield Gap(kind, spell_element(element, prefixes), element_place(element, rule), rule.part)
+        yield Gap(kind, spell_element(element, prefixes), place_of(element) or rule.place, rule.part)
     for head, facts in zip(rule.head, firing.heads, strict=True):
         if not len(facts):
             yield Gap("head", spell_head(head, prefixes), head.place or rule.place, rule.part)

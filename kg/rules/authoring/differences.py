@@ -13,9 +13,9 @@ from kg.rules.authoring.memory import triples_of
 from kg.rules.authoring.spelling import common_prefixes, spell_term
 from kg.rules.columns import union_of
 from kg.rules.dependencies import depends
-from kg.rules.engine.facts import Facts, intersection
+from kg.rules.engine.facts import Facts, intersection, lacking
 from kg.rules.form import Atom
-from kg.rules.lines import lacking, stored
+from kg.rules.lines import stored
 from kg.rules.stratify import edges
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def difference(
         others = bench.infer([file for file in files if file.name not in names], limits)
         come = lacking(come, others.outcome.inferred)
     common = common_prefixes(files)
-    prefixes = {file.name: {**common, **(file.prefixes or {})} for file in files}
+    prefixes = {file.name: {**common, **file.prefixes} for file in files}
     changes = [
         Changed(sign, triple, rules, prefixes[rules[0]] if rules else common)
         for sign, triple, rules in (*_added(bench, tried, come), *_removed(bench, tried, gone))

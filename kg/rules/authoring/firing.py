@@ -6,15 +6,13 @@ import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from pyoxigraph import NamedNode
-
 from kg.rules.engine.blocks import Blocks
 from kg.rules.engine.expressions import Expressions
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver, View, Workshop
-from kg.rules.form import AUXILIARY
+from kg.rules.form import is_auxiliary
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -69,15 +67,10 @@ class _Watched(Solver):
 class _Bench:
     """State shared by applications of rules over one dictionary."""
 
-    def __init__(self, rules: Iterable[Rule], dictionary: Dictionary, limits: Limits | None) -> None:
+    def __init__(self, rules: Iterable[Rule], dictionary: Dictionary) -> None:
         predicates = {atom.predicate for rule in rules for atom in rule.head}
-        hidden = frozenset(
-            dictionary.intern_term(predicate)
-            for predicate in predicates
-            if isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)
-        )
-        clock = Clock(limits or Limits())
-        self.shop = Workshop(dictionary, Expressions(dictionary), Blocks(dictionary), clock, hidden)
+        hidden = frozenset(dictionary.intern_term(predicate) for predicate in predicates if is_auxiliary(predicate))
+        self.shop = Workshop(dictionary, Expressions(dictionary), Blocks(dictionary), Clock(Limits()), hidden)
 
     def plan(self, rule: Rule) -> RulePlan:
         """Return the plan of a rule."""
@@ -88,12 +81,10 @@ def _view(rule_plan: RulePlan, asserted: Facts, known: Facts) -> View:
     return View([asserted if source.asserted else known for source in rule_plan.sources])
 
 
-def fire(
-    rules: Iterable[Rule], dictionary: Dictionary, asserted: Facts, known: Facts, limits: Limits | None = None
-) -> Iterator[Firing]:
+def fire(rules: Iterable[Rule], dictionary: Dictionary, asserted: Facts, known: Facts) -> Iterator[Firing]:
     """Yield the firing of each rule applied to `known`, which includes `asserted`."""
     every = list(rules)
-    bench = _Bench(every, dictionary, limits)
+    bench = _Bench(every, dictionary)
     for rule in every:
         begin = time.perf_counter()
         bench.shop.clock.rule = str(rule)
@@ -109,7 +100,7 @@ def fire(
 
 def holds(rule: Rule, body: tuple[Element, ...], dictionary: Dictionary, asserted: Facts, known: Facts) -> bool:
     """Return whether a part of the body of a rule has a solution."""
-    bench = _Bench([rule], dictionary, None)
+    bench = _Bench([rule], dictionary)
     rule_plan = bench.plan(replace(rule, head=(), body=body))
     solver = Solver(bench.shop, _view(rule_plan, asserted, known))
     return any(table.rows for table in solver.solutions(rule_plan.body, frozenset()))

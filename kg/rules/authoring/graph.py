@@ -11,7 +11,7 @@ from pyoxigraph import NamedNode
 from kg.render.flow_picture import Box, Flow, draw_flow
 from kg.rules.authoring.spelling import common_prefixes, spell_term
 from kg.rules.dependencies import depends, reads, writes
-from kg.rules.form import AUXILIARY, Variable
+from kg.rules.form import Variable, is_auxiliary
 from kg.rules.specialise import specialise
 from kg.rules.stratify import edges, stratify
 from kg.syntax.names import PREFIXES
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Atom, Rule
 
-__all__ = ["RuleGraph", "RuleNode", "graph_objects", "graph_picture", "is_inner", "mermaid", "rule_graph", "spell_atom"]
+__all__ = ["RuleGraph", "RuleNode", "graph_objects", "graph_picture", "mermaid", "rule_graph", "spell_atom"]
 
 _TYPE: Final = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
 _ANY_PROPERTY: Final = "any property"
@@ -100,7 +100,11 @@ def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> Rule
     for number, needs in enumerate(edges(rules)):
         for writer in needs:
             for head, read in _joined(rules[writer], rules[number]):
-                term = f"steps of {rules[writer].name}" if is_inner(head) else _passed(head, read.atom, prefixes)
+                term = (
+                    f"steps of {rules[writer].name}"
+                    if is_auxiliary(head.predicate)
+                    else _passed(head, read.atom, prefixes)
+                )
                 derives[writer, term] = None
                 readers[term, number] = readers.get((term, number), False) or read.negated
     return RuleGraph(
@@ -149,11 +153,6 @@ def _passed(head: Atom, read: Atom, prefixes: Mapping[str, str]) -> str:
         return _ANY_PROPERTY
     open_class = read.predicate == _TYPE and isinstance(read.object, Variable)
     return _ANY_CLASS if open_class else spell_atom(head, prefixes)
-
-
-def is_inner(atom: Atom) -> bool:
-    """Return whether an atom has a predicate that decomposition introduced, which passes between rules of one file."""
-    return isinstance(atom.predicate, NamedNode) and atom.predicate.value.startswith(AUXILIARY)
 
 
 def spell_atom(atom: Atom, prefixes: Mapping[str, str] = PREFIXES) -> str:

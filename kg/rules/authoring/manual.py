@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from kg.errors import RuleError
 from kg.rules.authoring.examples import read_examples
-from kg.rules.authoring.graph import RuleGraph, is_inner, rule_graph, spell_atom
+from kg.rules.authoring.graph import RuleGraph, rule_graph, spell_atom
 from kg.rules.dependencies import reads, writes
 from kg.rules.files import HEADINGS, NOTATIONS
-from kg.rules.form import atoms_of
+from kg.rules.form import atoms_of, is_auxiliary
 from kg.rules.header import parse_header
-from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -49,7 +48,7 @@ class Manual:
     @property
     def sections(self) -> list[tuple[str, str]]:
         """The headings of the documentation with their text, in their order."""
-        written = self.file.documentation.sections or {}
+        written = self.file.documentation.sections
         return [(heading, written[heading]) for heading in HEADINGS if heading in written]
 
     @property
@@ -66,7 +65,7 @@ def manual(library: Library, entry: Entry, schema: Iterable[Triple] = (), known:
     `known` is the graph of the rules in force, if the caller has it.
     """
     file = library.read(entry.name)
-    prefixes = {**PREFIXES, **(file.prefixes or {})}
+    prefixes = file.known_prefixes
     atoms = list(_atoms(file))
     absent = _spelt((atom for atom, negated in atoms if negated), prefixes)
     graph, problem = _graph(library, schema) if known is None else (known, None)
@@ -94,7 +93,7 @@ def _atoms(file: RuleFile) -> Iterator[tuple[Atom, bool]]:
 
 
 def _spelt(atoms: Iterable[Atom], prefixes: Mapping[str, str]) -> tuple[str, ...]:
-    return tuple(sorted({spell_atom(atom, prefixes) for atom in atoms if not is_inner(atom)}))
+    return tuple(sorted({spell_atom(atom, prefixes) for atom in atoms if not is_auxiliary(atom.predicate)}))
 
 
 def _graph(library: Library, schema: Iterable[Triple]) -> tuple[RuleGraph, RuleError | None]:

@@ -6,9 +6,9 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kg.rules.authoring.elements import element_place, spell_element
 from kg.rules.authoring.firing import fire
-from kg.syntax.names import PREFIXES
+from kg.rules.authoring.spelling import spell_element
+from kg.rules.form import place_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -97,11 +97,11 @@ def _elements(file: RuleFile, tried: Try, bench: Workbench, detailed: Sequence[s
     """Return the elements of a file's rules as they are written, not as they are cut to a schema."""
     if file.name not in detailed:
         return ()
-    prefixes = {**PREFIXES, **(file.prefixes or {})}
+    prefixes = file.known_prefixes
     found: list[ElementProfile] = []
     for firing in fire(file.rules, bench.dictionary, tried.asserted, tried.known):
         for number, element in enumerate(firing.rule.body):
-            text, place = spell_element(element, prefixes), element_place(element, firing.rule)
+            text, place = spell_element(element, prefixes), place_of(element) or firing.rule.place
             found.append(_element(text, place, firing.rule.part, firing.passages.get(number)))
     return tuple(found)
 

@@ -116,7 +116,7 @@ def _other(library: Library, name: str, place: Place) -> RuleFile:
 
 
 def _judged(file: RuleFile, example: Example, program: Program, data: tuple[Triple, ...], begin: float) -> Result:
-    prefixes = {**(file.prefixes or {}), **example.prefixes}
+    prefixes = {**file.prefixes, **example.prefixes}
     given = (*example.given, *data)
     inferred, _ = infer(program, given, _LIMITS)
     world = world_of(given, inferred)

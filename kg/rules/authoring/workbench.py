@@ -7,12 +7,10 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import RdfFormat, parse
 
-from kg.rules.columns import EVERYTHING, Wanted, read_columns, union_of, wanted
+from kg.rules.columns import EVERYTHING, Wanted, read_columns, stated, union_of, wanted
 from kg.rules.engine.evaluate import Program, evaluate
-from kg.rules.engine.facts import Facts
+from kg.rules.engine.facts import Facts, lacking
 from kg.rules.engine.terms import Dictionary
-from kg.rules.lines import lacking
-from kg.rules.patches import stated
 from kg.rules.specialise import schema_pattern, specialise
 
 if TYPE_CHECKING:
@@ -76,8 +74,7 @@ class Workbench:
     @property
     def _graphs(self) -> list[NamedNode | None]:
         """The graphs of asserted triples."""
-        hidden = {self.names.inferred, self.names.builds}
-        return [None, *(graph for graph in self.snapshot.graphs() if graph not in hidden)]
+        return self.names.read_by_rules(self.snapshot.graphs())
 
     def infer(self, files: Sequence[RuleFile], limits: Limits | None = None) -> Try:
         """Return the inferences of the rules of some files; the last are cached. Raises what `evaluate` raises."""

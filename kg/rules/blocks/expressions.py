@@ -24,7 +24,8 @@ from kg.rules.blocks.tree import (
     Thing,
     Truth,
 )
-from kg.syntax.lexer import END, Kind, as_operator, token_at, unescape
+from kg.rules.decompose.expressions import bare
+from kg.syntax.lexer import END, Kind, as_operator, quoted, token_at, tokens_of, unescape
 
 if TYPE_CHECKING:
     from kg.rules.blocks.tree import Test, Value
@@ -38,7 +39,6 @@ _WORDS: Final = {"||": "or", "&&": "and"}
 _TESTS: Final = (Compare, Match, Known, Logic, Not, Says)
 _MATCHES: Final = frozenset(get_args(get_type_hints(Match)["how"]))
 _FUNCTIONS: Final = frozenset(get_args(get_type_hints(Of)["function"]))
-_LONG: Final = ('"""', "'''")
 
 
 class _NoBlock(Exception):  # noqa: N818 - no error: there is only no block for it
@@ -58,9 +58,10 @@ def value_of(text: str) -> Value:
 
 
 def formula(text: str) -> str:
-    """Return an expression without the brackets around all of it, and without comments."""
-    parser = _Parser(text)
-    return parser.inside()
+    """Return an expression without the brackets around all of it, and without comments; lines are joined."""
+    kept = tokens_of(bare(text))
+    spaced = zip([None, *kept], kept, strict=False)
+    return "".join((" " if one and one.end < other.start else "") + other.text for one, other in spaced)
 
 
 def _parsed(text: str) -> Test | Value | None:
@@ -76,17 +77,6 @@ class _Parser:
     def __init__(self, text: str) -> None:
         self.text = text
         self.token = token_at(text, 0)
-
-    def inside(self) -> str:
-        """Return the text in brackets that are around all of it, else all of the text; lines are joined."""
-        pieces: list[Token] = []
-        while self.token.text != END:
-            pieces.append(self._advance())
-        wrapped = _closing(pieces) == len(pieces) - 1
-        first, last = (1, -1) if wrapped else (0, None)
-        kept = pieces[first:last]
-        spaced = zip([None, *kept], kept, strict=False)
-        return "".join((" " if one and one.end < other.start else "") + other.text for one, other in spaced)
 
     def level(self, level: int) -> Test | Value:
         """Read operands and the operators between them that bind at least as much as those of a level."""
@@ -153,8 +143,7 @@ class _Parser:
         return Number(value=sign + digits)
 
     def _string(self, token: Token) -> Text:
-        quotes = 3 if token.text.startswith(_LONG) else 1
-        content = unescape(token.text[quotes:-quotes])
+        content = unescape(quoted(token)[1])
         if self.token.kind is Kind.TAG:
             return Text(value=content, language=self._advance().text[1:])
         if self._accept("^^"):
@@ -184,16 +173,6 @@ class _Parser:
                 self._expect(",")
             found.append(self.level(0))
         return found
-
-
-def _closing(pieces: list[Token]) -> int:
-    """Return the index of the bracket that closes the first one; -1 if there is none."""
-    depth = 0
-    for number, piece in enumerate(pieces):
-        depth += (piece.text == "(") - (piece.text == ")")
-        if depth == 0:
-            return number or -1
-    return -1
 
 
 def _test(found: Test | Value) -> Test:

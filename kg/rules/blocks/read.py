@@ -30,14 +30,14 @@ from kg.rules.blocks.tree import (
     Thing,
     Truth,
 )
-from kg.rules.blocks.write import SECTIONS, inferred, name_of, namespace
+from kg.rules.blocks.write import SECTIONS, inferred, namespace
 from kg.rules.form import Variable
 from kg.rules.header import parse_header
 from kg.syntax import tree
 from kg.syntax.lexer import Kind, normalise, tokens_of
-from kg.syntax.names import PREFIXES
+from kg.syntax.names import PREFIXES, shorten
 from kg.syntax.parser import parse_rq
-from kg.syntax.printer import renamed
+from kg.syntax.printer import path_text, renamed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -73,7 +73,7 @@ def read(text: str, name: str, path: str = "") -> Rule:
     own = {"my": namespace(blank), **PREFIXES}
     prefixes = {prefix: iri for prefix, iri in unit.prefixes.items() if own.get(prefix) != iri}
     reader = _Reader(text, path, {**own, **prefixes})
-    sections = header.sections or {}
+    sections = header.sections
     said = {member: sections.get(heading, "") for member, heading in SECTIONS.items()}
     found = Rule(
         name=name,
@@ -148,35 +148,19 @@ class _Reader:
     def _fact(self, node: tree.TriplePattern) -> Fact | Is:
         subject = self._term(node.subject)
         if node.predicate == _TYPE and isinstance(node.object, NamedNode):
-            return Is(subject=subject, kind=name_of(node.object, self._prefixes))
-        return Fact(subject=subject, property=self._path_of(node.predicate), object=self._term(node.object))
+            return Is(subject=subject, kind=shorten(node.object.value, self._prefixes))
+        return Fact(
+            subject=subject, property=path_text(node.predicate, self._predicate), object=self._term(node.object)
+        )
 
-    def _path_of(self, path: tree.Path) -> str:
-        if isinstance(path, Variable):
-            return f"?{self._name(path)}"
-        if isinstance(path, NamedNode):
-            return name_of(path, self._prefixes)
-        if isinstance(path, tree.Inverse):
-            return f"^{self._inner(path.path)}"
-        if isinstance(path, tree.Sequence):
-            return "/".join(map(self._inner, path.parts))
-        if isinstance(path, tree.Alternative):
-            return "|".join(map(self._inner, path.parts))
-        if isinstance(path, tree.Repeat):
-            sign = ("+" if path.least else "*") if path.many else "?"
-            return f"{self._inner(path.path)}{sign}"
-        parts = [*map(self._path_of, path.forward), *(f"^{self._path_of(one)}" for one in path.backward)]
-        return f"!({'|'.join(parts)})"
-
-    def _inner(self, path: tree.Path) -> str:
-        text = self._path_of(path)
-        return text if isinstance(path, NamedNode | Variable | tree.Negated) else f"({text})"
+    def _predicate(self, one: NamedNode | Variable) -> str:
+        return f"?{self._name(one)}" if isinstance(one, Variable) else shorten(one.value, self._prefixes)
 
     def _term(self, term: object) -> Term:
         if isinstance(term, Variable):
             return Thing(name=self._name(term))
         if isinstance(term, NamedNode):
-            return Name(name=name_of(term, self._prefixes))
+            return Name(name=shorten(term.value, self._prefixes))
         assert isinstance(term, Literal)  # noqa: S101 - callers let nothing else through
         return self._literal(term)
 
@@ -190,7 +174,7 @@ class _Reader:
             return Truth(value=literal.value == "true")
         if kind in _NUMBERS and re.fullmatch(_NUMBERS[kind], literal.value):
             return Number(value=literal.value)
-        return Text(value=literal.value, datatype=name_of(literal.datatype, self._prefixes))
+        return Text(value=literal.value, datatype=shorten(kind, self._prefixes))
 
     def _name(self, variable: Variable) -> str:
         """Return the name of a variable; `[ ]` gets one that the text does not have."""

@@ -7,7 +7,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import Literal, NamedNode
+from pyoxigraph import Literal
 
 from kg.rules.blocks.tree import (
     Absent,
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
     from kg.rules.blocks.tree import Condition, Rule, Test, Value
 
-__all__ = ["SECTIONS", "Written", "inferred", "known_prefixes", "name_of", "namespace", "write"]
+__all__ = ["SECTIONS", "Written", "inferred", "known_prefixes", "namespace", "write"]
 
 SECTIONS: Final = dict(zip(("infers", "why", "mend", "limits", "references"), HEADINGS, strict=True))
 """The member of a rule to the heading of its documentation."""
@@ -245,16 +245,3 @@ def test(one: Test) -> str:
     if isinstance(one, Not):
         return f"!{test(one.of)}"
     return f"({one.text})"
-
-
-def name_of(node: NamedNode, prefixes: Mapping[str, str]) -> str:
-    """Return an IRI by the prefix whose namespace fits it best, else in brackets."""
-    best = max(
-        (one for one in prefixes.items() if _fits(node.value, one[1])), key=lambda one: len(one[1]), default=None
-    )
-    return f"{best[0]}:{node.value.removeprefix(best[1])}" if best else str(node)
-
-
-def _fits(iri: str, start: str) -> bool:
-    local = iri.removeprefix(start)
-    return local != iri and re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_-]*", local) is not None

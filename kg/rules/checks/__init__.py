@@ -1,1 +1,1 @@
-"""Checks of rules before they run: one module a check, each with its code."""
+"""Checks of rules before they run: one function a check, by what it looks at."""

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final
 
 from kg.syntax.position import place_at, place_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-
     from pyoxigraph import Triple
 
     from kg.errors import Fix, Place, RuleError
+    from kg.rules.checks.firing import StoreOf
     from kg.rules.files import RuleFile, RuleSet
-    from kg.rules.form import Element, Rule, Term
+    from kg.rules.form import Rule
 
-__all__ = ["SECONDS", "Context", "Finding", "Store", "at_offset", "at_rule", "from_error"]
+__all__ = ["SECONDS", "Context", "Finding", "at_offset", "at_rule", "from_error"]
 
 SECONDS: Final = 5.0
 """How long a store may be asked about one rule, where nothing else is said."""
@@ -40,18 +39,6 @@ class Finding:
     fixes: tuple[Fix, ...] = ()
 
 
-class Store(Protocol):
-    """Interface of the store that rules are checked against."""
-
-    def matches(self, body: tuple[Element, ...]) -> bool:
-        """Return whether a body has a solution."""
-        ...
-
-    def failing(self, body: tuple[Element, ...]) -> Element | None:
-        """Return the first part of a body that leaves it without solutions."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class Context:
     """Input of the checks of a file.
@@ -65,21 +52,11 @@ class Context:
     rules: RuleSet
     terms: frozenset[str] = frozenset()
     read: frozenset[str] = frozenset()
-    store: Store | None = None
-    empty: Store | None = None
-    labels: Callable[[Term], str] = str
-    prefixes: Mapping[str, str] | None = None
+    store: StoreOf | None = None
+    empty: StoreOf | None = None
     schema: tuple[Triple, ...] = ()
     seconds: float | None = SECONDS
     cut: tuple[Rule, ...] = ()
-
-
-class Check(Protocol):
-    """A check: a module with a function `check`."""
-
-    def check(self, file: RuleFile, context: Context) -> Iterator[Finding]:
-        """Yield the findings of one file."""
-        ...
 
 
 def at_rule(file: RuleFile) -> Place:

@@ -3,54 +3,44 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.codes.severities import SEVERITIES
 from kg.errors import Place, RuleError
-from kg.rules.checks import (
-    always_fires,
-    cartesian_product,
-    documentation_missing,
-    examples_malformed,
-    examples_missing,
-    head_never_read,
-    never_fires,
-    no_rule,
-    subsumed,
-    unknown_terms,
-    variable_used_once,
-)
-from kg.rules.checks.examples_malformed import orphan
+from kg.rules.checks.documents import documentation_missing, examples_malformed, examples_missing, no_rule, orphan
 from kg.rules.checks.finding import Context, Finding, from_error
+from kg.rules.checks.firing import always_fires, never_fires
+from kg.rules.checks.subsumed import subsumed
+from kg.rules.checks.variables import cartesian_product, variable_used_once
+from kg.rules.checks.vocabulary import head_never_read, unknown_terms
 from kg.rules.files import NOTATIONS, RuleSet
 from kg.rules.reading import read, rival, rule_files
 from kg.rules.specialise import specialise
 from kg.rules.stratify import failures
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
-    from pathlib import Path
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 
-    from kg.rules.checks.finding import Check
     from kg.rules.files import RuleFile
     from kg.rules.reading import Pack
 
 __all__ = ["CHECKS", "Read", "beside", "check", "check_file", "read_all"]
 
-CHECKS: Final[tuple[Check, ...]] = (
-    no_rule,
-    unknown_terms,
-    cartesian_product,
-    never_fires,
-    always_fires,
-    head_never_read,
-    subsumed,
-    variable_used_once,
-    documentation_missing,
-    examples_missing,
-    examples_malformed,
-)
-"""Every check of a rule that could be read, in the order of their codes."""
+CHECKS: Final[Mapping[str, Callable[[RuleFile, Context], Iterator[Finding]]]] = {
+    "KG201": no_rule,
+    "KG211": unknown_terms,
+    "KG212": cartesian_product,
+    "KG213": never_fires,
+    "KG214": always_fires,
+    "KG215": head_never_read,
+    "KG216": subsumed,
+    "KG217": variable_used_once,
+    "KG218": documentation_missing,
+    "KG219": examples_missing,
+    "KG221": examples_malformed,
+}
+"""Every check of a rule that could be read, by its code, in their order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +53,27 @@ class Read:
     rules: RuleSet
     findings: tuple[Finding, ...]
     paths: tuple[tuple[str, Path], ...] = ()
+
+    def named(self, word: str) -> list[str]:
+        """Return the rules that a word means: one by its name, a family, a file or a folder; files with errors too."""
+        path = Path(word).resolve()
+        family = f"{word.rstrip('/')}/"
+        return [
+            name
+            for name, file in self.paths
+            if name == word or name.startswith(family) or file.resolve().is_relative_to(path)
+        ]
+
+    def outside(self, words: Iterable[str]) -> list[Path]:
+        """Return the files among `words` that have the ending of a rule and were not read."""
+        read = {file.resolve() for _, file in self.paths}
+        files = (Path(word) for word in words)
+        return [file for file in files if file.suffix in NOTATIONS and file.is_file() and file.resolve() not in read]
+
+    def others_than(self, shipped: Path) -> list[str]:
+        """Return the rules outside the folder `shipped`."""
+        folder = shipped.resolve()
+        return [name for name, file in self.paths if not file.resolve().is_relative_to(folder)]
 
 
 def read_all(folders: Iterable[Path], installed: Iterable[Pack] = (), families: Collection[str] = ()) -> Read:
@@ -122,8 +133,8 @@ def beside(rules: RuleSet, context: Context) -> Context:
 
 def check_file(file: RuleFile, context: Context) -> Iterator[Finding]:
     """Yield the findings of one file that could be read."""
-    for each in CHECKS:
-        yield from each.check(file, context)
+    for each in CHECKS.values():
+        yield from each(file, context)
 
 
 def _order(context: Context, wanted: Collection[str] | None) -> Iterator[Finding]:

@@ -15,19 +15,17 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Element, Pattern, Rule
 
-__all__ = ["CODE", "STEPS", "TITLE", "check", "subsumes"]
+__all__ = ["STEPS", "subsumed", "subsumes"]
 
-CODE: Final = "KG216"
-TITLE: Final = "duplicate or subsumed"
 STEPS: Final = 20_000
 """How many comparisons of two parts a pair of rules may take; those that people write take less than a hundred."""
 
 
-def check(file: RuleFile, context: Context) -> Iterator[Finding]:
+def subsumed(file: RuleFile, context: Context) -> Iterator[Finding]:
     """Yield one finding for a file whose every rule is subsumed by a rule of another file, or by what it reads."""
     if file.rules and all(_is_tautology(rule) for rule in file.rules):
         message = "the rule derives only what it reads"
-        yield Finding(CODE, "warning", file.name, message, at_rule(file), "Change its head, or remove it.")
+        yield Finding("KG216", "warning", file.name, message, at_rule(file), "Change its head, or remove it.")
         return
     others = [rule for rule in context.rules.rules if rule.name != file.name]
     wider = [next((other for other in others if subsumes(other, rule)), None) for rule in file.rules]
@@ -40,7 +38,7 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
         return
     words = "has the same meaning as" if same else "derives nothing that is not derived by"
     hint = "Remove one of the two."
-    yield Finding(CODE, "warning", file.name, f"the rule {words} {by.name} ({by.place})", at_rule(file), hint)
+    yield Finding("KG216", "warning", file.name, f"the rule {words} {by.name} ({by.place})", at_rule(file), hint)
 
 
 def _is_tautology(rule: Rule) -> bool:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.checks.finding import at_offset, at_rule
-from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.lexer import Kind, iri_of, is_name, normalise, tokens
+from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,27 +21,21 @@ __all__ = ["names", "place_of_name", "variables"]
 _DECLARING: Final = {"PREFIX": 2, "@PREFIX": 2, "BASE": 1, "@BASE": 1, "IMPORTS": 1, "VERSION": 1, "@VERSION": 1}
 """How many tokens belong to a declaration that begins with these."""
 
-_PREFIX: Final = re.compile(r"^\s*@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.MULTILINE | re.IGNORECASE)
-
 
 def names(file: RuleFile) -> Iterator[tuple[str, Token]]:
     """Yield each name of a file as an IRI with its token; declarations of prefixes are left out.
 
     So are the names inside the queries of SHACL rules, which are strings to Turtle.
     """
-    prefixes = file.prefixes or (dict(_PREFIX.findall(file.text)) if file.notation == ".ttl" else {})
+    prefixes = file.prefixes or (declared(file.text) if file.notation == ".ttl" else {})
     declaring = 0
     for token in tokens(normalise(file.text)):
         if token.kind in {Kind.WORD, Kind.TAG} and token.text.upper() in _DECLARING:
             declaring = _DECLARING[token.text.upper()]
         elif declaring:
             declaring -= 1
-        elif token.kind is Kind.IRI:
-            yield token.text[1:-1], token
-        elif token.kind is Kind.NAME and not token.text.startswith("_:"):
-            prefix, _, local = token.text.partition(":")
-            if prefix in prefixes:
-                yield prefixes[prefix] + local.replace("\\", ""), token
+        elif is_name(token) and (iri := iri_of(token, prefixes)) is not None:
+            yield iri, token
 
 
 def place_of_name(file: RuleFile, iri: str) -> Place:

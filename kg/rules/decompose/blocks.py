@@ -10,6 +10,7 @@ from kg.rules import sparql
 from kg.rules.decompose.paths import normal
 from kg.rules.decompose.uses import certain, possible
 from kg.rules.form import EngineBlock, Variable
+from kg.syntax.printer import path_text
 from kg.syntax.tree import (
     Alternative,
     Bind,
@@ -18,7 +19,6 @@ from kg.syntax.tree import (
     GraphBlock,
     Inverse,
     Minus,
-    Negated,
     Optional,
     Repeat,
     Sequence,
@@ -26,6 +26,7 @@ from kg.syntax.tree import (
     TriplePattern,
     Union,
     ValuesBlock,
+    groups_of,
 )
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from kg.errors import Place
     from kg.syntax.tree import Expression, Node, Path
 
-__all__ = ["block", "is_monotone", "path_text", "pattern_text", "reads"]
+__all__ = ["block", "is_monotone", "pattern_text", "reads"]
 
 _ANY: Final = None
 """Stands among predicates for all of them."""
@@ -75,7 +76,7 @@ def _read(nodes: Iterable[Node]) -> Iterator[NamedNode | None]:
                 if expression:
                     yield from _expression_reads(expression)
         elif not isinstance(node, ValuesBlock):
-            for group in node.groups if isinstance(node, Union) else (node.group,):
+            for group in groups_of(node):
                 yield from _read(group.nodes)
 
 
@@ -124,29 +125,10 @@ def _grows(node: Node) -> bool:
         plain = not any(c.expression and c.expression.exists for c in node.projections)
         return not node.sliced and not grouped and plain and is_monotone(node.group.nodes)
     if isinstance(node, Union | GraphBlock):
-        groups = node.groups if isinstance(node, Union) else (node.group,)
-        return all(is_monotone(group.nodes) for group in groups)
+        return all(is_monotone(group.nodes) for group in groups_of(node))
     return True
 
 
 def pattern_text(pattern: TriplePattern) -> str:
     """Return a triple pattern as SPARQL text."""
-    return f"{sparql.term(pattern.subject)} {path_text(pattern.predicate)} {sparql.term(pattern.object)} ."
-
-
-def path_text(path: Path) -> str:
-    """Return a path as SPARQL text, with more brackets than it needs."""
-    if isinstance(path, NamedNode | Variable):
-        return sparql.term(path)
-    if isinstance(path, Sequence | Alternative):
-        sign = "/" if isinstance(path, Sequence) else "|"
-        return f"({sign.join(map(path_text, path.parts))})"
-    if isinstance(path, Inverse):
-        return f"^({path_text(path.path)})"
-    if isinstance(path, Repeat):
-        return f"({path_text(path.path)}){'+' if path.least else '*' if path.many else '?'}"
-    return _negated_text(path)
-
-
-def _negated_text(path: Negated) -> str:
-    return f"!({'|'.join([*map(str, path.forward), *(f'^{predicate}' for predicate in path.backward)])})"
+    return f"{sparql.term(pattern.subject)} {path_text(pattern.predicate, sparql.term)} {sparql.term(pattern.object)} ."

@@ -18,12 +18,11 @@ Each rewriting keeps the set of solutions:
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.decompose import expressions
 from kg.rules.decompose.blocks import block
-from kg.rules.decompose.conditions import Condition, conditions
 from kg.rules.decompose.parts import EMPTY, IndivisibleError, Scope, attached, joined, placed
 from kg.rules.decompose.patterns import basic, known
 from kg.rules.decompose.renaming import everywhere, renamed
@@ -33,7 +32,7 @@ from kg.rules.form import Assignment, Exists, Filter, Values, Variable
 from kg.syntax import tree
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from kg.rules.decompose.parts import Part
     from kg.rules.decompose.work import Work
@@ -43,6 +42,45 @@ __all__ = ["MOST_PARTS", "Groups"]
 
 MOST_PARTS: Final = 64
 """With more parts than this, the store's engine evaluates the rule as written."""
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """An expression, or an EXISTS; `requires` are the names without which it is never true."""
+
+    text: str
+    span: tree.Span
+    exists: tree.Exists | None = None
+
+    @property
+    def requires(self) -> tuple[str, ...]:
+        """An unbound variable is an error in an expression that has nothing to forgive it; BOUND asks for one."""
+        if self.exists is None and expressions.simplified(self.text, expressions.variables(self.text)) == "true":
+            return expressions.variables(self.text)
+        strict = self.exists is None and expressions.is_strict(self.text)
+        return expressions.variables(self.text) if strict else ()
+
+
+def conditions(filters: Iterable[tree.Filter | tree.Exists]) -> list[Condition]:
+    """Return the conditions of filters; IndivisibleError where an EXISTS is inside a larger expression."""
+    return [condition for node in filters for condition in _conditions(node)]
+
+
+def _conditions(node: tree.Filter | tree.Exists) -> Iterator[Condition]:
+    if isinstance(node, tree.Exists):
+        yield Condition("", node.span, node)
+    else:
+        tests = iter(node.expression.exists)
+        for text in expressions.conjuncts(node.expression.text):
+            try:
+                turned = expressions.existence(text)
+            except ValueError:
+                raise IndivisibleError from None
+            if turned is None:
+                yield Condition(text, node.span)
+            else:
+                test = next(tests)
+                yield Condition("", test.span, replace(test, negated=test.negated ^ turned))
 
 
 class Groups:

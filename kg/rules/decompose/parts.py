@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.rules import sparql
 from kg.rules.decompose import expressions
-from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Filter, Variable
-from kg.rules.scope import binds, bound_in
+from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Filter, Variable, binds, bound_in
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

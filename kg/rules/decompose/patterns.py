@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from kg.rules import sparql
 from kg.rules.decompose import expressions
-from kg.rules.decompose.blocks import path_text, reads
+from kg.rules.decompose.blocks import pattern_text, reads
 from kg.rules.decompose.closures import Walk
 from kg.rules.decompose.parts import IndivisibleError, same
 from kg.rules.decompose.paths import Closure, is_plain, normal
@@ -114,9 +114,8 @@ def _block(work: Work, pattern: TriplePattern) -> EngineBlock:
     """Return a pattern that the store's engine evaluates by itself, which is how SPARQL joins it."""
     place = work.place(pattern.span)
     ends = [variable for end in (pattern.subject, pattern.object) for variable in variables_of(end)]
-    text = f"{sparql.term(pattern.subject)} {path_text(pattern.predicate)} {sparql.term(pattern.object)} ."
     unique = tuple(dict.fromkeys(ends))
-    return EngineBlock(text, unique, (), reads([pattern]), monotone=True, place=place)
+    return EngineBlock(pattern_text(pattern), unique, (), reads([pattern]), monotone=True, place=place)
 
 
 def known(part: Part, scope: Scope) -> Part:

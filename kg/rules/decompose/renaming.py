@@ -15,19 +15,18 @@ from kg.rules.form import (
     Exists,
     Expression,
     Filter,
-    TripleTerm,
     Values,
     Variable,
+    mentions,
 )
-from kg.rules.scope import mentions
 from kg.syntax import printer
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from kg.rules.form import Element, Pattern
+    from kg.rules.form import Element
 
-__all__ = ["everywhere", "renamed", "renamed_atom", "renamed_expression"]
+__all__ = ["everywhere", "renamed", "renamed_expression"]
 
 
 def renamed(body: Iterable[Element], names: Mapping[Variable, Variable]) -> tuple[Element, ...]:
@@ -44,7 +43,7 @@ def everywhere(body: Iterable[Element]) -> frozenset[Variable]:
 
 def _renamed(element: Element, names: Mapping[Variable, Variable]) -> Element:
     if isinstance(element, Atom):
-        return renamed_atom(element, names)
+        return element.replaced(names)
     if isinstance(element, Filter):
         return Filter(renamed_expression(element.expression, names))
     if isinstance(element, Assignment):
@@ -56,20 +55,6 @@ def _renamed(element: Element, names: Mapping[Variable, Variable]) -> Element:
     if isinstance(element, EngineBlock):
         return _block(element, names)
     return _aggregate(element, names)
-
-
-def renamed_atom(atom: Atom, names: Mapping[Variable, Variable]) -> Atom:
-    """Return an atom with other variables."""
-    subject, predicate, obj = (_pattern(position, names) for position in atom.positions)
-    return replace(atom, subject=subject, predicate=predicate, object=obj)
-
-
-def _pattern(pattern: Pattern, names: Mapping[Variable, Variable]) -> Pattern:
-    if isinstance(pattern, Variable):
-        return _of(pattern, names)
-    if isinstance(pattern, TripleTerm):
-        return TripleTerm(*(_pattern(part, names) for part in (pattern.subject, pattern.predicate, pattern.object)))
-    return pattern
 
 
 def renamed_expression(expression: Expression, names: Mapping[Variable, Variable]) -> Expression:

@@ -11,11 +11,23 @@ from kg.rules import sparql
 from kg.rules.decompose.blocks import block
 from kg.rules.decompose.groups import Groups
 from kg.rules.decompose.parts import IndivisibleError, Scope
-from kg.rules.decompose.renaming import everywhere, renamed, renamed_atom
+from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.uses import possible
 from kg.rules.decompose.work import Work, head_variables
-from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Rule, Variable, atoms_of
-from kg.rules.scope import binds, bound_in, mentions
+from kg.rules.form import (
+    Aggregate,
+    Assignment,
+    Atom,
+    EngineBlock,
+    Exists,
+    Filter,
+    Rule,
+    Variable,
+    atoms_of,
+    binds,
+    bound_in,
+    mentions,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -73,7 +85,7 @@ def _without_copies(head: tuple[Atom, ...], body: tuple[Element, ...]) -> Statem
             index += 1
             continue
         names = {element.variable: source}
-        head = tuple(renamed_atom(atom, names) for atom in head)
+        head = tuple(atom.replaced(names) for atom in head)
         # Only where the variable is meant: text may have another of that name inside.
         rest = (renamed([e], names)[0] if element.variable in mentions(e) else e for e in body[index + 1 :])
         body = (*body[:index], *rest)

@@ -8,22 +8,21 @@ from typing import TYPE_CHECKING, TypeAlias
 from kg.rules.form import Variable, variables_of
 from kg.syntax.tree import (
     Bind,
-    Exists,
     Filter,
     GraphBlock,
-    Minus,
-    Optional,
     SubSelect,
     TriplePattern,
     Union,
     ValuesBlock,
+    groups_of,
+    visible,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kg.rules.form import Pattern
-    from kg.syntax.tree import Expression, Group, Node, Path
+    from kg.syntax.tree import Expression, Node, Path
 
 __all__ = ["Uses", "certain", "possible", "uses"]
 
@@ -51,12 +50,8 @@ def _names(node: Node, *, binding: bool) -> Iterator[str]:
     else:
         if isinstance(node, GraphBlock) and isinstance(node.name, Variable):
             yield node.name.name
-        for group in _groups(node):
+        for group in groups_of(node):
             yield from uses(group.nodes, binding=binding).elements()
-
-
-def _groups(node: Exists | Optional | Minus | Union | GraphBlock) -> tuple[Group, ...]:
-    return node.groups if isinstance(node, Union) else (node.group,)
 
 
 def _expression_names(expression: Expression, *, binding: bool) -> Iterator[str]:
@@ -92,47 +87,34 @@ def _variables(part: Pattern | Path) -> Iterator[Variable]:
 
 def possible(nodes: Iterable[Node]) -> frozenset[str]:
     """Return the names that some solution of a group may bind, those of blank nodes left out (SPARQL 1.1, 18.2.1)."""
-    return frozenset(name for node in nodes for name in _bound_by(node, some=True))
+    return frozenset(name for name in visible(nodes) if not name.startswith("."))
 
 
 def certain(nodes: Iterable[Node]) -> frozenset[str]:
     """Return the names that each solution of a group binds; fewer when in doubt."""
-    return frozenset(name for node in nodes for name in _bound_by(node, some=False))
+    return frozenset(name for node in nodes for name in _bound_by(node))
 
 
-def _bound_by(node: Node, *, some: bool) -> frozenset[str]:
+def _bound_by(node: Node) -> Iterable[str]:
     if isinstance(node, TriplePattern):
-        return frozenset(name for name in _pattern_names(node) if not name.startswith("."))
-    if isinstance(node, Bind):
-        return frozenset((node.variable.name,) if some else ())
+        return possible([node])
     if isinstance(node, ValuesBlock):
-        return frozenset(_columns(node, some=some))
+        columns = enumerate(node.variables)
+        return (variable.name for index, variable in columns if all(row[index] is not None for row in node.rows))
     if isinstance(node, SubSelect):
-        return _selected(node, some=some)
+        return _selected(node)
     if isinstance(node, Union):
-        branches = [possible(group.nodes) if some else certain(group.nodes) for group in node.groups]
-        return frozenset().union(*branches) if some else frozenset.intersection(*branches)
-    if isinstance(node, Optional):
-        return possible(node.group.nodes) if some else frozenset()
+        return frozenset.intersection(*(certain(group.nodes) for group in node.groups))
     if isinstance(node, GraphBlock):
-        name = frozenset((node.name.name,) if isinstance(node.name, Variable) else ())
-        return (possible(node.group.nodes) if some else certain(node.group.nodes)) | name
-    return frozenset()
+        return certain(node.group.nodes) | ({node.name.name} if isinstance(node.name, Variable) else set())
+    return ()
 
 
-def _columns(node: ValuesBlock, *, some: bool) -> Iterator[str]:
-    for index, variable in enumerate(node.variables):
-        if some or all(row[index] is not None for row in node.rows):
-            yield variable.name
-
-
-def _selected(node: SubSelect, *, some: bool) -> frozenset[str]:
-    """Return the columns of a sub-SELECT; an expression may fail, unless it only counts."""
-    inner = possible(node.group.nodes) if some else certain(node.group.nodes)
+def _selected(node: SubSelect) -> frozenset[str]:
+    """Return the columns of a sub-SELECT that each of its rows has; an expression may fail, unless it only counts."""
+    inner = certain(node.group.nodes)
     if not node.projections:
         return inner
-    if some:
-        return frozenset(column.variable.name for column in node.projections)
     counted = {column.variable.name for column in node.projections if column.expression and _counts(column.expression)}
     return inner.intersection(column.variable.name for column in node.projections) | counted
 

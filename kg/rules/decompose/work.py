@@ -6,18 +6,16 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from pyoxigraph import BlankNode, Triple
-
 from kg.rules.decompose.names import Names
 from kg.rules.decompose.uses import uses
-from kg.rules.form import TripleTerm, variables_of
+from kg.rules.form import has_blank, variables_of
 from kg.syntax.lexer import normalise
 from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from kg.errors import Place
     from kg.rules.decompose.uses import Uses
-    from kg.rules.form import Atom, Element, Pattern
+    from kg.rules.form import Atom, Element
     from kg.syntax.tree import Node, RuleText, Span, TriplePattern
 
 __all__ = ["AuxiliaryRules", "Work", "head_variables"]
@@ -48,7 +46,7 @@ class Work:
         self.binding = uses(self.rule.group.nodes, binding=True)
         self.template = frozenset(chain.from_iterable(map(head_variables, self.rule.template)))
         self.mints_blanks = any(
-            _has_blank(end) for triple in self.rule.template for end in (triple.subject, triple.object)
+            has_blank(end) for triple in self.rule.template for end in (triple.subject, triple.object)
         )
         self.names = Names({*self.mentioned, *self.template})
 
@@ -70,9 +68,3 @@ def head_variables(triple: TriplePattern) -> frozenset[str]:
     """Return the names of the variables in a triple of a template."""
     positions = (triple.subject, triple.predicate, triple.object)
     return frozenset(variable.name for position in positions for variable in variables_of(position))  # type: ignore[arg-type]  # a template has no paths
-
-
-def _has_blank(pattern: Pattern) -> bool:
-    if isinstance(pattern, TripleTerm | Triple):
-        return _has_blank(pattern.subject) or _has_blank(pattern.object)
-    return isinstance(pattern, BlankNode)

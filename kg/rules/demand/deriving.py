@@ -8,23 +8,21 @@ from __future__ import annotations
 import time
 from contextlib import suppress
 from dataclasses import dataclass
-from hashlib import blake2b
 from typing import TYPE_CHECKING
 
 import numpy as np
 from pyoxigraph import NamedNode
 
 from kg.rules import memory
-from kg.rules.columns import Wanted, read_columns, wanted
+from kg.rules.columns import Wanted, read_columns, stated, wanted
 from kg.rules.demand.goals import goals_of, open_ended
 from kg.rules.demand.magic import demanded
 from kg.rules.engine.evaluate import Program, evaluate
-from kg.rules.engine.facts import EMPTY, Facts, distinct, union
+from kg.rules.engine.facts import EMPTY, Facts, absorb, distinct, lacking, union
 from kg.rules.engine.terms import Dictionary
 from kg.rules.form import Atom, TripleTerm, Variable
-from kg.rules.lines import lacking, lines, stored
+from kg.rules.lines import lines, stored
 from kg.rules.memory import Memory
-from kg.rules.patches import stated
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -76,16 +74,14 @@ def derive(text: str, rule_set: RuleSet, base: Base, limits: Limits) -> Derived:
     dictionary = base.memory.dictionary
     asserted, before = base.read_by(rewritten.rules)
     data = lacking(lacking(stated(rule_set.data, dictionary), asserted), before)
-    for predicate, keys in data:
-        asserted.add(predicate, keys)
+    absorb(asserted, data)
     for copy, original in rewritten.copies:
         parts = [facts.keys(dictionary.intern_term(original)) for facts in (asserted, before)]
         asserted.replace(dictionary.intern_term(copy), union(*parts))
     found = evaluate(program, dictionary, asserted, inferred=before, limits=limits)
     facts = stored(found.inferred, dictionary)
     considered = len(facts)
-    for predicate, keys in data:
-        facts.add(predicate, keys)
+    absorb(facts, data)
     matching = _matching(facts, goals, dictionary)
     return Derived(dictionary, matching, open_ended(goals), len(program.rules), considered, time.perf_counter() - begin)
 
@@ -106,7 +102,7 @@ class Base:
         It is cached below the folder `cache`, if writable, for the next query of the same generation.
         """
         what = wanted(rule_set.rules) | Wanted(frozenset(triple.predicate for triple in rule_set.data))
-        digest = blake2b(f"{names} {rule_set.digest}".encode(), digest_size=16).hexdigest()
+        digest = names.digest(rule_set)
         kept = memory.load(cache, digest)
         if kept is not None and kept.generation == generation:
             return cls(source, names, what, kept)
@@ -122,14 +118,12 @@ class Base:
         further = _without(wanted(rules), self.what)
         if further.predicates or further.members:
             for facts, more in zip((asserted, before), self._read(further), strict=True):
-                for predicate, keys in more:
-                    facts.add(predicate, keys)
+                absorb(facts, more)
         return asserted, before
 
     def _read(self, what: Wanted) -> tuple[Facts, Facts]:
         """Return the asserted triples of all graphs except the record of builds, and the stored inferences."""
-        own = {self.names.inferred, self.names.builds}
-        graphs = [None, *(graph for graph in self.source.graphs() if graph not in own)]
+        graphs = self.names.read_by_rules(self.source.graphs())
         dictionary = self.memory.dictionary
         asserted = read_columns(self.source, what, graphs, dictionary)[1]
         return asserted, read_columns(self.source, what, [self.names.inferred], dictionary)[1]

@@ -34,9 +34,10 @@ from kg.rules.form import (
     TripleTerm,
     Values,
     Variable,
+    binds,
+    bound_in,
     variables_of,
 )
-from kg.rules.scope import bound_in
 from kg.rules.stratify import Heads, edges
 
 if TYPE_CHECKING:
@@ -331,7 +332,7 @@ def _atoms(
     names = dict(names or {})
     for index, element in enumerate(body):
         if isinstance(element, Atom):
-            yield element, _renamed(element, names, mark)
+            yield element, element.replaced({each: _name(each, names, mark) for each in binds(element)})
         elif isinstance(element, Exists) and not element.negated:
             outer = {variable: _name(variable, names, mark) for variable in {*names, *bound_in(body[:index])}}
             yield from _atoms(element.body, outer, f"{mark} {index}")
@@ -339,19 +340,3 @@ def _atoms(
 
 def _name(variable: Variable, names: dict[Variable, Variable], mark: str) -> Variable:
     return names.get(variable) or (Variable(f"{variable.name}{mark}") if mark else variable)
-
-
-def _renamed(atom: Atom, names: dict[Variable, Variable], mark: str) -> Atom:
-    if not mark:
-        return atom
-    subject, predicate, value = (_pattern(position, names, mark) for position in atom.positions)
-    return replace(atom, subject=subject, predicate=predicate, object=value)
-
-
-def _pattern(pattern: Pattern, names: dict[Variable, Variable], mark: str) -> Pattern:
-    if isinstance(pattern, Variable):
-        return _name(pattern, names, mark)
-    if isinstance(pattern, TripleTerm):
-        parts = (pattern.subject, pattern.predicate, pattern.object)
-        return TripleTerm(*(_pattern(part, names, mark) for part in parts))
-    return pattern

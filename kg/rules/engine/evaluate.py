@@ -18,12 +18,12 @@ from kg.rules.dependencies import depends, mints
 from kg.rules.engine.blocks import Blocks
 from kg.rules.engine.equality import Closure, equalities
 from kg.rules.engine.expressions import Expressions
-from kg.rules.engine.facts import Facts
+from kg.rules.engine.facts import Facts, absorb
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver, View, Workshop
-from kg.rules.form import AUXILIARY, Atom
+from kg.rules.form import Atom, is_auxiliary
 from kg.rules.stratify import Stratum, stratify
 
 if TYPE_CHECKING:
@@ -119,9 +119,7 @@ class _Bound:
         atoms = (one for rule in rules for one in (*rule.head, *rule.body) if isinstance(one, Atom))
         predicates = {atom.predicate for atom in atoms}
         self.hidden = frozenset(
-            dictionary.intern_term(predicate)
-            for predicate in predicates
-            if isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)
+            dictionary.intern_term(predicate) for predicate in predicates if is_auxiliary(predicate)
         )
 
 
@@ -163,8 +161,7 @@ class _Run:
 
     def learn(self, facts: Facts) -> None:
         """Add triples that are known, but neither asserted nor inferred by this evaluation."""
-        for predicate, keys in facts:
-            self._known.add(predicate, keys)
+        absorb(self._known, facts)
 
     def stratum(self, stratum: Stratum) -> None:
         """Evaluate a stratum to its fixpoint."""

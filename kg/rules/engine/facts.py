@@ -17,14 +17,18 @@ if TYPE_CHECKING:
 __all__ = [
     "EMPTY",
     "Facts",
+    "absorb",
+    "common",
     "difference",
     "distinct",
     "flipped",
     "intersection",
+    "lacking",
     "merged",
     "pack",
     "parted",
     "starts",
+    "take_out",
     "union",
     "unpack",
 ]
@@ -75,6 +79,8 @@ def _among(keys: Keys, others: Keys) -> NDArray[np.bool_]:
 
 def difference(keys: Keys, others: Keys) -> Keys:
     """Return the sorted `keys` that the sorted `others` lack."""
+    if keys is others:
+        return EMPTY
     return keys if not others.size or not keys.size else keys[~_among(keys, others)]
 
 
@@ -294,3 +300,31 @@ class Facts:
         other._starts = dict(self._starts)
         other._fan_outs = dict(self._fan_outs)
         return other
+
+
+def common(facts: Facts, others: Facts) -> Facts:
+    """Return the intersection."""
+    found = Facts()
+    for predicate, keys in facts:
+        found.replace(predicate, intersection(keys, others.keys(predicate)))
+    return found
+
+
+def lacking(facts: Facts, others: Facts) -> Facts:
+    """Return the triples of `facts` that are not in `others`."""
+    found = Facts()
+    for predicate, keys in facts:
+        found.replace(predicate, others.missing(predicate, keys))
+    return found
+
+
+def absorb(facts: Facts, others: Facts) -> None:
+    """Add triples, some of which may be there already."""
+    for predicate, keys in others:
+        facts.add(predicate, keys)
+
+
+def take_out(facts: Facts, others: Facts) -> None:
+    """Remove triples, some of which may be absent."""
+    for predicate, keys in others:
+        facts.remove(predicate, keys)

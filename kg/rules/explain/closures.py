@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.rules import sparql
-from kg.rules.form import AUXILIARY, Aggregate, Atom, EngineBlock, Exists, Variable
+from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, Variable, is_auxiliary
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -25,16 +25,10 @@ if TYPE_CHECKING:
     Bodies = Mapping[str, tuple[tuple[Element, ...], ...]]
     Stepper = Callable[[tuple[Element, ...], Term], Iterable[tuple[Term, tuple[Triple, ...]]]]
 
-__all__ = ["Closures", "is_auxiliary"]
+__all__ = ["Closures"]
 
 _FROM: Final = Variable(".from")
-_TO: Final = Variable(".to")
 _MOST_STEPS: Final = 20_000
-
-
-def is_auxiliary(pattern: object) -> bool:
-    """Return whether a predicate was introduced by decomposition."""
-    return isinstance(pattern, NamedNode) and pattern.value.startswith(AUXILIARY)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +43,7 @@ class Closures:
         found: dict[str, dict[tuple[Element, ...], None]] = {}
         for rule in rules:
             for head in rule.head:
-                if isinstance(head.predicate, NamedNode) and is_auxiliary(head.predicate):
+                if is_auxiliary(head.predicate):
                     bodies = found.setdefault(head.predicate.value, {})
                     if all(atom.predicate != head.predicate for atom in rule.body if isinstance(atom, Atom)):
                         bodies[rule.body] = None
@@ -60,14 +54,12 @@ class Closures:
         return tuple(map(self._element, body))
 
     def _element(self, element: Element) -> Element:
-        if isinstance(element, Atom) and isinstance(element.predicate, NamedNode) and is_auxiliary(element.predicate):
+        if isinstance(element, Atom) and is_auxiliary(element.predicate):
             path = self._path(element.predicate.value)
             ends = (element.subject, element.object)
             text = f"{sparql.term(ends[0])} {path} {sparql.term(ends[1])} ."
             return EngineBlock(text, tuple(end for end in ends if isinstance(end, Variable)), place=element.place)
-        if isinstance(element, Exists):
-            return replace(element, body=self.written(element.body))
-        if isinstance(element, Aggregate):
+        if isinstance(element, Exists | Aggregate):
             return replace(element, body=self.written(element.body))
         return element
 

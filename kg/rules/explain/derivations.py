@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.rules.explain.closures import is_auxiliary
 from kg.rules.explain.proof import Condition, Derivation
-from kg.rules.explain.unify import heads, instance
-from kg.rules.form import Aggregate, Atom, EngineBlock, Exists
-from kg.rules.scope import bound_in
-from kg.rules.sparql import group
+from kg.rules.explain.unify import heads, instance, instances
+from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, bound_in, is_auxiliary
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -19,7 +16,7 @@ if TYPE_CHECKING:
     from kg.rules.explain.view import View
     from kg.rules.form import Element, Rule, Term
 
-__all__ = ["bound_by", "derivation_of", "derivations", "described"]
+__all__ = ["bound_by", "derivation_of", "derivations"]
 
 _SAMPLE = 5
 _BREADTH = 1000
@@ -72,8 +69,7 @@ def _way(view: View, fact: Triple) -> tuple[Triple, ...]:
 
     def step(body: tuple[Element, ...], here: Term) -> Iterator[tuple[Term, tuple[Triple, ...]]]:
         for solution in view.solutions(body, bound_by(body), {".from": here}, _BREADTH):
-            passed = (instance(part, solution) for part in body if isinstance(part, Atom))
-            yield solution[".to"], tuple(each for each in passed if each is not None)
+            yield solution[".to"], instances(body, solution)
 
     return view.closures.way(fact.predicate.value, fact.subject, fact.object, step)
 
@@ -81,23 +77,15 @@ def _way(view: View, fact: Triple) -> tuple[Triple, ...]:
 def _witness(view: View, element: Exists, solution: Mapping[str, Term]) -> Iterator[Triple]:
     """Yield the facts of one solution of an inner body."""
     for inner in view.solutions(element.body, bound_by(element.body), solution, 1):
-        for part in element.body:
-            fact = instance(part, inner) if isinstance(part, Atom) else None
-            if fact is not None:
-                yield fact
+        yield from instances(element.body, inner)
 
 
 def _condition(view: View, element: Element, solution: Mapping[str, Term]) -> Condition:
     if not isinstance(element, Aggregate):
-        return Condition(view.brief(described(element)))
+        return Condition(view.brief(element))
     keys = {key.name: solution[key.name] for key in element.keys if key.name in solution}
     members = view.solutions(element.body, bound_by(element.body), keys, 1000)
-    facts = [
-        fact
-        for member in members[:_SAMPLE]
-        for part in element.body
-        if isinstance(part, Atom) and (fact := instance(part, member)) is not None
-    ]
+    facts = [fact for member in members[:_SAMPLE] for fact in instances(element.body, member)]
     values = ", ".join(
         f"{column.function}({'*' if column.expression is None else column.expression.text}) = "
         f"{view.label(solution[column.variable.name])}"
@@ -105,8 +93,3 @@ def _condition(view: View, element: Element, solution: Mapping[str, Term]) -> Co
         if column.variable.name in solution
     )
     return Condition(values, tuple(dict.fromkeys(facts)), len(members))
-
-
-def described(element: Element) -> str:
-    """Return one part of a body as SPARQL, on one line."""
-    return " ".join(group((element,)).split())

@@ -8,19 +8,18 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
 from kg.query.guard import check
+from kg.rules.decompose import decompose
 from kg.rules.explain.derivations import bound_by, derivation_of
 from kg.rules.explain.why import why
-from kg.rules.notations import rq
 from kg.syntax.lexer import Kind, normalise, tokens
-from kg.syntax.parser import parse_rq
+from kg.syntax.parser import parse_query, parse_rq
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from kg.rules.explain.proof import Condition, Proof
     from kg.rules.explain.view import View
     from kg.rules.form import Rule, Term
-    from kg.syntax.lexer import Token
 
 __all__ = ["RowProof", "why_row"]
 
@@ -72,10 +71,14 @@ def why_row(view: View, rules: tuple[Rule, ...], text: str, row: Mapping[str, Te
     text = _WHOLE.sub("", normalise(text))
     found = list(tokens(text))
     check(found, text)
-    start, opening, end = _clauses(found)
-    merged = any(token.text.upper() in _MERGING for token in (*found[start:opening], *found[end:]))
+    start = next((index for index, token in enumerate(found) if token.text.upper() == "SELECT"), None)
+    if start is None:
+        raise RuleError("KG201", "only rows of SELECT queries can be explained", place=Place(_NAME), hint=_HINT)
+    where = parse_query(text, _NAME).group.span
+    outside = (token.text.upper() for token in found[start:] if not where.start <= token.start < where.end)
+    merged = not _MERGING.isdisjoint(outside)
     derivation, solutions = None, 0
-    for part in _parts(text, found, (start, opening, end)):
+    for part in _parts(text[: found[start].start], text[where.start : where.end]):
         names = bound_by(part.body)
         known = {name: term for name, term in row.items() if name in names}
         for solution in view.solutions(part.body, names, known, _MOST if merged else 1):
@@ -89,42 +92,17 @@ def why_row(view: View, rules: tuple[Rule, ...], text: str, row: Mapping[str, Te
     return RowProof(proofs, derivation.conditions, min(solutions, _MOST))
 
 
-def _clauses(found: Sequence[Token]) -> tuple[int, int, int]:
-    """Return where SELECT is among the tokens of a query, where its WHERE clause opens, and where that ends."""
-    start = next((index for index, token in enumerate(found) if _is(token, "SELECT")), None)
-    if start is None:
-        raise RuleError("KG201", "only rows of SELECT queries can be explained", place=Place(_NAME), hint=_HINT)
-    opening, brackets, braces = 0, 0, 0
-    for index, token in enumerate(found[start:], start):
-        brackets += (token.text == "(") - (token.text == ")")
-        if brackets and not opening:
-            continue
-        if token.text == "{":
-            opening = opening or index
-        braces += (token.text == "{") - (token.text == "}")
-        if opening and braces == 0:
-            return start, opening, index + 1
-    raise RuleError("KG201", "the query does not end", place=Place(_NAME), hint=_HINT)
-
-
-def _parts(text: str, found: Sequence[Token], clauses: tuple[int, int, int]) -> tuple[Rule, ...]:
+def _parts(prologue: str, where: str) -> tuple[Rule, ...]:
     """Return the WHERE clause of a SELECT query as rules whose head mentions all its variables."""
-    start, opening, end = clauses
-    where = found[opening:end]
-    names = {token.text[1:] for token in where if token.kind is Kind.VARIABLE}
+    names = {token.text[1:] for token in tokens(where) if token.kind is Kind.VARIABLE}
     head = " . ".join(f"{_ROW} {_ROW} ?{name}" for name in sorted(names))
-    group = text[where[0].start : where[-1].end]
-    return _read(f"{text[: found[start].start]}CONSTRUCT {{ {head} }} WHERE {group}")
+    return _read(f"{prologue}CONSTRUCT {{ {head} }} WHERE {where}")
 
 
 def _read(rule: str) -> tuple[Rule, ...]:
     try:
-        return rq.rules(parse_rq(rule, _NAME), _NAME, _NAME, rule)
+        return decompose(parse_rq(rule, _NAME).rules[0], _NAME, _NAME, rule)
     except RuleError as error:
         if error.code != _UNBOUND:
             raise
         raise RuleError("KG226", "the row cannot be traced back to facts", hint=_HINT) from error
-
-
-def _is(token: Token, word: str) -> bool:
-    return token.kind is Kind.WORD and token.text.upper() == word

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kg.rules.explain.proof import Proof
-from kg.rules.form import Assignment, Exists, Filter, Variable
+from kg.rules.form import Variable, place_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kg.errors import Place
     from kg.rules.explain.proof import Attempt, Condition, Evidence, Premise, WhyNot
     from kg.rules.explain.view import View
-    from kg.rules.form import Element, Term
+    from kg.rules.form import Term
 
 __all__ = ["Line", "proof_lines", "why_not_lines"]
 
@@ -116,7 +116,7 @@ def _attempt(attempt: Attempt, view: View, below: str, *, last: bool) -> Iterato
     inner = below + ("   " if last else "│  ")
     for fact in attempt.held:
         yield Line(inner, f"holds: {view.sentence(fact)}", "condition", view.evidence(fact))
-    yield Line(inner, f"fails: {attempt.text}", "failure", place=_place(attempt.failing))
+    yield Line(inner, f"fails: {attempt.text}", "failure", place=place_of(attempt.failing) if attempt.failing else None)
     if attempt.deeper and attempt.deeper.attempts:
         yield from _absent(attempt.deeper, view, f"{inner}  ")
     else:
@@ -127,12 +127,3 @@ def _attempt(attempt: Attempt, view: View, below: str, *, last: bool) -> Iterato
 def _general(attempt: Attempt) -> bool:
     """Return whether a rule derives facts of any property, as those of OWL do: it explains little if nothing holds."""
     return any(isinstance(atom.predicate, Variable) for atom in attempt.rule.head)
-
-
-def _place(element: Element | None) -> Place | None:
-    """Return the place of a part of a body; for a block, that of its first pattern."""
-    if isinstance(element, Exists):
-        return next((place for part in element.body if (place := _place(part))), None)
-    if isinstance(element, Filter | Assignment):
-        return element.expression.place
-    return getattr(element, "place", None)

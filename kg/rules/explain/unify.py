@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, cast
 
 from pyoxigraph import BlankNode, NamedNode, Triple
 
-from kg.rules.form import TripleTerm, Variable
+from kg.rules.form import Atom, TripleTerm, Variable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.rules.form import Atom, Pattern, Rule, Term
+    from kg.rules.form import Element, Pattern, Rule, Term
 
-__all__ = ["heads", "instance", "unify"]
+__all__ = ["filled", "heads", "instance", "instances", "unify"]
 
 
 def unify(atom: Atom, fact: Triple) -> dict[str, Term] | None:
@@ -22,8 +22,7 @@ def unify(atom: Atom, fact: Triple) -> dict[str, Term] | None:
     A blank node in a head stands for any blank node: which one, the solution of the body decides.
     """
     bindings: dict[str, Term] = {}
-    terms = (fact.subject, fact.predicate, fact.object)
-    if all(_match(pattern, term, bindings) for pattern, term in zip(atom.positions, terms, strict=True)):
+    if all(_match(pattern, term, bindings) for pattern, term in zip(atom.positions, fact, strict=True)):
         return bindings
     return None
 
@@ -34,9 +33,7 @@ def _match(pattern: Pattern, term: Term, bindings: dict[str, Term]) -> bool:
     if isinstance(pattern, TripleTerm):
         if not isinstance(term, Triple):
             return False
-        patterns = (pattern.subject, pattern.predicate, pattern.object)
-        terms = (term.subject, term.predicate, term.object)
-        return all(_match(inner, part, bindings) for inner, part in zip(patterns, terms, strict=True))
+        return all(_match(inner, part, bindings) for inner, part in zip(pattern, term, strict=True))
     if isinstance(pattern, BlankNode):
         return isinstance(term, BlankNode)
     return pattern == term
@@ -56,18 +53,25 @@ def instance(atom: Atom, bindings: Mapping[str, Term]) -> Triple | None:
 
     A blank node of a head is itself, unless `bindings` say what it is, under its name with `_:` before it.
     """
-    terms = [_filled(pattern, bindings) for pattern in atom.positions]
+    terms = [filled(pattern, bindings) for pattern in atom.positions]
     subject, predicate, value = terms
     if not isinstance(subject, NamedNode | BlankNode) or value is None or not isinstance(predicate, NamedNode):
         return None
     return Triple(subject, predicate, value)
 
 
-def _filled(pattern: Pattern, bindings: Mapping[str, Term]) -> Term | None:
+def instances(body: Iterable[Element], bindings: Mapping[str, Term]) -> tuple[Triple, ...]:
+    """Return the facts of the atoms of a body under `bindings`."""
+    found = (instance(element, bindings) for element in body if isinstance(element, Atom))
+    return tuple(fact for fact in found if fact is not None)
+
+
+def filled(pattern: Pattern, bindings: Mapping[str, Term]) -> Term | None:
+    """Return the term at a position of an atom under `bindings`; None if a variable in it is unbound."""
     if isinstance(pattern, Variable):
         return bindings.get(pattern.name)
     if isinstance(pattern, TripleTerm):
-        parts = [_filled(inner, bindings) for inner in (pattern.subject, pattern.predicate, pattern.object)]
+        parts = [filled(inner, bindings) for inner in pattern]
         if any(part is None for part in parts):
             return None
         subject, predicate, value = parts

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol, cast
 
@@ -12,7 +11,7 @@ from pyoxigraph import Literal, NamedNode
 from kg.rules.explain.closures import Closures
 from kg.rules.explain.proof import Evidence
 from kg.rules.form import Variable
-from kg.rules.sparql import outside, select, spelling, substitutions
+from kg.rules.sparql import brief, select, spelling, substitutions
 from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
@@ -26,7 +25,6 @@ __all__ = ["Queryable", "View", "Vocabulary"]
 
 _LABEL: Final = "http://www.w3.org/2000/01/rdf-schema#label"
 _STRING: Final = "http://www.w3.org/2001/XMLSchema#string"
-_IRI: Final = re.compile(r"<([^<>\s]+)>")
 _GRAPHS: Final = "SELECT ?g ?s ?p ?o WHERE { GRAPH ?g { ?s ?p ?o } } ORDER BY ?g"
 _DEFAULT: Final = "SELECT ?s ?p ?o WHERE { ?s ?p ?o }"
 
@@ -121,7 +119,7 @@ class View:
         given = {Variable(name): term for name, term in bindings.items()}
         blank = substitutions(given)
         wanted = [Variable(name) for name in names if name not in bindings or spelling(Variable(name))[1:] in blank]
-        text = select(self.closures.written(body), wanted, given, asserted=outside(self._vocabulary.inferred))
+        text = select(self.closures.written(body), wanted, given, inferred=self._vocabulary.inferred)
         fixed = {pyoxigraph.Variable(name): term for name, term in blank.items()}
         rows = cast("QuerySolutions", self._snapshot.query(_limited(text, wanted, limit), substitutions=fixed))
         for row in rows:
@@ -208,9 +206,9 @@ class View:
         """Return a term as SPARQL spells it, with known prefixes and those of the rules."""
         return shorten(term.value, self.prefixes) if isinstance(term, NamedNode) else str(term)
 
-    def brief(self, text: str) -> str:
-        """Return SPARQL with its IRIs shortened, for people."""
-        return _IRI.sub(lambda match: shorten(match[1], self.prefixes), text)
+    def brief(self, element: Element) -> str:
+        """Return a part of a body as SPARQL on one line, its IRIs shortened."""
+        return brief(element, self.prefixes)
 
 
 def _limited(text: str, wanted: Sequence[Variable], limit: int | None) -> str:

@@ -152,7 +152,7 @@ def _searched(view: View, rules: tuple[Rule, ...], fact: Triple, *, shortest: bo
 
 
 def _spelt(view: View, fact: Triple) -> str:
-    return " ".join(view.spelt(term) for term in (fact.subject, fact.predicate, fact.object))
+    return " ".join(map(view.spelt, fact))
 
 
 def _proof(search: _Search, fact: Triple, best: dict[Triple, tuple[int, Derivation | None]]) -> Proof:

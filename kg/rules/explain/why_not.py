@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import TYPE_CHECKING, Final
 
-from kg.rules.explain.derivations import bound_by, described
+from kg.rules.explain.derivations import bound_by
 from kg.rules.explain.proof import Attempt, WhyNot
-from kg.rules.explain.unify import heads, instance
-from kg.rules.form import Aggregate, Atom, Exists, Filter, Values, Variable
-from kg.rules.scope import binds, mentions
+from kg.rules.explain.unify import filled, heads, instance, instances
+from kg.rules.form import Aggregate, Atom, Exists, Filter, Values, Variable, binds, mentions
 from kg.similar import similar
 
 if TYPE_CHECKING:
@@ -28,13 +27,6 @@ _CANDIDATES: Final = 500
 _NO_VALUE: Final = 0.1
 _ALIKE: Final = 0.4
 """Names less alike than this are not worth mentioning."""
-
-
-def filled(pattern: Pattern, solution: Mapping[str, Term]) -> Term | None:
-    """Return the term at a position of an atom under a solution; None if it is free."""
-    if isinstance(pattern, Variable):
-        return solution.get(pattern.name)
-    return None if hasattr(pattern, "subject") else pattern
 
 
 def nearest(view: View, atom: Atom, solutions: Sequence[dict[str, Term]]) -> tuple[dict[str, Term], tuple[str, ...]]:
@@ -137,7 +129,7 @@ class _Inquiry:
                 return self._failure(rule, order[:index], element, solutions, depth)
             solutions = following
         text = "everything that the rule asks for holds; rules have not been run since"
-        return Attempt(rule, _named(solutions[0]), _facts(order, solutions[0]), None, text)
+        return Attempt(rule, _named(solutions[0]), instances(order, solutions[0]), None, text)
 
     def _failure(
         self, rule: Rule, before: Sequence[Element], element: Element, solutions: list[dict[str, Term]], depth: int
@@ -157,7 +149,7 @@ class _Inquiry:
         elif isinstance(element, Exists) and element.negated:
             others = tuple(self._blocking(element, chosen))
         text = self._missing(element, chosen)
-        return Attempt(rule, _named(chosen), _facts(before, chosen), element, text, others, deeper)
+        return Attempt(rule, _named(chosen), instances(before, chosen), element, text, others, deeper)
 
     def _worth_following(self, rule: Rule, before: Sequence[Element], missing: Triple) -> bool:
         """Return whether rules could derive a premise, and it is not the first of a rule that fits every property."""
@@ -167,7 +159,7 @@ class _Inquiry:
     def _blocking(self, element: Exists, solution: Mapping[str, Term]) -> Iterator[str]:
         """Return which facts exist that must not."""
         for inner in self.view.solutions(element.body, bound_by(element.body), solution, 1):
-            for fact in _facts(element.body, inner):
+            for fact in instances(element.body, inner):
                 yield f"there is {self.view.sentence(fact)}"
 
     def _missing(self, element: Element, solution: Mapping[str, Term]) -> str:
@@ -178,8 +170,8 @@ class _Inquiry:
         values = ", ".join(f"{each} = {self.view.label(solution[each.name])}" for each in known)
         suffix = f" where {values}" if values else ""
         if isinstance(element, Filter):
-            return f"{self.view.brief(described(element))} is not true{suffix}"
-        return f"{self.view.brief(described(element))} fails{suffix}"
+            return f"{self.view.brief(element)} is not true{suffix}"
+        return f"{self.view.brief(element)} fails{suffix}"
 
     def _shown(self, position: Pattern, solution: Mapping[str, Term]) -> str:
         term = filled(position, solution)
@@ -190,11 +182,6 @@ class _Inquiry:
 
 def _named(solution: Mapping[str, Term]) -> dict[str, Term]:
     return {name: term for name, term in solution.items() if not name.startswith(".")}
-
-
-def _facts(body: Sequence[Element], solution: Mapping[str, Term]) -> tuple[Triple, ...]:
-    found = (instance(element, solution) for element in body if isinstance(element, Atom))
-    return tuple(fact for fact in found if fact is not None)
 
 
 def _ordered(body: Sequence[Element], bindings: Mapping[str, Term]) -> list[Element]:

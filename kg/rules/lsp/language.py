@@ -11,8 +11,9 @@ from kg.rules.checks.finding import from_error
 from kg.rules.checks.run import check_file
 from kg.rules.reading import read_text
 from kg.syntax.functions import FUNCTIONS
-from kg.syntax.lexer import Kind, normalise, token_at, tokens
+from kg.syntax.lexer import Kind, iri_of, is_name, normalise, token_at, tokens
 from kg.syntax.names import PREFIXES
+from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,11 +21,9 @@ if TYPE_CHECKING:
 
     from kg.rules.checks.finding import Context, Finding
     from kg.rules.lsp.terms import DefinedTerm, Terms
-    from kg.syntax.lexer import Token
 
 __all__ = ["Suggestion", "complete", "diagnose", "hover", "prefixes_of", "term_at", "width"]
 
-_PREFIX: Final = re.compile(r"@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.IGNORECASE)
 _WORD: Final = re.compile(r"[?$]?[\w.-]*(?::[\w.-]*)?$")
 _KEYWORDS: Final = {
     ".rq": ("CONSTRUCT", "WHERE", "FILTER", "OPTIONAL", "UNION", "MINUS", "BIND", "VALUES", "NOT EXISTS", "PREFIX"),
@@ -46,7 +45,7 @@ class Suggestion:
 
 def prefixes_of(text: str) -> dict[str, str]:
     """Return the prefixes that a text may use: those that it declares, and those that need no declaration."""
-    return {**PREFIXES, **dict(_PREFIX.findall(text))}
+    return {**PREFIXES, **declared(text)}
 
 
 def diagnose(text: str, path: Path, name: str, context: Context) -> list[Finding]:
@@ -113,20 +112,12 @@ def hover(text: str, offset: int, path: Path, name: str, terms: Terms) -> str | 
         documentation = read_text(text, path, name).documentation
     except RuleError:
         return None
-    sections = [f"### {heading}\n\n{body}" for heading, body in (documentation.sections or {}).items()]
+    sections = [f"### {heading}\n\n{body}" for heading, body in documentation.sections.items()]
     return "\n\n".join([f"## {documentation.title}", *sections])
 
 
 def term_at(text: str, offset: int, terms: Terms) -> DefinedTerm | None:
     """Return the term of an ontology that is named at `offset`."""
-    token = next((each for each in tokens(text) if each.start <= offset <= each.end and _names(each)), None)
-    if token is None:
-        return None
-    if token.kind is Kind.IRI:
-        return terms.by_iri.get(token.text[1:-1])
-    prefix, _, local = token.text.partition(":")
-    return terms.by_iri.get(prefixes_of(text).get(prefix, "") + local)
-
-
-def _names(token: Token) -> bool:
-    return token.kind in {Kind.IRI, Kind.NAME}
+    token = next((each for each in tokens(text) if each.start <= offset <= each.end and is_name(each)), None)
+    iri = iri_of(token, prefixes_of(text)) if token else None
+    return terms.by_iri.get(iri) if iri else None

@@ -16,15 +16,15 @@ from urllib.parse import unquote, urlsplit
 
 from kg.errors import UsageError
 from kg.rules.notations.shacl.graph import StringToken
-from kg.syntax.lexer import Kind, Token, token_at, tokens, unescape, unescape_local
+from kg.syntax.lexer import Kind, Token, iri_of, is_name, quoted, token_at, tokens, unescape, unescape_local
 from kg.syntax.names import PREFIXES, is_absolute, resolve
+from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
 __all__ = ["Occurrence", "Symbol", "occurrences", "renamed", "symbol_at"]
 
-_PREFIX: Final = re.compile(r"@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.IGNORECASE)
 _LOCAL: Final = re.compile(r"[^#/]*\Z")
 _BLOCK: Final = re.compile(r"^```turtle[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 _QUOTED: Final = re.compile(r"""(["'])(.*?)\1""")
@@ -153,9 +153,10 @@ def _imports(text: str, path: Path) -> Iterator[Occurrence]:
     before = None
     for token in tokens(text):
         if token.kind is Kind.IRI and before is not None and before.text.upper() == "IMPORTS":
-            parts = urlsplit(resolve(path.absolute().as_uri(), token.text[1:-1]))
-            if parts.scheme == "file":
-                yield Occurrence(token.start + 1, token.end - 1, path=Path(unquote(parts.path)))
+            with suppress(ValueError):
+                parts = urlsplit(resolve(path.absolute().as_uri(), token.text[1:-1]))
+                if parts.scheme == "file":
+                    yield Occurrence(token.start + 1, token.end - 1, path=Path(unquote(parts.path)))
         before = token
 
 
@@ -180,8 +181,7 @@ def _read(text: str, path: Path) -> Iterator[Symbol]:
         if token.kind is Kind.VARIABLE:
             yield Symbol("variable", token.text[1:], scope, token.start + 1, token.end)
         elif token.kind is Kind.STRING:
-            quotes = 3 if token.text[:3] in {'"""', "'''"} else 1
-            value = token.text[quotes:-quotes]
+            quotes, value = quoted(token)
             kind = ("prefix", value, _QUERY) if scope == "sh:prefix" else ("rule", value, "")
             yield Symbol(*kind, token.start + quotes, token.end - quotes)
         elif token.kind is Kind.IRI:
@@ -200,7 +200,7 @@ def _read(text: str, path: Path) -> Iterator[Symbol]:
 
 def _words(text: str, path: Path) -> Iterator[_Word]:
     built_in = {} if path.suffix == ".srl" else PREFIXES
-    prefixes = {**built_in, **dict(_PREFIX.findall(text))}
+    prefixes = {**built_in, **declared(text)}
     found = list(tokens(text))
     if path.suffix == ".ttl":
         yield from _turtle(found, prefixes)
@@ -221,17 +221,16 @@ def _follows_where(text: str, start: int) -> bool:
 def _turtle(found: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[_Word]:
     """Yield the tokens of Turtle, and those of the queries in its strings."""
     everything = list(found)
-    declared = {**PREFIXES, **dict(_declared(everything, prefixes))}
+    known = {**PREFIXES, **dict(_declared(everything, prefixes))}
     predicate = ""
     for token in everything:
-        if token.kind is Kind.NAME or token.kind is Kind.IRI:
-            predicate = _iri(token, prefixes)
+        if is_name(token):
+            predicate = iri_of(token, prefixes) or ""
         if token.kind is Kind.STRING and predicate in _QUERIES:
-            quotes = 3 if token.text[:3] in {'"""', "'''"} else 1
-            written = StringToken(token.start + quotes, token.text[quotes:-quotes])
+            written = StringToken.of(token)
             for inner in _query(written):
                 start, end = written.offset(inner.start), written.offset(inner.end)
-                yield _Word(inner._replace(start=start, end=end), f"{_QUERY} {token.start}", _QUERY, declared)
+                yield _Word(inner._replace(start=start, end=end), f"{_QUERY} {token.start}", _QUERY, known)
         else:
             yield _Word(token, "sh:prefix" if predicate == PREFIXES["sh"] + "prefix" else "", _TURTLE, prefixes)
 
@@ -246,16 +245,9 @@ def _declared(found: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[t
     """Yield the prefixes that `sh:declare` has for queries."""
     predicate, prefix = "", None
     for token in found:
-        if token.kind is Kind.NAME or token.kind is Kind.IRI:
-            predicate = _iri(token, prefixes)
+        if is_name(token):
+            predicate = iri_of(token, prefixes) or ""
         elif token.kind is Kind.STRING and predicate == PREFIXES["sh"] + "prefix":
             prefix = token.text[1:-1]
         elif token.kind is Kind.STRING and predicate == PREFIXES["sh"] + "namespace" and prefix is not None:
             yield prefix, token.text[1:-1]
-
-
-def _iri(token: Token, prefixes: Mapping[str, str]) -> str:
-    if token.kind is Kind.IRI:
-        return token.text[1:-1]
-    prefix, _, local = token.text.partition(":")
-    return prefixes.get(prefix, "") + local

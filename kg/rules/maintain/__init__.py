@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from kg.rules.maintain.maintaining import Change, Maintained, maintain
+from kg.rules.maintain.maintaining import Change, Maintained
 
-__all__ = ["Change", "Maintained", "maintain"]
+__all__ = ["Change", "Maintained"]

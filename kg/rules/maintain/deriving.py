@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from pyoxigraph import BlankNode, NamedNode
 
 from kg.rules.engine import matching
-from kg.rules.engine.facts import Facts, unpack
+from kg.rules.engine.facts import Facts, absorb, unpack
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.plan import Assign, Block, Grouped, Match, Rows, Structure
 from kg.rules.engine.solve import Solver, View
@@ -17,7 +17,6 @@ from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, TripleTerm, Vari
 from kg.rules.maintain.joins import Join
 from kg.rules.maintain.patterns import pattern
 from kg.rules.maintain.pivots import pivots
-from kg.rules.maintain.worlds import absorb
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

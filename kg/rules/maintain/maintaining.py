@@ -16,17 +16,17 @@ from typing import TYPE_CHECKING
 from kg.rules.dependencies import volatile
 from kg.rules.engine.equality import equalities
 from kg.rules.engine.evaluate import Limits, evaluate
-from kg.rules.engine.facts import Facts, merged
+from kg.rules.engine.facts import Facts, absorb, common, lacking, merged
 from kg.rules.maintain.deriving import MaintainedRule
 from kg.rules.maintain.strata import LargeChangeError, Progress, Strata
-from kg.rules.maintain.worlds import Delta, World, absorb, common, lacking
+from kg.rules.maintain.worlds import Delta, World
 
 if TYPE_CHECKING:
     from kg.rules.engine.evaluate import Program
     from kg.rules.engine.terms import Dictionary
     from kg.rules.stratify import Stratum
 
-__all__ = ["Change", "Maintained", "maintain"]
+__all__ = ["Change", "Maintained"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,26 +136,6 @@ def _change(progress: Progress) -> Change:
     removed = lacking(progress.gone.known, progress.gone.asserted)
     absorb(removed, lacking(progress.came.asserted, progress.came.known))
     return Change(added, removed)
-
-
-def maintain(  # noqa: PLR0913, PLR0917 - a state and a change, of two sets each
-    program: Program,
-    dictionary: Dictionary,
-    asserted: Facts,
-    inferred: Facts,
-    inserted: Facts,
-    deleted: Facts,
-    *,
-    limits: Limits | None = None,
-) -> Change:
-    """Return the change of the inferred triples when `inserted` is asserted and `deleted` is retracted.
-
-    `asserted` and `inferred` are the state before, and stay as they are. For several changes `Maintained` is cheaper.
-
-    Raises:
-        RuleError: as `Maintained.apply`.
-    """
-    return Maintained(program, dictionary, asserted, inferred).apply(inserted, deleted, limits=limits)
 
 
 def _together(asserted: Facts, inferred: Facts) -> Facts:

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from kg.rules.engine.facts import Facts, difference, union, unpack
+from kg.rules.engine.facts import Facts, absorb, common, difference, lacking, take_out, union, unpack
 from kg.rules.maintain.patterns import Patterns
-from kg.rules.maintain.worlds import Delta, World, absorb, common, lacking, take_out
+from kg.rules.maintain.worlds import Delta, World
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -5,30 +5,34 @@ The bodies of SPARQL RL are those of the internal form, element by element, in t
 
 from __future__ import annotations
 
+import re
 from hashlib import sha256
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
+from urllib.parse import unquote, urlsplit
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
-from kg.errors import RuleError
+from kg.errors import Fix, RuleError
 from kg.rules.decompose.expressions import expression
 from kg.rules.decompose.names import Names
 from kg.rules.decompose.paths import Link, normal
+from kg.rules.decompose.uses import uses
 from kg.rules.form import Assignment, Atom, Exists, Filter, Rule, TripleTerm, Variable
-from kg.rules.notations.wellformed import check
+from kg.similar import asked, similar
 from kg.syntax import tree
 from kg.syntax.lexer import normalise
+from kg.syntax.parser import parse_srl
 from kg.syntax.position import place_at
-from kg.syntax.tree import mentioned
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from kg.errors import Place
     from kg.rules.form import Element, Pattern, Term
-    from kg.syntax.tree import Group, RuleText, RuleUnit, Span, TriplePattern
+    from kg.syntax.tree import Expression, Group, Node, RuleText, RuleUnit, Span, TriplePattern
 
-__all__ = ["data", "rules"]
+__all__ = ["data", "imported", "rules"]
 
 _DIGITS: Final = 20
 
@@ -41,7 +45,7 @@ def rules(unit: RuleUnit, name: str, path: str, text: str, *, first: int = 1) ->
     found: list[Rule] = []
     written = normalise(text)
     for part, rule in enumerate(unit.rules, first):
-        check(rule, path, written)
+        _check(rule, path, written)
         reader = _Reader(rule, path, written)
         if rule.template:
             found.append(Rule(name, reader.head(), reader.body(), reader.place(rule.span), part))
@@ -93,7 +97,7 @@ class _Reader:
         self._rule = rule
         self._path = path
         self._text = text
-        names = mentioned(rule.group.nodes) | mentioned(rule.template)
+        names = uses(rule.group.nodes) | uses(rule.template)
         self._names = Names(names)
 
     def place(self, span: Span) -> Place:
@@ -145,3 +149,111 @@ def _subjects(term: TripleTerm) -> Iterator[Pattern]:
     yield term.subject
     if isinstance(term.object, TripleTerm):
         yield from _subjects(term.object)
+
+
+def imported(unit: RuleUnit, path: Path, text: str) -> Iterator[tuple[Path, str, RuleUnit]]:
+    """Yield path, text and tree of each rule set that a rule set imports, also through others; cycles end.
+
+    Raises RuleError: KG208 for an import that is not a file here, KG201 for one that does not parse.
+    """
+    seen = {path.resolve()}
+    waiting = [(unit, path, text)]
+    while waiting:
+        importing, source, written = waiting.pop(0)
+        for target in importing.imports:
+            file = _imported_file(target, source, written).resolve()
+            if file in seen:
+                continue
+            seen.add(file)
+            inner = _imported_text(file, target, source, written)
+            found = (file, inner, parse_srl(inner, str(file)))
+            yield found
+            waiting.append((found[2], file, inner))
+
+
+def _imported_file(target: NamedNode, source: Path, text: str) -> Path:
+    parts = urlsplit(target.value)
+    if parts.scheme != "file" or parts.netloc not in {"", "localhost"}:
+        hint = "Rule sets are not fetched: save it next to this file and import it by its name."
+        raise _import_error(f"`{target.value}` is not a file of this machine", target, source, text, hint)
+    return Path(unquote(parts.path))
+
+
+def _imported_text(file: Path, target: NamedNode, source: Path, text: str) -> str:
+    try:
+        return file.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
+        hint = "A relative name is relative to the importing file, or to its BASE."
+        raise _import_error(f"`{file.name}` cannot be imported: {reason}", target, source, text, hint) from None
+
+
+def _import_error(message: str, target: NamedNode, source: Path, text: str, hint: str) -> RuleError:
+    """Return an error at the importing statement, if the text allows to find it."""
+    written = normalise(text)
+    name = target.value.rpartition("/")[2]
+    keyword = max(written.upper().find("IMPORTS"), 0)
+    offset = max(written.find(name, keyword), keyword)
+    return RuleError("KG208", message, place=place_at(written, offset, str(source)), hint=hint)
+
+
+def _check(rule: RuleText, path: str, text: str) -> None:
+    """Raise RuleError KG203 at the first variable of a rule that is not bound, or is bound twice.
+
+    A filter and an assignment see the variables of the elements before them; inside NOT also those before the NOT. An
+    assignment names a variable that nothing before it has. The head has variables of the body only. `text` is that of
+    the file, normalised: its lines end with line feeds.
+    """
+    checker = _Checker(path, text)
+    bound = checker.sequence(rule.group.nodes, set())
+    for pattern in rule.template:
+        for name in sorted(uses((pattern,)).keys() - bound):
+            message = f"the head has `?{name}`, which the body does not bind"
+            raise checker.unbound(name, pattern.span, message, bound)
+
+
+class _Checker:
+    """Has the text, for the places of variables in errors."""
+
+    def __init__(self, path: str, text: str) -> None:
+        self._path = path
+        self._text = text
+
+    def sequence(self, nodes: Iterable[Node], bound: set[str]) -> set[str]:
+        """Check elements in their order and return the variables bound behind them."""
+        bound = set(bound)
+        for node in nodes:
+            if isinstance(node, tree.TriplePattern):
+                bound |= uses((node,)).keys()
+            elif isinstance(node, tree.Filter):
+                self._check(node.expression, bound, "FILTER")
+            elif isinstance(node, tree.Exists):
+                self.sequence(node.group.nodes, bound)
+            elif isinstance(node, tree.Bind):
+                self._check(node.expression, bound, "SET")
+                self._check_new(node, bound)
+                bound.add(node.variable.name)
+        return bound
+
+    def _check(self, expression: Expression, bound: set[str], what: str) -> None:
+        for name in expression.variables:
+            if name not in bound:
+                message = f"{what} reads `?{name}`, which nothing before it binds"
+                raise self.unbound(name, expression.span, message, bound)
+
+    def _check_new(self, node: tree.Bind, bound: set[str]) -> None:
+        name = node.variable.name
+        if name in bound:
+            hint = "Give the result another name; compare the two with FILTER."
+            raise self._error(name, node.span, f"SET assigns to `?{name}`, which is bound before it", hint)
+
+    def unbound(self, name: str, span: Span, message: str, bound: set[str]) -> RuleError:
+        """Return the error that a variable is not bound."""
+        near = similar(name, {other for other in bound if not other.startswith(".")})
+        hint = asked(near) or f"Bind `?{name}` by a triple or SET before it is read."
+        return self._error(name, span, message, hint, [Fix(f"?{each}") for each in near])
+
+    def _error(self, name: str, span: Span, message: str, hint: str, fixes: Iterable[Fix] = ()) -> RuleError:
+        found = re.compile(rf"[?$]{re.escape(name)}(?!\w)").search(self._text, span.start, span.end)
+        place = place_at(self._text, found.start() if found else span.start, self._path)
+        return RuleError("KG203", message, place=place, hint=hint, fixes=fixes)

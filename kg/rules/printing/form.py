@@ -8,7 +8,7 @@ from kg.rules import sparql
 from kg.rules.decompose.expressions import bare
 from kg.rules.dependencies import reads
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter
-from kg.rules.printing.words import indented, shortened
+from kg.rules.printing.words import shortened
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def _is_name(atom: Atom) -> bool:
 
 
 def _atom(atom: Atom) -> str:
-    return " ".join(map(sparql.term, atom.positions)) + (" (asserted)" if atom.asserted else "")
+    return sparql.triple(atom) + (" (asserted)" if atom.asserted else "")
 
 
 def _element(element: Element) -> str:
@@ -72,12 +72,12 @@ def _element(element: Element) -> str:
     if isinstance(element, Aggregate):
         return _below(_aggregate(element), element.body)
     if isinstance(element, EngineBlock):
-        return f"{_block(element)}\n{indented(element.text)}"
+        return f"{_block(element)}\n{sparql.indented(element.text)}"
     return sparql.group((element,))
 
 
 def _below(title: str, body: Iterable[Element]) -> str:
-    return "\n".join([title, *(indented(_element(element)) for element in body)])
+    return "\n".join([title, *(sparql.indented(_element(element)) for element in body)])
 
 
 def _aggregate(element: Aggregate) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kg.rules import sparql
 from kg.rules.form import atoms_of
-from kg.rules.printing.words import head, indented, refusal, with_prefixes
+from kg.rules.printing.words import head, refusal, with_prefixes
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
@@ -34,4 +34,5 @@ def construct(rule: Rule) -> str:
     if any(atom.asserted for atom, _ in atoms_of(rule.body)):
         hint = "SPARQL RL says that: print it as .srl."
         raise refusal(rule, "reads asserted data alone, which SPARQL has no word for", hint)
-    return f"CONSTRUCT {{\n{indented(head(rule.head))}\n}}\nWHERE {{\n{indented(sparql.group(rule.body))}\n}}"
+    body = sparql.indented(sparql.group(rule.body))
+    return f"CONSTRUCT {{\n{sparql.indented(head(rule.head))}\n}}\nWHERE {{\n{body}\n}}"

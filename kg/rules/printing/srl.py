@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kg.rules import sparql
 from kg.rules.decompose.expressions import bare
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Values, atoms_of
-from kg.rules.printing.words import head, indented, refusal, with_prefixes
+from kg.rules.printing.words import head, refusal, with_prefixes
 from kg.syntax.functions import FUNCTIONS, RULE_FUNCTIONS
 from kg.syntax.lexer import Kind, tokens_of
 from kg.syntax.names import PREFIXES
@@ -41,7 +41,7 @@ def to_srl(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> str
 def _rule(rule: Rule) -> str:
     data = "DATA " if _only_asserted(rule, rule.body) else ""
     body = "\n".join(_elements(rule, rule.body, asserted=bool(data)))
-    return f"RULE {{\n{indented(head(rule.head))}\n}} WHERE {data}{{\n{indented(body)}\n}}"
+    return f"RULE {{\n{sparql.indented(head(rule.head))}\n}} WHERE {data}{{\n{sparql.indented(body)}\n}}"
 
 
 def _only_asserted(rule: Rule, body: tuple[Element, ...]) -> bool:
@@ -72,7 +72,7 @@ def _negation(rule: Rule, element: Exists, *, asserted: bool) -> str:
         raise refusal(rule, _MIXED, "SPARQL RL has DATA for a whole body or NOT.")
     data = "DATA " if not asserted and _only_asserted(rule, element.body) else ""
     inner = "\n".join(_elements(rule, element.body, asserted=asserted, inside=True))
-    return f"NOT {data}{{\n{indented(inner)}\n}}"
+    return f"NOT {data}{{\n{sparql.indented(inner)}\n}}"
 
 
 def _expression(rule: Rule, expression: Expression) -> str:

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
+from kg.rules import sparql
 from kg.rules.form import Atom, Variable
 from kg.rules.printing.rq import construct
-from kg.rules.printing.words import indented, shortened, with_prefixes
+from kg.rules.printing.words import shortened, with_prefixes
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
@@ -43,10 +44,10 @@ def to_turtle(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> 
 
 def _shape(rule: Rule, target: str, kind: str, lines: list[str]) -> str:
     order = [f"sh:order {rule.order:g} ;"] if rule.order else []
-    inner = indented("\n".join([f"a {kind} ;", *order, *lines]))
+    inner = sparql.indented("\n".join([f"a {kind} ;", *order, *lines]))
     name = f"<urn:kg:shape:{re.sub(r'[^A-Za-z0-9/_.-]', '-', rule.name)}:{rule.part}>"
     target = target or f"sh:targetNode {name}"
-    return f"{name} a sh:NodeShape ;\n  {target} ;\n  sh:rule [\n{indented(inner)}\n  ] ."
+    return f"{name} a sh:NodeShape ;\n  {target} ;\n  sh:rule [\n{sparql.indented(inner)}\n  ] ."
 
 
 def _sparql_rule(rule: Rule, prefixes: Mapping[str, str]) -> str:

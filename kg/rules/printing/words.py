@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kg.errors import RuleError
 from kg.rules import sparql
 from kg.syntax.lexer import Kind
-from kg.syntax.names import PREFIXES
+from kg.syntax.names import PREFIXES, prefixed
 from kg.syntax.printer import respelt
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kg.rules.form import Atom, Rule
     from kg.syntax.lexer import Token
 
-__all__ = ["head", "indented", "refusal", "shortened", "with_prefixes"]
+__all__ = ["head", "refusal", "shortened", "with_prefixes"]
 
 
 def shortened(text: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, tuple[str, ...]]:
@@ -24,22 +24,13 @@ def shortened(text: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, t
     used: set[str] = set()
 
     def spelling(token: Token) -> str | None:
-        found = _short(token.text[1:-1], prefixes) if token.kind is Kind.IRI else None
+        found = prefixed(token.text[1:-1], prefixes) if token.kind is Kind.IRI else None
         if found is None:
             return None
         used.add(found[0])
         return ":".join(found)
 
     return respelt(text, spelling), tuple(sorted(used))
-
-
-def _short(iri: str, prefixes: Mapping[str, str]) -> tuple[str, str] | None:
-    """Return prefix and local name, of the longest namespace that fits; None where none does without an escape."""
-    for prefix in sorted(prefixes, key=lambda one: (-len(prefixes[one]), one)):
-        local = iri.removeprefix(prefixes[prefix])
-        if local != iri and local.isascii() and local.replace("_", "").replace("-", "").isalnum() and local[0] != "-":
-            return prefix, local
-    return None
 
 
 def with_prefixes(text: str, prefixes: Mapping[str, str]) -> str:
@@ -51,12 +42,7 @@ def with_prefixes(text: str, prefixes: Mapping[str, str]) -> str:
 
 def head(atoms: Iterable[Atom]) -> str:
     """Return the triples of a head, one a line."""
-    return "\n".join(f"{' '.join(map(sparql.term, atom.positions))} ." for atom in atoms)
-
-
-def indented(text: str) -> str:
-    """Return text one step to the right."""
-    return "\n".join(f"  {line}" if line else line for line in text.split("\n"))
+    return "\n".join(f"{sparql.triple(atom)} ." for atom in atoms)
 
 
 def refusal(rule: Rule, what: str, hint: str) -> RuleError:

@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import DefaultGraph, NamedNode, RdfFormat, serialize
 
-from kg.rules.form import Aggregate, Atom, EngineBlock, Exists
-from kg.rules.remote.graphs import auxiliary
+from kg.rules.form import EngineBlock, is_auxiliary, readers_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from kg.rules.files import RuleSet
-    from kg.rules.form import Element
     from kg.rules.remote.graphs import Graphs
     from kg.store.remote import RemoteSnapshot, RemoteStore
 
@@ -115,21 +113,13 @@ def predicates_of(rule_set: RuleSet) -> frozenset[NamedNode] | None:
     """Return the predicates that rules read, write or state, None when they may be any."""
     found: set[NamedNode] = set()
     heads = (atom for rule in rule_set.rules for atom in rule.head)
-    for part in [*heads, *(part for rule in rule_set.rules for part in _parts(rule.body))]:
+    for part in [*heads, *(part for rule in rule_set.rules for part, _ in readers_of(rule.body))]:
         if isinstance(part, EngineBlock):
             if part.reads is None:
                 return None
             found |= part.reads
         elif not isinstance(part.predicate, NamedNode):
             return None
-        elif not auxiliary(part.predicate):
+        elif not is_auxiliary(part.predicate):
             found.add(part.predicate)
     return frozenset(found.union(triple.predicate for triple in rule_set.data))
-
-
-def _parts(body: Iterable[Element]) -> Iterator[Atom | EngineBlock]:
-    for element in body:
-        if isinstance(element, Atom | EngineBlock):
-            yield element
-        elif isinstance(element, Exists | Aggregate):
-            yield from _parts(element.body)

@@ -19,9 +19,9 @@ from uuid import uuid4
 
 from pyoxigraph import NamedNode
 
-from kg.rules.form import AUXILIARY, Pattern
+from kg.rules.form import Pattern, is_auxiliary
 
-__all__ = ["Channel", "Graphs", "auxiliary"]
+__all__ = ["Channel", "Graphs"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,15 +63,10 @@ class Graphs:
 
     def channel(self, predicate: Pattern) -> Channel:
         """Return where triples of a predicate go."""
-        return self.auxiliary if auxiliary(predicate) else self.plain
+        return self.auxiliary if is_auxiliary(predicate) else self.plain
 
     @property
     def temporary(self) -> list[NamedNode]:
         """All graphs that the run makes."""
         made = [graph for each in self.channels for graph in (each.derived, each.new, each.delta)]
         return [*made, self.stated, NamedNode(self.prefix + "asserted")]
-
-
-def auxiliary(predicate: Pattern) -> bool:
-    """Return whether decomposition introduced a predicate."""
-    return isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)

@@ -5,18 +5,30 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from pyoxigraph import BlankNode, NamedNode
-
 from kg.rules.dependencies import depends, reads, writes
-from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Rule, TripleTerm
-from kg.rules.remote.graphs import auxiliary
-from kg.rules.scope import binds, bound_in, mentions
-from kg.rules.sparql import Placed, group, spelling, term
+from kg.rules.form import (
+    Aggregate,
+    Assignment,
+    Atom,
+    EngineBlock,
+    Exists,
+    Filter,
+    Rule,
+    binds,
+    bound_in,
+    has_blank,
+    is_auxiliary,
+    mentions,
+    readers_of,
+)
+from kg.rules.sparql import Placed, group, spelling, triple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.rules.form import Element, Pattern
+    from pyoxigraph import NamedNode
+
+    from kg.rules.form import Element
     from kg.rules.remote.graphs import Graphs
     from kg.rules.stratify import Stratum
 
@@ -42,12 +54,10 @@ def next_update(rule: Rule, stratum: Stratum, graphs: Graphs) -> str | None:
 
 
 def _insert(rule: Rule, bodies: Sequence[tuple[Element, ...]], graphs: Graphs) -> str:
-    head = " ".join(
-        f"GRAPH {graphs.channel(atom.predicate).new} {{ {' '.join(map(term, atom.positions))} }}" for atom in rule.head
-    )
+    head = " ".join(f"GRAPH {graphs.channel(atom.predicate).new} {{ {triple(atom)} }}" for atom in rule.head)
     groups = [group(body) for body in bodies]
     where = groups[0] if len(groups) == 1 else "\nUNION\n".join(f"{{\n{text}\n}}" for text in groups)
-    if any(_fresh(position) for atom in rule.head for position in atom.positions):
+    if any(has_blank(position) for atom in rule.head for position in atom.positions):
         # Each solution gives one blank node, however many of the readings find it.
         names = " ".join(sorted(map(spelling, bound_in(rule.body)))) or "*"
         where = f"{{ SELECT DISTINCT {names} WHERE {{\n{where}\n}} }}"
@@ -55,12 +65,6 @@ def _insert(rule: Rule, bodies: Sequence[tuple[Element, ...]], graphs: Graphs) -
     placed = (graphs.asserted, graphs.plain.delta, graphs.auxiliary.derived, graphs.auxiliary.delta)
     using = [*(f"USING {graph}" for graph in read), *(f"USING NAMED {graph}" for graph in placed)]
     return f"INSERT {{ {head} }}\n{' '.join(using)}\nWHERE {{\n{where}\n}}"
-
-
-def _fresh(pattern: Pattern) -> bool:
-    if isinstance(pattern, TripleTerm):
-        return any(map(_fresh, (pattern.subject, pattern.predicate, pattern.object)))
-    return isinstance(pattern, BlankNode)
 
 
 def _placed(body: Sequence[Element], graphs: Graphs) -> tuple[Element, ...]:
@@ -71,7 +75,7 @@ def _placed(body: Sequence[Element], graphs: Graphs) -> tuple[Element, ...]:
 def _placed_element(element: Element, graphs: Graphs) -> Element:
     if isinstance(element, Placed):
         return element
-    if isinstance(element, Atom) and auxiliary(element.predicate):
+    if isinstance(element, Atom) and is_auxiliary(element.predicate):
         return _at(element, graphs.auxiliary.derived)
     if isinstance(element, Atom) and element.asserted:
         return _at(element, graphs.asserted)
@@ -85,16 +89,8 @@ def _at(atom: Atom, graph: NamedNode) -> Placed:
 
 
 def _fed_block(rule: Rule, heads: Sequence[Atom]) -> bool:
-    blocks = replace(rule, body=tuple(_blocks(rule.body)))
+    blocks = replace(rule, body=tuple(each for each, _ in readers_of(rule.body) if isinstance(each, EngineBlock)))
     return any(depends(read.atom, head) for read in reads(blocks) for head in heads)
-
-
-def _blocks(body: Sequence[Element]) -> Iterator[EngineBlock]:
-    for element in body:
-        if isinstance(element, EngineBlock):
-            yield element
-        elif isinstance(element, Exists):
-            yield from _blocks(element.body)
 
 
 def _variants(body: tuple[Element, ...], heads: Sequence[Atom], graphs: Graphs) -> Iterator[tuple[Element, ...]]:

@@ -6,7 +6,7 @@ import numpy as np
 from pyoxigraph import Literal, NamedNode
 from rules.authoring.worlds import EX, files, write_rules
 
-from kg.rules.authoring.shares import Share, shares
+from kg.rules.authoring.runs import Share, shares
 from kg.rules.engine.facts import Facts, distinct
 from kg.rules.engine.terms import Dictionary
 from kg.rules.reports import Difference, RunReport, Seconds

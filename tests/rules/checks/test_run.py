@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from pyoxigraph import RdfFormat, parse
 
-from kg.rules.checks.choosing import named, others_than, outside
 from kg.rules.checks.finding import Context
 from kg.rules.checks.run import check, read_all
 from kg.rules.checks.sarif import as_object, sarif
@@ -131,12 +130,12 @@ def test_which_rules_are_meant(tmp_path: Path) -> None:
         (tmp_path / name).write_text(text)
     (tmp_path / "c.rq").write_text(rule)
     read = read_all([tmp_path / "a", tmp_path / "b"])
-    assert named(read, str(tmp_path / "a" / "two.rq")) == named(read, str(tmp_path / "a" / "two.srl")) == ["two"]
-    assert named(read, str(tmp_path / "b")) == named(read, "broken") == ["broken"]
-    assert named(read_all([tmp_path]), "a") == ["a/two", "a/two"]
-    assert named(read, "none") == []
-    assert outside(read, [str(tmp_path / "c.rq"), str(tmp_path / "a" / "two.rq"), "a/b"]) == [tmp_path / "c.rq"]
-    assert others_than(read, tmp_path / "a") == ["broken"]
+    assert read.named(str(tmp_path / "a" / "two.rq")) == read.named(str(tmp_path / "a" / "two.srl")) == ["two"]
+    assert read.named(str(tmp_path / "b")) == read.named("broken") == ["broken"]
+    assert read_all([tmp_path]).named("a") == ["a/two", "a/two"]
+    assert read.named("none") == []
+    assert read.outside([str(tmp_path / "c.rq"), str(tmp_path / "a" / "two.rq"), "a/b"]) == [tmp_path / "c.rq"]
+    assert read.others_than(tmp_path / "a") == ["broken"]
 
 
 def test_unbound_heads(tmp_path: Path) -> None:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode, Quad, Store, Triple
 
+from kg.rules.decompose import decompose
 from kg.rules.form import AUXILIARY, Aggregate, Atom, Exists
-from kg.rules.notations.rq import rules
 from kg.rules.sparql import Placed, construct
 from kg.syntax.parser import parse_rq
 
@@ -25,7 +25,7 @@ _GRAPH: Final = NamedNode(AUXILIARY + "graph")
 
 def read(text: str) -> tuple[Rule, ...]:
     """Return the rules of a CONSTRUCT query."""
-    return rules(parse_rq(text, "rule.rq"), "test/rule", "rule.rq", text)
+    return decompose(parse_rq(text, "rule.rq").rules[0], "test/rule", "rule.rq", text)
 
 
 def stated(quads: Iterable[Quad], text: str) -> set[Triple]:

@@ -10,7 +10,7 @@ import pytest
 from rules.decompose.applying import applied, read, stated
 from rules.decompose.texts import graph
 
-from kg.rules.notations.rq import rules
+from kg.rules.decompose import decompose
 from kg.rules.printing import to_form
 from kg.syntax.parser import parse_rq
 
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.parametrize("case", CASES, ids=lambda case: case.stem)
 def test_a_rule_becomes_this_form(case: Path) -> None:
     """The internal form of the rule is the one in the file next to it."""
     text = case.read_text(encoding="utf-8")
-    found = rules(parse_rq(text, case.name), f"case/{case.stem}", case.name, text)
+    found = decompose(parse_rq(text, case.name).rules[0], f"case/{case.stem}", case.name, text)
     assert to_form(found, {"": "urn:"}) + "\n" == case.with_suffix(".form").read_text(encoding="utf-8")
 
 

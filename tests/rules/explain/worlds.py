@@ -10,7 +10,7 @@ from pyoxigraph import NamedNode, Quad, RdfFormat, Store, Triple
 from kg.errors import Place
 from kg.rules.explain.view import View, Vocabulary
 from kg.rules.form import Assignment, Atom, Exists, Expression, Filter, Rule, Variable
-from kg.rules.sparql import construct, outside
+from kg.rules.sparql import construct
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -93,7 +93,7 @@ class World:
                 self._apply(each)
 
     def _apply(self, each: Rule) -> None:
-        text = construct(each, asserted=outside(INFERRED))
+        text = construct(each, inferred=INFERRED)
         derived = cast("QueryTriples", self.store.query(text, use_default_graph_as_union=True))
         for triple in list(derived):
             if not any(self.store.quads_for_pattern(triple.subject, triple.predicate, triple.object)):

@@ -15,7 +15,7 @@ from kg.rules.engine.evaluate import Limits, Program, evaluate
 from kg.rules.engine.facts import Facts
 from kg.rules.engine.terms import Dictionary
 from kg.rules.form import AUXILIARY, Aggregate, Assignment, Column, EngineBlock, Exists, Variable
-from kg.rules.maintain import Maintained, maintain
+from kg.rules.maintain import Maintained
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -249,10 +249,11 @@ def test_limits_leave_the_state_as_it_was() -> None:
 
 
 def test_one_change_by_itself() -> None:
-    """The function leaves the sets that it is given as they are."""
+    """The sets that a state begins with stay as they are."""
     kept = Kept(ANCESTORS, ":a :parent :b")
     asserted, inferred = kept.state.asserted, kept.state.inferred
-    change = maintain(kept.program, kept.dictionary, asserted, inferred, kept.facts(":b :parent :c"), Facts())
+    state = Maintained(kept.program, kept.dictionary, asserted, inferred)
+    change = state.apply(kept.facts(":b :parent :c"), Facts())
     assert kept.shown(change.added, "+") == ["+:a :ancestor :c", "+:b :ancestor :c"]
     assert len(asserted) == 1
     assert len(inferred) == 1

@@ -55,7 +55,7 @@ def test_a_rule_printed_as_rule_language_reads_back_as_it_was(path: Path, name: 
     """All rules of a file, printed as SPARQL RL, have the same internal form, or it says what it lacks."""
     file = read(path, name)
     try:
-        text = to_srl(file.rules, file.prefixes or {})
+        text = to_srl(file.rules, file.prefixes)
     except RuleError as error:
         assert error.code == "KG209"  # noqa: PT017 - what SPARQL RL lacks
         return
@@ -68,7 +68,7 @@ def test_a_rule_printed_as_shacl_is_read(path: Path, name: str) -> None:
     """SHACL takes what is printed; its own reader gives a rule for each."""
     file = read(path, name)
     try:
-        text = to_turtle(file.rules, file.prefixes or {})
+        text = to_turtle(file.rules, file.prefixes)
     except RuleError as error:
         assert error.code == "KG209"  # noqa: PT017 - asserted data
         return

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import Literal, NamedNode
 
 from kg.rules.notations.shacl.expressions import Expressions
-from kg.rules.notations.shacl.logic import FALSE, MAX_CASES, TRUE, Cases, every, exists, none, some
+from kg.rules.notations.shacl.logic import FALSE, MAX_CASES, TRUE, Cases, every, for_all, some
 from kg.rules.notations.shacl.paths import Branch, path_of, steps
 from kg.rules.notations.shacl.query import query_of, rename, spell, variables
 from kg.rules.notations.shacl.relations import RELATIONS, Comparison, closed, has_value, property_name, unique_languages
@@ -167,7 +167,7 @@ class Conditions:
     def _constraint(self, shape: Term, predicate: NamedNode, value: Term, term: str, *, wanted: bool) -> Cases | None:
         each = self._each(shape, predicate, value)
         if each is not None:
-            return self._of_values(self._values(shape, term), each, wanted=wanted)
+            return for_all(self._values(shape, term), each, wanted=wanted)
         if predicate in RELATIONS:
             compared = property_name(self._graph, shape, value)
             comparison = Comparison(term, self._values(shape, term), compared, self._names.fresh())
@@ -206,8 +206,8 @@ class Conditions:
             sh("node"): lambda term, wanted: self.conforms(value, term, wanted=wanted),
             sh("property"): lambda term, wanted: self.conforms(value, term, wanted=wanted),
             sh("not"): lambda term, wanted: self.conforms(value, term, wanted=not wanted),
-            sh("and"): lambda term, wanted: self._all(shape, value, term, wanted=wanted),
-            sh("or"): lambda term, wanted: self._any(shape, value, term, wanted=wanted),
+            sh("and"): lambda term, wanted: (every if wanted else some)(self._members(shape, value, term, wanted)),
+            sh("or"): lambda term, wanted: (some if wanted else every)(self._members(shape, value, term, wanted)),
             sh("xone"): lambda term, wanted: self._one(shape, value, term, wanted=wanted),
             sh("closed"): lambda term, wanted: closed(self._graph, shape, term, self._names, wanted=wanted),
             sh("expression"): lambda term, wanted: self._expressions().true(value, term, wanted=wanted),
@@ -225,29 +225,11 @@ class Conditions:
         group = spell(rename(solutions, {"this": term}))
         return [[f"FILTER {'NOT ' if wanted else ''}EXISTS {{ {group} }}"]]
 
-    def _of_values(self, values: list[Branch], each: Callable[[str, bool], Cases], *, wanted: bool) -> Cases:
-        """Return that all values pass a test, or that one does not."""
-        parts = []
-        for branch in values:
-            if not branch.pattern:
-                parts.append(each(branch.term, wanted))
-            else:
-                parts.append((none if wanted else exists)(branch.pattern, each(branch.term, False)))
-        return every(parts) if wanted else some(parts)
-
-    def _shapes(self, shape: Term, value: Term) -> list[Term]:
-        return self._graph.members(value, shape)
-
-    def _all(self, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
-        parts = [self.conforms(one, term, wanted=wanted) for one in self._shapes(shape, value)]
-        return every(parts) if wanted else some(parts)
-
-    def _any(self, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
-        parts = [self.conforms(one, term, wanted=wanted) for one in self._shapes(shape, value)]
-        return some(parts) if wanted else every(parts)
+    def _members(self, shape: Term, value: Term, term: str, wanted: bool) -> list[Cases]:  # noqa: FBT001 - a fact
+        return [self.conforms(one, term, wanted=wanted) for one in self._graph.members(value, shape)]
 
     def _one(self, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
-        shapes = self._shapes(shape, value)
+        shapes = self._graph.members(value, shape)
         if wanted:
             return some(every(self.conforms(other, term, wanted=other is one) for other in shapes) for one in shapes)
         pairs = [every(self.conforms(one, term) for one in pair) for pair in combinations(shapes, 2)]

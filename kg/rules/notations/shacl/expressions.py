@@ -70,16 +70,16 @@ class Expressions:
             "intersection": self._intersection,
             "union": self._union,
             "minus": self._minus,
-            "distinct": self._distinct,
-            "count": self._count,
+            "distinct": lambda node, this: self.branches(self._graph.required(node, "distinct"), this),
+            "count": self._or_zero("COUNT", "count"),
             "min": self._aggregated("MIN", "min"),
             "max": self._aggregated("MAX", "max"),
-            "sum": self._sum,
+            "sum": self._or_zero("SUM", "sum"),
             "exists": self._exists,
             "if": self._if,
             "limit": self._cut,
             "offset": self._cut,
-            "orderBy": self._ordered,
+            "orderBy": self._nodes,
         }
         found = [name for name in kinds if name in has]
         if len(found) > 1 and not set(found) <= {"limit", "offset", "orderBy"}:
@@ -134,12 +134,6 @@ class Expressions:
             found.append(branch.filtered(*absent))
         return found
 
-    def _distinct(self, node: Term, this: str) -> list[Branch]:
-        return self.branches(self._graph.required(node, "distinct"), this)
-
-    def _ordered(self, node: Term, this: str) -> list[Branch]:
-        return self._nodes(node, this)
-
     def _cut(self, node: Term, this: str) -> list[Branch]:
         del this
         hint = "Which nodes are left depends on an order of nodes; use sh:min or sh:max where one is meant."
@@ -168,23 +162,19 @@ class Expressions:
 
         return read
 
-    def _or_zero(self, function: str, node: Term, name: str, this: str) -> list[Branch]:
-        branches = self.branches(self._graph.required(node, name), this)
-        empty = " ".join(_none(branch) for branch in branches)
-        zero = [Branch(empty, _ZERO)] if all(branch.pattern for branch in branches) else []
-        return [self._grouped(function, branches, this), *zero]
+    def _or_zero(self, function: str, name: str) -> Callable[[Term, str], list[Branch]]:
+        def read(node: Term, this: str) -> list[Branch]:
+            branches = self.branches(self._graph.required(node, name), this)
+            zero = [Branch(_all_none(branches), _ZERO)] if all(branch.pattern for branch in branches) else []
+            return [self._grouped(function, branches, this), *zero]
 
-    def _count(self, node: Term, this: str) -> list[Branch]:
-        return self._or_zero("COUNT", node, "count", this)
-
-    def _sum(self, node: Term, this: str) -> list[Branch]:
-        return self._or_zero("SUM", node, "sum", this)
+        return read
 
     def _exists(self, node: Term, this: str) -> list[Branch]:
         branches = self.branches(self._graph.required(node, "exists"), this)
         if any(not branch.pattern for branch in branches):
             return [Branch("", _BOOLEAN[True])]
-        none = " ".join(_none(branch) for branch in branches)
+        none = _all_none(branches)
         return [*(Branch(_some(branch), _BOOLEAN[True]) for branch in branches), Branch(none, _BOOLEAN[False])]
 
     def _if(self, node: Term, this: str) -> list[Branch]:
@@ -214,8 +204,9 @@ class Expressions:
             return [self._bound(branch.pattern, f"{predicate}({branch.term})") for branch in given[0]]
         function = self._functions.find(predicate, node)
         optional = [flag for _, flag in function.parameters]
+        # Without a term: an argument has no nodes.
         choices = [
-            [*branches, _missing(branches)] if number < len(optional) and optional[number] else branches
+            [*branches, Branch(_all_none(branches), "")] if number < len(optional) and optional[number] else branches
             for number, branches in enumerate(given)
         ]
         return [found for chosen in product(*choices) for found in self._call(function, chosen, node)]
@@ -253,11 +244,6 @@ class Expressions:
         if wanted:
             return [[_some(branch), *(_none(one) for one in other)] for branch in is_true]
         return [[_some(one)] for one in other] + [[_none(branch) for branch in is_true]]
-
-
-def _missing(branches: Sequence[Branch]) -> Branch:
-    """Return the branch, without a term, in which an argument has no nodes."""
-    return Branch(" ".join(_none(branch) for branch in branches), "")
 
 
 def _some(branch: Branch) -> str:

@@ -11,10 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import Literal, NamedNode
+from pyoxigraph import NamedNode
 
 from kg.rules.notations.shacl.query import closing, query_of, rename, spell, top_level, variables
-from kg.rules.notations.shacl.vocabulary import XSD, sh
+from kg.rules.notations.shacl.vocabulary import XSD, local_name, sh
 from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class Functions:
     def _parameters(self, node: NamedNode) -> tuple[tuple[str, bool], ...]:
         """Return the parameters by sh:order, or where none has one by the local names of their paths."""
         found = self._graph.values(node, sh("parameter"))
-        names = {parameter: _local(self._graph.required(parameter, "path")) for parameter in found}
+        names = {parameter: local_name(self._graph.required(parameter, "path")) for parameter in found}
         ordered = any(self._graph.values(parameter, sh("order")) for parameter in found)
         found.sort(key=self._graph.order if ordered else lambda parameter: names[parameter])
         return tuple((names[parameter], self._graph.flag(parameter, "optional")) for parameter in found)
@@ -164,11 +164,6 @@ class Functions:
     def cast(self, node: NamedNode) -> bool:
         """Return whether a name is of XSD, and so a cast of SPARQL."""
         return node.value.startswith(XSD)
-
-
-def _local(path: Term) -> str:
-    value = path.value if isinstance(path, NamedNode | Literal) else str(path)
-    return value[max(value.rfind("#"), value.rfind("/"), value.rfind(":")) + 1 :]
 
 
 def _computation(function: Function) -> list[tuple[str, Words]] | None:

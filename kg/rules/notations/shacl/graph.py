@@ -12,10 +12,10 @@ from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, parse
 from kg.errors import Fix, RuleError
 from kg.rules.notations.shacl.vocabulary import FIRST, KNOWN, NIL, REST, SH, SUBCLASS, TYPE, sh
 from kg.similar import asked, similar
-from kg.syntax.lexer import END, Kind, normalise, token_at, unescape, unescape_local
+from kg.syntax.lexer import END, Kind, normalise, quoted, token_at, unescape, unescape_local
 from kg.syntax.names import PREFIXES, WELL_KNOWN, shorten
 from kg.syntax.position import place_at, place_of
-from kg.syntax.prologue import declaration
+from kg.syntax.prologue import declaration, declared
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
     from kg.errors import Place
     from kg.rules.form import Term
+    from kg.syntax.lexer import Token
 
 __all__ = ["Places", "ShapesGraph", "StringToken", "prefixes"]
 
-_PREFIX: Final = re.compile(r"^\s*@?prefix\s+([\w.-]*):", re.MULTILINE | re.IGNORECASE)
 _ESCAPE: Final = re.compile(r"\\(?:u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8}|.)", re.DOTALL)
 
 
@@ -37,6 +37,12 @@ class StringToken:
 
     start: int
     written: str
+
+    @classmethod
+    def of(cls, token: Token) -> StringToken:
+        """Return the string of a token."""
+        quotes, written = quoted(token)
+        return cls(token.start + quotes, written)
 
     def offset(self, index: int) -> int:
         """Return the offset in the file of the character at `index` of the string's value."""
@@ -78,23 +84,22 @@ class Places:
 def _tokens(text: str) -> Iterator[tuple[str | None, StringToken | None, int, str]]:
     """Yield each token of Turtle with the IRI or the string that it stands for."""
     prefixes: dict[str, str] = {}
-    declared: str | None = None
+    pending: str | None = None
     token = token_at(text, 0)
     while token.text != END:
         iri, written = None, None
         if token.kind is Kind.STRING:
-            quotes = 3 if token.text[:3] in {'"""', "'''"} else 1
-            written = StringToken(token.start + quotes, token.text[quotes:-quotes])
+            written = StringToken.of(token)
         elif token.kind is Kind.IRI:
             iri = unescape(token.text[1:-1])
-            if declared is not None:
-                prefixes[declared] = iri
-                declared = None
+            if pending is not None:
+                prefixes[pending] = iri
+                pending = None
         elif token.kind is Kind.NAME and not token.text.startswith("_:"):
             prefix, _, local = token.text.partition(":")
             iri = prefixes.get(prefix, "") + unescape_local(local)
             behind = token_at(text, token.end)
-            declared = prefix if not local and behind.kind is Kind.IRI and prefix not in prefixes else declared
+            pending = prefix if not local and behind.kind is Kind.IRI and prefix not in prefixes else pending
         yield iri, written, token.start, token.text
         token = token_at(text, token.end)
 
@@ -135,8 +140,7 @@ class ShapesGraph:
         """Yield the declaration of the prefix at a place if only that is missing and it has a usual namespace."""
         token = token_at(place.excerpt or "", (place.column or 1) - 1)
         prefix, usual = token.text.partition(":")[0], {**WELL_KNOWN, **PREFIXES}
-        declared = {found[1] for found in _PREFIX.finditer(self.text)}
-        if token.kind is Kind.NAME and prefix in usual and prefix not in declared:
+        if token.kind is Kind.NAME and prefix in usual and prefix not in declared(self.text):
             at, line = declaration(self.text, {prefix: usual[prefix]}, turtle=True)
             yield Fix(line, place_at(self.text, at, self.path, at), f"Declare `{prefix}:`")
 

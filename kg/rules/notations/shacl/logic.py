@@ -10,9 +10,11 @@ from itertools import product
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
-__all__ = ["FALSE", "MAX_CASES", "TRUE", "Cases", "check", "every", "exists", "group", "none", "some"]
+    from kg.rules.notations.shacl.paths import Branch
+
+__all__ = ["FALSE", "MAX_CASES", "TRUE", "Cases", "check", "every", "exists", "for_all", "group", "none", "some"]
 
 Cases: TypeAlias = list[list[str]]
 """Alternatives; each is a list of elements of a SPARQL group, in no order."""
@@ -51,6 +53,17 @@ def exists(pattern: str, cases: Cases) -> Cases:
 def none(pattern: str, cases: Cases) -> Cases:
     """Return that the pattern has no solution in which one of the cases holds."""
     return [[f"FILTER NOT EXISTS {{ {group(pattern, case)} }}" for case in cases]]
+
+
+def for_all(values: Iterable[Branch], each: Callable[[str, bool], Cases], *, wanted: bool) -> Cases:
+    """Return that all values pass a test, or that one does not; `each` tells of a term whether it does, or does not."""
+    parts = []
+    for branch in values:
+        if branch.pattern:
+            parts.append((none if wanted else exists)(branch.pattern, each(branch.term, False)))
+        else:
+            parts.append(each(branch.term, wanted))
+    return every(parts) if wanted else some(parts)
 
 
 def group(pattern: str, case: list[str]) -> str:

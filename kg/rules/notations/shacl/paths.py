@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import BlankNode, NamedNode
 
@@ -85,6 +85,15 @@ def path_of(graph: ShapesGraph, node: Term, owner: Term) -> Path:
     return _Paths(graph, owner).path(node, ())
 
 
+_KINDS: Final = {
+    "inversePath": ("^", "", False),
+    "zeroOrMorePath": ("", "+", True),
+    "oneOrMorePath": ("", "+", False),
+    "zeroOrOnePath": ("", "", True),
+}
+"""The property of a path to what SPARQL has before and behind its inner path, and whether it may be empty."""
+
+
 class _Paths:
     """Reads the paths of one owner, which errors name."""
 
@@ -100,14 +109,10 @@ class _Paths:
         inside = (*around, node)
         if self._graph.is_list(node):
             return _sequence([self.path(member, inside) for member in self._members(node)])
-        for name, read in (
-            ("inversePath", _inverse),
-            ("zeroOrMorePath", _star),
-            ("oneOrMorePath", _plus),
-            ("zeroOrOnePath", _optional),
-        ):
+        for name, (before, behind, empty) in _KINDS.items():
             if inner := self._graph.values(node, sh(name)):
-                return read(self.path(inner[0], inside))
+                path = self.path(inner[0], inside)
+                return Path(f"{before}({path.text}){behind}" if path.text else None, path.empty or empty)
         if listed := self._graph.values(node, sh("alternativePath")):
             return _alternatives([self.path(member, inside) for member in self._members(listed[0])])
         raise self._malformed()
@@ -146,19 +151,3 @@ def _sequence(parts: list[Path]) -> Path:
 
 def _alternatives(parts: list[Path]) -> Path:
     return Path(_any([part.text for part in parts if part.text]), any(part.empty for part in parts))
-
-
-def _inverse(path: Path) -> Path:
-    return Path(f"^({path.text})" if path.text else None, path.empty)
-
-
-def _star(path: Path) -> Path:
-    return Path(f"({path.text})+" if path.text else None, empty=True)
-
-
-def _plus(path: Path) -> Path:
-    return Path(f"({path.text})+" if path.text else None, path.empty)
-
-
-def _optional(path: Path) -> Path:
-    return Path(path.text, empty=True)

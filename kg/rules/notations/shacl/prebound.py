@@ -83,13 +83,9 @@ class _Groups:
             raise self._graph.error("$this has a value already", self._owner, hint=hint, offset=word.offset)
 
 
-def _is_select(words: Words) -> bool:
-    return bool(words) and words[0].text.upper() == "SELECT"
-
-
 def _needs(words: Words) -> bool:
     """Return whether a group uses `$this` in an expression of its own: inside brackets, or inside EXISTS."""
-    if _is_select(words):
+    if words and words[0].text.upper() == "SELECT":
         return False
     index = depth = 0
     while index < len(words):

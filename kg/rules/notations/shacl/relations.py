@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
-from kg.rules.notations.shacl.logic import check, every, exists, none, some
+from kg.rules.notations.shacl.logic import check, every, exists, for_all, none, some
 from kg.rules.notations.shacl.values import constant
 from kg.rules.notations.shacl.vocabulary import sh
 
@@ -40,19 +40,6 @@ def has_value(graph: ShapesGraph, shape: Term, value: Term, values: list[Branch]
     return _among(values, constant(graph, value, shape, "hasValue"), wanted=wanted)
 
 
-def _for_all(
-    values: list[Branch], fails: Callable[[str], Cases], holds: Callable[[str], Cases], *, wanted: bool
-) -> Cases:
-    """Return that no value fails, or that one does."""
-    parts = []
-    for branch in values:
-        if not branch.pattern:
-            parts.append(holds(branch.term) if wanted else fails(branch.term))
-        else:
-            parts.append((none if wanted else exists)(branch.pattern, fails(branch.term)))
-    return every(parts) if wanted else some(parts)
-
-
 @dataclass(frozen=True, slots=True)
 class Comparison:
     """The values of a path of `term` against those of a property, whose name is an IRI in brackets."""
@@ -68,13 +55,9 @@ class Comparison:
         """The pattern of the values of the property."""
         return f"{self.term} {self.name} {self.other} ."
 
-    def has(self, one: str) -> Cases:
-        """Return that a value of the path is one of the property."""
-        return [[f"FILTER EXISTS {{ {self.term} {self.name} {one} . }}"]]
-
-    def lacks(self, one: str) -> Cases:
-        """Return that a value of the path is none of the property."""
-        return [[f"FILTER NOT EXISTS {{ {self.term} {self.name} {one} . }}"]]
+    def has(self, one: str, wanted: bool) -> Cases:  # noqa: FBT001 - a fact
+        """Return that a value of the path is one of the property, or that it is none."""
+        return [[f"FILTER {'' if wanted else 'NOT '}EXISTS {{ {self.term} {self.name} {one} . }}"]]
 
 
 def property_name(graph: ShapesGraph, shape: Term, value: Term) -> str:
@@ -89,24 +72,22 @@ def property_name(graph: ShapesGraph, shape: Term, value: Term) -> str:
 
 
 def _equals(pair: Comparison, *, wanted: bool) -> Cases:
-    own = _for_all(pair.values, pair.lacks, pair.has, wanted=wanted)
+    own = for_all(pair.values, pair.has, wanted=wanted)
     theirs = (none if wanted else exists)(pair.reached, _among(pair.values, pair.other, wanted=False))
     return every([own, theirs]) if wanted else some([own, theirs])
 
 
 def _disjoint(pair: Comparison, *, wanted: bool) -> Cases:
-    return _for_all(pair.values, pair.has, pair.lacks, wanted=wanted)
+    return for_all(pair.values, lambda one, passes: pair.has(one, not passes), wanted=wanted)
 
 
 def _less(operator: str) -> Callable[..., Cases]:
     def read(pair: Comparison, *, wanted: bool) -> Cases:
-        def fails(one: str) -> Cases:
-            return exists(pair.reached, check(f"{one} {operator} {pair.other}", wanted=False))
+        def each(one: str, passes: bool) -> Cases:  # noqa: FBT001 - a fact
+            other = check(f"{one} {operator} {pair.other}", wanted=False)
+            return (none if passes else exists)(pair.reached, other)
 
-        def holds(one: str) -> Cases:
-            return none(pair.reached, check(f"{one} {operator} {pair.other}", wanted=False))
-
-        return _for_all(pair.values, fails, holds, wanted=wanted)
+        return for_all(pair.values, each, wanted=wanted)
 
     return read
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import BlankNode, Literal, NamedNode
+from pyoxigraph import BlankNode, NamedNode
 
 from kg.rules.notations.shacl.functions import Functions
 from kg.rules.notations.shacl.query import query_of, rename, spell
-from kg.rules.notations.shacl.vocabulary import CLASSES, SUBCLASS, TYPE, sh
+from kg.rules.notations.shacl.vocabulary import CLASSES, SUBCLASS, TYPE, local_name, sh
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -65,7 +65,7 @@ def _custom(graph: ShapesGraph, target: Term, shape: Term) -> str:
             )
         if not values and not graph.flag(parameter, "optional"):
             return "VALUES ?this { }"
-        parameters |= {_local_name(path): str(value) for value in values}
+        parameters |= {local_name(path): str(value) for value in values}
     return _selected(graph, kinds[0], parameters)
 
 
@@ -85,8 +85,3 @@ def _selected(graph: ShapesGraph, owner: Term, parameters: dict[str, str]) -> st
         else spell(query.head)
     )
     return f"{{ SELECT {head.removesuffix('WHERE').strip()} WHERE {{ {group} }}{modifiers} }}"
-
-
-def _local_name(path: Term) -> str:
-    value = path.value if isinstance(path, NamedNode | Literal) else str(path)
-    return value[max(value.rfind("#"), value.rfind("/"), value.rfind(":")) + 1 :]

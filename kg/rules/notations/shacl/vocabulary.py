@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import NamedNode
+from pyoxigraph import Literal, NamedNode
+
+if TYPE_CHECKING:
+    from kg.rules.form import Term
 
 __all__ = [
     "CLASSES",
@@ -20,6 +23,7 @@ __all__ = [
     "SUBCLASS",
     "TYPE",
     "XSD",
+    "local_name",
     "sh",
 ]
 
@@ -55,6 +59,12 @@ targetSubjectsOf then this union uniqueLang update validator value values xone z
 KNOWN: Final = frozenset(_NAMES.split())
 """The local names of SHACL's properties; any other one in its namespace is a slip of the pen. `nodeShape` is
 of a draft; the W3C's own tests have it."""
+
+
+def local_name(path: Term) -> str:
+    """Return the last part of an IRI, which names the variable of a parameter."""
+    value = path.value if isinstance(path, NamedNode | Literal) else str(path)
+    return value[max(value.rfind("#"), value.rfind("/"), value.rfind(":")) + 1 :]
 
 
 def sh(name: str) -> NamedNode:

@@ -1,4 +1,4 @@
-"""KG211: a class or property unknown to the ontologies, the store and all other rules."""
+"""Checks of classes and properties: unknown ones (KG211), and derived ones that nothing reads (KG215)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from kg.errors import Fix
 from kg.rules.checks.finding import Finding
 from kg.rules.checks.standard import STANDARD, is_standard, namespace_of
 from kg.rules.checks.tokens import names, place_of_name
-from kg.rules.form import AUXILIARY, Atom, atoms_of
+from kg.rules.dependencies import depends, reads
+from kg.rules.form import AUXILIARY, Atom, Variable, atoms_of, is_auxiliary
 from kg.similar import asked, similar
 from kg.syntax.names import PREFIXES, shorten
 
@@ -21,17 +22,17 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Rule
 
-__all__ = ["CODE", "TITLE", "check"]
+__all__ = ["head_never_read", "unknown_terms"]
 
-CODE: Final = "KG211"
-TITLE: Final = "unknown class or property"
 _TYPE: Final = PREFIXES["rdf"] + "type"
 _ELSEWHERE: Final = ("xsd", "sh", "skos", "prov", "dcterms", "schema")
 _BUILT_IN: Final = tuple(PREFIXES[name] for name in _ELSEWHERE)
 """Vocabularies that everyone uses and whose ontologies the store does not hold."""
+_OTHERS: Final = (AUXILIARY, *STANDARD)
+"""Namespaces of what only decomposition reads, and of what is read everywhere."""
 
 
-def check(file: RuleFile, context: Context) -> Iterator[Finding]:
+def unknown_terms(file: RuleFile, context: Context) -> Iterator[Finding]:
     """Yield each class and property of a file that nothing defines, with the one that was probably meant."""
     heads = {iri for rule in context.rules.rules if rule.name != file.name for iri in _derived(rule)}
     own = {iri for rule in file.rules for iri in _derived(rule)}
@@ -58,8 +59,8 @@ def _finding(file: RuleFile, iri: str, kind: str, message: str, known: Iterable[
     hint = asked(map(shorten, meant)) or "Define it in an ontology, or correct the name."
     # Names in the strings of SHACL rules have no place of their own.
     named = any(found == iri for found, _ in names(file))
-    fixes = tuple(Fix(shorten(each, file.prefixes or {})) for each in meant) if named else ()
-    return Finding(CODE, "warning", file.name, message, place_of_name(file, iri), hint, fixes=fixes)
+    fixes = tuple(Fix(shorten(each, file.prefixes)) for each in meant) if named else ()
+    return Finding("KG211", "warning", file.name, message, place_of_name(file, iri), hint, fixes=fixes)
 
 
 def _suggestions(iri: str, kind: str, known: Iterable[str]) -> list[str]:
@@ -92,7 +93,33 @@ def _used(rule: Rule) -> Iterator[tuple[str, bool]]:
 
 def _terms(atom: Atom) -> Iterator[tuple[str, bool]]:
     """Yield the property of an atom, and the class if the atom is a type."""
-    if isinstance(atom.predicate, NamedNode) and not atom.predicate.value.startswith(AUXILIARY):
+    if isinstance(atom.predicate, NamedNode) and not is_auxiliary(atom.predicate):
         yield atom.predicate.value, True
         if atom.predicate.value == _TYPE and isinstance(atom.object, NamedNode):
             yield atom.object.value, False
+
+
+def head_never_read(file: RuleFile, context: Context) -> Iterator[Finding]:
+    """Yield each property or class that a file derives and nothing else mentions; reports are read by people."""
+    if file.documentation.severity:
+        return
+    told: set[str] = set()
+    for atom in (atom for rule in file.rules for atom in rule.head):
+        what = atom.object if atom.predicate == NamedNode(_TYPE) else atom.predicate
+        if not isinstance(what, NamedNode) or what.value in told or what.value.startswith(_OTHERS):
+            continue
+        if what.value not in context.read and not _read_by_rules(atom, file, context):
+            told.add(what.value)
+            message = f"nothing reads {shorten(what.value)}: no other rule, no stored query"
+            hint = "Write a stored query that shows it, or leave it out."
+            yield Finding("KG215", "note", file.name, message, place_of_name(file, what.value), hint)
+
+
+def _read_by_rules(head: Atom, file: RuleFile, context: Context) -> bool:
+    others = (rule for rule in context.cut or context.rules.rules if rule.name != file.name)
+    return any(depends(read.atom, head) for rule in others for read in reads(rule) if _chooses(read.atom))
+
+
+def _chooses(atom: Atom) -> bool:
+    """Return whether an atom reads some triples only, not all, as a copy under another name does."""
+    return any(not isinstance(position, Variable) for position in atom.positions)

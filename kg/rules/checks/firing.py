@@ -1,34 +1,53 @@
-"""KG213: a rule whose body matches nothing in the store; KG205 if the store takes too long."""
+"""Checks of whether a rule can fire: on the store (KG213, KG205), and without any data (KG214)."""
 
 from __future__ import annotations
 
-import re
-from typing import TYPE_CHECKING, Final
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pyoxigraph
 
 from kg.query.runner import DeadlineError, in_thread
 from kg.rules.checks.finding import Finding, at_rule
 from kg.rules.dependencies import depends
-from kg.rules.form import AUXILIARY, Aggregate, Assignment, Atom, Exists, Filter, atoms_of
-from kg.rules.sparql import group
-from kg.syntax.names import PREFIXES, shorten
+from kg.rules.explain.derivations import bound_by
+from kg.rules.explain.view import View
+from kg.rules.form import Assignment, Atom, Exists, Filter, atoms_of, is_auxiliary, place_of
+from kg.rules.sparql import brief
+from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.errors import Place
-    from kg.rules.checks.finding import Context, Store
+    from kg.rules.checks.finding import Context
+    from kg.rules.explain.view import Vocabulary
     from kg.rules.files import RuleFile
     from kg.rules.form import Element, Rule
 
-__all__ = ["CODE", "TITLE", "check"]
-
-CODE: Final = "KG213"
-TITLE: Final = "never fires"
-_LATE: Final = "KG205"
-_IRI: Final = re.compile(r"<([^<>\s]*)>")
+__all__ = ["StoreOf", "always_fires", "never_fires", "nothing"]
 
 
-def check(file: RuleFile, context: Context) -> Iterator[Finding]:
+@dataclass(frozen=True, slots=True)
+class StoreOf:
+    """A snapshot, after rules have run over it."""
+
+    view: View
+
+    def matches(self, body: tuple[Element, ...]) -> bool:
+        """Return whether a body has a solution."""
+        return bool(self.view.solutions(body, bound_by(body), {}, 1))
+
+    def failing(self, body: tuple[Element, ...]) -> Element | None:
+        """Return the first part of a body that leaves it without solutions."""
+        return next((part for index, part in enumerate(body) if not self.matches(body[: index + 1])), None)
+
+
+def nothing(vocabulary: Vocabulary) -> StoreOf:
+    """Return a store without data."""
+    return StoreOf(View(MemorySnapshot(pyoxigraph.Store()), vocabulary))
+
+
+def never_fires(file: RuleFile, context: Context) -> Iterator[Finding]:
     """Yield one finding for a file whose rules match nothing, with the first part that matches nothing.
 
     If the store does not answer in time, the finding reports that.
@@ -42,13 +61,13 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     except DeadlineError:
         message = f"whether the rule fires is not known: the store did not answer in {context.seconds:g} s"
         hint = "Join the parts of the body by variables or name their predicates, or raise `--timeout`."
-        yield Finding(_LATE, "note", file.name, message, at_rule(file), hint)
+        yield Finding("KG205", "note", file.name, message, at_rule(file), hint)
         return
     if not fires:
-        reason = f": nothing matches {_shown(element, file)}" if element else ""
-        place = (_place(element) if element else None) or at_rule(file)
+        reason = f": nothing matches {brief(element, file.known_prefixes)}" if element else ""
+        place = (place_of(element) if element else None) or at_rule(file)
         yield Finding(
-            CODE,
+            "KG213",
             "note",
             file.name,
             f"on this store the rule derives nothing{reason}",
@@ -57,27 +76,11 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
         )
 
 
-def _ask(store: Store, rules: Sequence[Rule]) -> tuple[bool, Element | None]:
+def _ask(store: StoreOf, rules: Sequence[Rule]) -> tuple[bool, Element | None]:
     """Return whether one of the rules has a match, else the part of the first one that leaves it without."""
     if any(store.matches(rule.body) for rule in rules):
         return True, None
     return False, store.failing(rules[0].body)
-
-
-def _shown(element: Element, file: RuleFile) -> str:
-    """Return a part of a body as SPARQL on one line, with the prefixes of the file and those that all know."""
-    prefixes = {**PREFIXES, **(file.prefixes or {})}
-    text = _IRI.sub(lambda match: shorten(match[1], prefixes), group((element,)))
-    return " ".join(text.split())
-
-
-def _place(element: Element) -> Place | None:
-    """Return the place of a part of a body: its own, that of its expression, or of its first triple."""
-    if isinstance(element, Filter | Assignment):
-        return element.expression.place
-    if isinstance(element, Exists | Aggregate):
-        return next((place for part in element.body if (place := _place(part))), None)
-    return getattr(element, "place", None)
 
 
 def _hint(element: Element | None, file: RuleFile, context: Context) -> str:
@@ -97,5 +100,19 @@ def _hint(element: Element | None, file: RuleFile, context: Context) -> str:
 
 def _auxiliary(rule: Rule) -> bool:
     """Return whether a rule reads or derives auxiliary predicates of decomposition, which no store holds."""
-    atoms: list[Element] = [*rule.head, *(atom for atom, _ in atoms_of(rule.body))]
-    return any(isinstance(atom, Atom) and str(atom.predicate).startswith(f"<{AUXILIARY}") for atom in atoms)
+    return any(is_auxiliary(atom.predicate) for atom in (*rule.head, *(atom for atom, _ in atoms_of(rule.body))))
+
+
+def always_fires(file: RuleFile, context: Context) -> Iterator[Finding]:
+    """Yield one finding for a file that has a rule that an empty store satisfies."""
+    empty = context.empty
+    if empty is None:
+        return
+    try:
+        fires = in_thread(lambda: any(empty.matches(rule.body) for rule in file.rules), context.seconds)
+    except DeadlineError:
+        return  # rows of VALUES alone may be too many to join; their results are unknown
+    if fires:
+        message = "the rule fires whatever the data are: an empty store satisfies its body"
+        hint = "State facts in an ontology or in DATA, or add what the rule should depend on."
+        yield Finding("KG214", "warning", file.name, message, at_rule(file), hint)

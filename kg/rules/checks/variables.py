@@ -1,0 +1,86 @@
+"""Checks of variables: parts of a body that share none (KG212), and those that are in one place only (KG217)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from kg.errors import Fix
+from kg.rules.checks.finding import Finding, at_offset, at_rule
+from kg.rules.checks.tokens import variables
+from kg.rules.form import Atom, Exists, Variable, atoms_of, binds, mentions
+from kg.similar import asked, similar
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.errors import Place
+    from kg.rules.checks.finding import Context
+    from kg.rules.files import RuleFile
+    from kg.rules.form import Rule
+
+__all__ = ["cartesian_product", "variable_used_once"]
+
+
+def cartesian_product(file: RuleFile, _context: Context) -> Iterator[Finding]:
+    """Yield one finding for a file in which a body falls into parts without a common variable."""
+    for rule in file.rules:
+        parts = _parts(rule)
+        if len(parts) > 1:
+            shown = " and ".join(", ".join(sorted(map(str, _named(part) or part))) for part in parts)
+            message = f"nothing joins {shown}: every match of one goes with every match of the other"
+            place = _second(rule, parts[1]) or at_rule(file)
+            hint = "Join them by a variable, or by a filter that compares them."
+            yield Finding("KG212", "warning", file.name, message, place, hint)
+            return
+
+
+def _named(part: set[Variable]) -> set[Variable]:
+    return {variable for variable in part if not variable.name.startswith(".")}
+
+
+def _parts(rule: Rule) -> list[set[Variable]]:
+    """Return the variables that atoms bind, in groups that some element of the body joins."""
+    groups: list[set[Variable]] = []
+    for element in rule.body:
+        together = set(mentions(element) if isinstance(element, Exists) else mentions(element) | binds(element))
+        if isinstance(element, Exists) or not together:
+            continue
+        joined = [group for group in groups if group & together]
+        groups = [group for group in groups if not group & together]
+        groups.append(together.union(*joined))
+    return groups
+
+
+def _second(rule: Rule, part: set[Variable]) -> Place | None:
+    return next((each.place for each in rule.body if isinstance(each, Atom) and binds(each) & part), None)
+
+
+def variable_used_once(file: RuleFile, _context: Context) -> Iterator[Finding]:
+    """Yield each variable that occurs once in a file; a `_` before the name marks it as intended."""
+    found = list(variables(file))
+    blank = _replaceable(file)
+    uses = Counter(token.text[1:] for token in found)
+    for token in found:
+        name = token.text[1:]
+        if uses[name] == 1 and not name.startswith("_"):
+            others = [other for other in uses if other != name]
+            meant = similar(name, others)
+            intended = [f"{token.text[0]}_{name}", *["[]"] * (Variable(name) in blank)]
+            fixes = (*(Fix(f"{token.text[0]}{each}") for each in meant), *map(Fix, intended))
+            message = f"the variable ?{name} is used only here"
+            hint = asked(meant) or _hint(name, blank)
+            yield Finding("KG217", "warning", file.name, message, at_offset(file, token.start), hint, fixes=fixes)
+
+
+def _hint(name: str, blank: set[Variable]) -> str:
+    return (
+        f"Write `[]`, or ?_{name} if that is meant." if Variable(name) in blank else f"Write ?_{name} if it is meant."
+    )
+
+
+def _replaceable(file: RuleFile) -> set[Variable]:
+    """Return the variables that `[]` may replace: those that are only subjects or objects."""
+    atoms = [atom for rule in file.rules for atom, _ in atoms_of(rule.body)]
+    ends = {end for atom in atoms for end in (atom.subject, atom.object) if isinstance(end, Variable)}
+    return ends - {atom.predicate for atom in atoms if isinstance(atom.predicate, Variable)}
