@@ -60,6 +60,10 @@ def test_strings_of_any_characters_survive(text: str) -> None:
     assert dictionary.term(dictionary.intern_term(Literal(text))) == Literal(text)
 
 
+def kept_terms(spellings: list[bytes]) -> Kept:
+    return Kept(memoryview(b"".join(spellings)), *Kept.index(spellings))
+
+
 texts = st.lists(st.binary(max_size=3), unique=True, max_size=40)
 
 
@@ -68,7 +72,7 @@ def test_kept_terms_are_those_that_were_kept(kept: list[bytes], asked: list[byte
     """A dictionary that reads its terms on access gives the identifiers of one that has them."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("kg.rules.engine.terms._FEW", few)
-        lazy, eager = Dictionary(Kept.of(kept)), Dictionary.of(kept)
+        lazy, eager = Dictionary(kept_terms(kept)), Dictionary.of(kept)
         assert [lazy.find(one) for one in asked] == [eager.find(one) for one in asked]
         assert lazy.intern_all(asked).tolist() == eager.intern_all(asked).tolist()
         numbers = range(len(eager))
@@ -77,5 +81,5 @@ def test_kept_terms_are_those_that_were_kept(kept: list[bytes], asked: list[byte
 
 def test_kept_terms_with_one_checksum_are_told_apart() -> None:
     """These two spellings have the same CRC-32."""
-    kept = Kept.of([b"plumless", b"buckeroo"])
+    kept = kept_terms([b"plumless", b"buckeroo"])
     assert [kept.find(one) for one in (b"plumless", b"buckeroo", b"other")] == [1, 2, None]
