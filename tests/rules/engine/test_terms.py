@@ -61,6 +61,7 @@ def test_strings_of_any_characters_survive(text: str) -> None:
 
 
 def kept_terms(spellings: list[bytes]) -> Kept:
+    """Return distinct terms as a file holds them."""
     return Kept(memoryview(b"".join(spellings)), *Kept.index(spellings))
 
 
