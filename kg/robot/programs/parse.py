@@ -513,7 +513,8 @@ def _capability(cursor: Cursor, *, named: bool) -> str:
         after = cursor.ahead()
         if words and after.kind == "sign" and after.value in {":", "="}:
             break
-        if words and cursor.word("for", "within") and (after.kind == "number" or after.value == "("):
+        begins = after.kind == "number" or (after.kind, after.value) == ("sign", "(")
+        if words and begins and cursor.word("for", "within"):
             break
         words.append(cursor.take().value)
     if not words:

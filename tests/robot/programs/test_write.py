@@ -9,7 +9,7 @@ from patience import examples
 from robot.programs.trees import expressions, programs
 
 from kg.robot.programs.parse import parse
-from kg.robot.programs.tree import Log, Program
+from kg.robot.programs.tree import Do, Log, Program
 from kg.robot.programs.write import write, written
 
 if TYPE_CHECKING:
@@ -38,3 +38,9 @@ def test_expressions_keep_their_structure(expression: Expression) -> None:
     (log,) = parse(f"log {written(expression)}").body
     assert isinstance(log, Log)
     assert log.message == expression
+
+
+def test_an_identity_begins_no_time() -> None:
+    """A capability may end with `for`, and the identity behind it be a parenthesis."""
+    program = Program(body=(Do(id="(", capability="look for"),))
+    assert parse(write(program, ids=True)) == program
