@@ -18,7 +18,7 @@ from pyoxigraph import Literal, NamedNode
 
 from kg.rules.engine.facts import Facts, distinct, pack
 from kg.rules.engine.terms import Dictionary
-from kg.rules.form import AUXILIARY, Aggregate, Atom, EngineBlock, Exists
+from kg.rules.form import AUXILIARY, EngineBlock, flat
 from kg.store.terms import cells, spell
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kg.rules.form import Element, Rule, Term
+    from kg.rules.form import Rule, Term
 
 __all__ = ["EVERYTHING", "Tables", "Wanted", "by_predicate", "only", "read", "read_columns", "union_of", "wanted"]
 
@@ -68,7 +68,7 @@ def wanted(rules: Iterable[Rule]) -> Wanted:
     predicates: set[NamedNode] = set()
     members: set[tuple[NamedNode, Term]] = set()
     for rule in rules:
-        for element in (*rule.head, *_flat(rule.body)):
+        for element in (*rule.head, *flat(rule.body)):
             if isinstance(element, EngineBlock):
                 if element.reads is None:
                     return EVERYTHING
@@ -87,14 +87,6 @@ def _simplified(predicates: Iterable[NamedNode], members: Iterable[tuple[NamedNo
     whole = frozenset(one for one in predicates if not one.value.startswith(AUXILIARY))
     single = (pair for pair in members if pair[0] not in whole and not pair[0].value.startswith(AUXILIARY))
     return Wanted(whole, frozenset(single))
-
-
-def _flat(body: tuple[Element, ...]) -> Iterator[Atom | EngineBlock]:
-    for element in body:
-        if isinstance(element, Exists | Aggregate):
-            yield from _flat(element.body)
-        elif isinstance(element, Atom | EngineBlock):
-            yield element
 
 
 def read_columns(

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from kg.syntax.terms import Pattern, Term, TripleTerm, Variable, variables_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from pyoxigraph import NamedNode
 
@@ -47,6 +47,7 @@ __all__ = [
     "Values",
     "Variable",
     "atoms_of",
+    "flat",
     "variables_of",
 ]
 
@@ -192,3 +193,12 @@ def atoms_of(body: tuple[Element, ...]) -> Iterator[tuple[Atom, bool]]:
         elif isinstance(element, Aggregate):
             for atom, _ in atoms_of(element.body):
                 yield atom, True
+
+
+def flat(body: Iterable[Element]) -> Iterator[Atom | EngineBlock]:
+    """Yield the atoms and blocks of a body, those of inner bodies too."""
+    for element in body:
+        if isinstance(element, Exists | Aggregate):
+            yield from flat(element.body)
+        elif isinstance(element, Atom | EngineBlock):
+            yield element

@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import BlankNode, NamedNode
 
-from kg.rules.form import AUXILIARY, Aggregate, Atom, EngineBlock, Exists
+from kg.rules.form import AUXILIARY, Atom, EngineBlock, flat
 from kg.syntax.names import shorten
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from pyoxigraph import Quad
 
-    from kg.rules.form import Element, Pattern, Rule
+    from kg.rules.form import Pattern, Rule
 
 __all__ = ["Parts", "Verdict", "parts_of", "verdicts"]
 
@@ -127,7 +127,7 @@ def verdicts(rules: Sequence[Rule], parts: Parts, asserted: Parts) -> list[Verdi
 def _reason(rule: Rule, parts: Mapping[bool, Parts]) -> str:
     """Return why a rule is not local; `parts` by whether an atom reads asserted facts alone."""
     atoms: list[Atom] = []
-    for element in _flat(rule.body):
+    for element in flat(rule.body):
         if isinstance(element, EngineBlock):
             return "a part of it is evaluated as a whole by the engine"
         if not isinstance(element.predicate, NamedNode):
@@ -170,14 +170,6 @@ def _any(atom: Atom, known: frozenset[_Key]) -> bool:
     """Return whether an atom may match one of the properties; a type that is not named may be any class."""
     key = _key_of(atom)
     return any(each[0] == _TYPE for each in known) if key == (_TYPE, "") else key in known
-
-
-def _flat(body: Iterable[Element]) -> Iterator[Atom | EngineBlock]:
-    for element in body:
-        if isinstance(element, Atom | EngineBlock):
-            yield element
-        elif isinstance(element, Exists | Aggregate):
-            yield from _flat(element.body)
 
 
 def _key_of(atom: Atom) -> _Key:

@@ -31,6 +31,7 @@ from kg.store.kept import keep, kept
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kg.graph.reading import Queryable
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = [
@@ -78,31 +79,33 @@ def figures(snapshot: EmbeddedSnapshot) -> Figures:
 def channels(snapshot: EmbeddedSnapshot, kind: str, *, implicit: bool = False) -> list[Channel]:
     """Return the topics, services or actions of the store, as `kg.graph.overview.channels` does."""
     name = f"{kind}-all" if implicit else kind
-    return _answer(snapshot, name, list[Channel], lambda: overview.channels(snapshot, kind, implicit=implicit))
+    return _answer(snapshot, name, list[Channel], lambda: overview.channels(_whole(snapshot), kind, implicit=implicit))
 
 
 def node_lines(snapshot: EmbeddedSnapshot) -> list[NodeLine]:
     """Return all node types of the store as lines of JSON, in the order of `kg.graph.reading.node_records`."""
 
     def make() -> list[NodeLine]:
-        return [NodeLine(str(one.node.kind), one.iri, json_text(node_object(one))) for one in node_records(snapshot)]
+        return [
+            NodeLine(str(one.node.kind), one.iri, json_text(node_object(one))) for one in node_records(_whole(snapshot))
+        ]
 
     return _answer(snapshot, "nodes", list[NodeLine], make)
 
 
 def channel_names(snapshot: EmbeddedSnapshot) -> dict[str, list[str]]:
     """Return all names of topics, services and actions, as `kg.graph.channels_reading.every_name` does."""
-    return _answer(snapshot, "names", dict[str, list[str]], lambda: every_name(snapshot))
+    return _answer(snapshot, "names", dict[str, list[str]], lambda: every_name(_whole(snapshot)))
 
 
 def partly_known(snapshot: EmbeddedSnapshot) -> list[str]:
     """Return the names of ends that are not known whole, as `kg.graph.impact_parts.partly_known` does."""
-    return _answer(snapshot, "partly-known", list[str], lambda: impact_parts.partly_known(snapshot))
+    return _answer(snapshot, "partly-known", list[str], lambda: impact_parts.partly_known(_whole(snapshot)))
 
 
 def set_names(snapshot: EmbeddedSnapshot) -> list[str]:
     """Return the names of settings and of what they set, as `kg.graph.impact_parts.set_names` does."""
-    return _answer(snapshot, "set-names", list[str], lambda: impact_parts.set_names(snapshot))
+    return _answer(snapshot, "set-names", list[str], lambda: impact_parts.set_names(_whole(snapshot)))
 
 
 def rows(snapshot: EmbeddedSnapshot, name: str, make: Callable[[], list[dict[str, Any]]]) -> list[dict[str, Any]]:
@@ -115,6 +118,13 @@ def totals(snapshot: EmbeddedSnapshot, make: Callable[[], dict[str, int]] | None
     return (
         _answer(snapshot, "totals", dict[str, int], make) if make else _kept(snapshot, "totals", dict[str, int]) or {}
     )
+
+
+def _whole(snapshot: EmbeddedSnapshot) -> Queryable:
+    """Return what is asked about the whole store."""
+    from kg.rules.selecting import columns_of  # noqa: PLC0415 - start-up time of kept answers
+
+    return columns_of(snapshot)
 
 
 def _answer(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer], make: Callable[[], _Answer]) -> _Answer:
