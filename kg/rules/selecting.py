@@ -19,7 +19,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
-from pyoxigraph import Literal, NamedNode
+from pyoxigraph import NamedNode
 
 from kg.errors import KgError
 from kg.rules import memory as memories
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Rule
     from kg.store.snapshot import EmbeddedSnapshot
-    from kg.store.terms import Term
 
 __all__ = ["Columns", "columns_of"]
 
@@ -82,7 +81,7 @@ class Columns:
         self.dictionary = dictionary
         self.graphs = graphs
         self._snapshot = snapshot
-        self._terms: dict[int, Term | None] = {0: None}
+        self._terms: dict[int, _Value | None] = {0: None}
 
     @cached_property
     def union(self) -> Facts:
@@ -131,17 +130,19 @@ class Columns:
     def _learn(self, identifiers: set[int]) -> None:
         """Make terms of those that have not been made yet."""
         new = list(identifiers - self._terms.keys())
-        self._terms.update(zip(new, map(_term, self.dictionary.spellings(new)), strict=True))
+        self._terms.update(zip(new, map(_Value, self.dictionary.spellings(new)), strict=True))
 
 
-def _term(spelling: bytes) -> Term:
-    """Return the term of a spelling, fast for those without escapes."""
-    if b"\\" not in spelling:
-        if spelling.endswith(b'"'):
-            return Literal(spelling[1:-1].decode())
-        if spelling.startswith(b"<") and not spelling.startswith(b"<<"):
-            return NamedNode(spelling[1:-1].decode())
-    return of_spelling(spelling)
+class _Value:
+    """A term of a row. Readings want the value alone: one text for each term, whose hash is computed once."""
+
+    __slots__ = ("value",)
+
+    def __init__(self, spelling: bytes) -> None:
+        if b"\\" in spelling or spelling.startswith((b"<<", b"_")):
+            self.value = str(getattr(of_spelling(spelling), "value", ""))
+        else:
+            self.value = spelling[1 : -1 if spelling.startswith(b"<") else spelling.rindex(b'"')].decode()
 
 
 def _column(table: Table, node: object) -> Keys:
@@ -154,7 +155,7 @@ def _name(graph: NamedNode | None) -> str:
 
 
 @lru_cache(maxsize=64)
-def _row_of(names: tuple[str, ...]) -> type[tuple[Term | None, ...]]:
+def _row_of(names: tuple[str, ...]) -> type[tuple[_Value | None, ...]]:
     """Return the type of rows, which have their terms by place and by the name of a variable."""
     places = {name: place for place, name in enumerate(names)}
 

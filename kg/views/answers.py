@@ -7,6 +7,7 @@ An answer counts as missing when the code or the queries that computed it have c
 
 from __future__ import annotations
 
+import gc
 import zlib
 from contextlib import suppress
 from dataclasses import dataclass
@@ -131,12 +132,23 @@ def _answer(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer], make: Ca
     """Return a kept answer of a type, or compute it and keep it; where nothing can be written it is computed."""
     found = _kept(snapshot, name, kind)
     if found is None:
-        found = make()
+        found = _made(make)
         version = _version()
         if version is not None and snapshot.layout is not None:
             with suppress(OSError):
                 keep(snapshot.layout.cache / _FOLDER / name, snapshot.identity, version, [msgspec.json.encode(found)])
     return found
+
+
+def _made(make: Callable[[], _Answer]) -> _Answer:
+    """Compute an answer. It has no garbage in cycles, which would be searched for again and again as it grows."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        return make()
+    finally:
+        if enabled:
+            gc.enable()
 
 
 def _kept(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer]) -> _Answer | None:
