@@ -7,19 +7,20 @@ The engine of the store takes microseconds to turn each term of an answer into t
 one after the other, and joins over them take milliseconds, so that a query with many rows takes a tenth of the time. A
 look-up of few rows is cheaper in the store, for it loads nothing.
 
-What rules cannot express (GRAPH, aggregates, other forms than SELECT) is left to the store, and everything where the
-columns do not belong to its generation. The record of builds is in no column.
+What rules cannot express (GRAPH but for a choice of graphs, aggregates, other forms than SELECT) is left to the store,
+and everything where the columns do not belong to its generation. The record of builds is in no column.
 """
 
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
-from pyoxigraph import NamedNode
+from pyoxigraph import NamedNode, Store
 
 from kg.errors import KgError
 from kg.rules import memory as memories
@@ -39,18 +40,29 @@ from kg.syntax.parser import parse_rq
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from kg.rules.engine.facts import Keys
     from kg.rules.engine.terms import Dictionary
-    from kg.rules.form import Rule
+    from kg.rules.form import Atom, Rule
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["Columns", "columns_of"]
 
 _COLUMN: Final = "urn:kg:column:"
 """Begins the predicates of the head of the rule that a query becomes, one for each variable; they are not derived."""
+_TYPE: Final = b"<http://www.w3.org/1999/02/22-rdf-syntax-ns#type>"
+_OBJECT: Final = 0xFFFFFFFF
 _MARK: Final = NamedNode(_COLUMN)
 """The predicate of its first triple."""
-_SELECT: Final = re.compile(r"\s*SELECT\s+(DISTINCT\s+)?((?:\?\w+\s+)+)(?:WHERE\s*)?(?=\{)")
+_SELECT: Final = re.compile(
+    r"(?P<prologue>(?:\s*(?:#|PREFIX\b)[^\n]*\n)*)\s*SELECT\s+(?P<distinct>DISTINCT\s+)?(?P<names>(?:\?\w+\s+)+)(?:WHERE\s*)?(?=\{)"
+)
+_GRAPHS: Final = re.compile(
+    r"\{\s*SELECT \?graph \{\s*GRAPH \?graph \{\}\s*FILTER\((?P<condition>[^{}]*)\)\s*\}\s*\}\s*"
+    r"GRAPH \?graph (?=\{(?P<body>[^{}.]*)\})"
+)
+"""One triple pattern in the graphs whose names fulfil a condition."""
 _NO_LIMIT: Final = re.compile(r"\bLIMIT 1000000000\b")
 """More than a store has: it tells the engine of the store how to plan (docs/query-core.md), and limits nothing."""
 
@@ -70,15 +82,18 @@ def columns_of(snapshot: EmbeddedSnapshot) -> Columns | EmbeddedSnapshot:
             if patches is None:
                 return snapshot
             parts[graph] = patched(parts.get(graph, Facts()), patches, memory.dictionary)[0]
-    return Columns(snapshot, memory.dictionary, parts)
+    return Columns(snapshot, memory.dictionary, parts, memory.names.builds)
 
 
 class Columns:
     """The triples of each graph of a generation as columns, but for the record of builds."""
 
-    def __init__(self, snapshot: EmbeddedSnapshot, dictionary: Dictionary, graphs: Mapping[str, Facts]) -> None:
-        """`graphs` are named by IRI; the default graph has the empty name."""
+    def __init__(
+        self, snapshot: EmbeddedSnapshot, dictionary: Dictionary, graphs: Mapping[str, Facts], builds: NamedNode
+    ) -> None:
+        """`graphs` are named by IRI; the default graph has the empty name. `builds` is the graph of no column."""
         self.dictionary = dictionary
+        self._builds = builds
         self.graphs = graphs
         self._snapshot = snapshot
         self._terms: dict[int, _Value | None] = {0: None}
@@ -89,15 +104,47 @@ class Columns:
         return union_of(self.graphs.values())
 
     def query(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> Iterable[Any]:
-        """Return the rows of a SELECT over the union of all graphs, in any order; raises as the store does."""
-        found = _question(text, prefixes or {})
-        if found is None:
-            return cast("Iterable[Any]", self._snapshot.query(text, prefixes=prefixes))
-        names, rules, distinct = found
-        return self._rows(names, self._solutions(names, rules, distinct=distinct))
+        """Return the rows of a SELECT over the union of all graphs, in any order; raises as the store does.
 
-    def _solutions(self, names: Sequence[str], rules: Sequence[Rule], *, distinct: bool) -> Table:
+        A triple of several graphs, and a pair that a path connects in two ways, count once. With DISTINCT the rows are
+        those of the store.
+        """
+        question = _question(text, prefixes or {})
+        if question is None:
+            return cast("Iterable[Any]", self._snapshot.query(text, prefixes=prefixes))
+        return self._rows(question.names, self._solutions(question))
+
+    def related(self, numbers: Mapping[str, int], condition: str, everywhere: Iterable[str]) -> NDArray[np.int64]:
+        """Return pairs of things, by the numbers of their IRIs, that any property but rdf:type relates.
+
+        The properties `everywhere` are read in all graphs, others in those whose names fulfil a condition on ?graph. A
+        pair comes as often as triples say so.
+        """
+        known = np.full(len(self.dictionary), -1, np.int64)
+        for iri, number in numbers.items():
+            known[self.dictionary.find(b"<%s>" % iri.encode()) or 0] = number
+        known[0] = -1
+        parts = [keys for predicate, keys in self._among(condition) if self.dictionary.spelling(predicate) != _TYPE]
+        parts += [self.union.keys(self.dictionary.find(b"<%s>" % one.encode()) or 0) for one in everywhere]
+        keys = np.concatenate(parts)
+        pairs = np.stack([known[keys >> 32], known[keys & _OBJECT]], axis=1)
+        related: NDArray[np.int64] = pairs[(pairs >= 0).all(axis=1)]
+        return related
+
+    def count(self) -> int:
+        """Return how many quads the store holds."""
+        return sum(map(len, self.graphs.values())) + self._snapshot.count(self._builds)
+
+    def _among(self, condition: str) -> Facts:
+        """Return the triples of the graphs whose names fulfil a condition on ?graph, each once."""
+        names = " ".join(str(NamedNode(name)) for name in self.graphs if name)
+        rows = Store().query(f"SELECT ?graph {{ VALUES ?graph {{ {names} }} FILTER({condition}) }}")
+        return union_of(self.graphs[row[0].value] for row in cast("Iterable[Any]", rows))
+
+    def _solutions(self, question: _Question) -> Table:
         """Return what the rules of a query bind its variables to; 0 where that is nothing."""
+        names, rules, distinct = question.names, question.rules, question.distinct
+        among = {place: self._among(condition) for place, condition in question.chosen.items()}
         helping = Program(rule for rule in rules if rule.head[0].predicate != _MARK)
         known = self.union
         if helping.rules:
@@ -112,7 +159,7 @@ class Columns:
             columns = {cast("NamedNode", atom.predicate).value: head.object for atom, head in heads}
             chosen = [columns.get(f"{_COLUMN}{name}", 0) for name in names]
             outputs = prepared.outputs if distinct else prepared.outputs | prepared.body.names
-            view = View([known] * len(prepared.sources))
+            view = View([among.get(question.block(source.reads), known) for source in prepared.sources])
             tables += [
                 Table({name: _column(table, node) for name, node in zip(names, chosen, strict=True)}, table.rows)
                 for table in Solver(shop, view).solutions(prepared.body, outputs, bag=not distinct)
@@ -154,6 +201,23 @@ def _name(graph: NamedNode | None) -> str:
     return "" if graph is None else graph.value
 
 
+@dataclass(frozen=True, slots=True)
+class _Question:
+    """A query as rules; `chosen` has the conditions on graphs of parts of their text, from one place to another."""
+
+    names: Sequence[str]
+    rules: Sequence[Rule]
+    distinct: bool
+    chosen: Mapping[tuple[int, int], str]
+    lines: Sequence[int]
+
+    def block(self, reads: Atom | EngineBlock) -> tuple[int, int]:
+        """Return the part of the text, of those with a condition, in which an atom is; (0, 0) without one."""
+        assert reads.place is not None  # noqa: S101 - `decompose` gives all atoms one
+        at = self.lines[(reads.place.line or 1) - 1] + (reads.place.column or 1) - 1
+        return next((part for part in self.chosen if part[0] <= at < part[1]), (0, 0))
+
+
 @lru_cache(maxsize=64)
 def _row_of(names: tuple[str, ...]) -> type[tuple[_Value | None, ...]]:
     """Return the type of rows, which have their terms by place and by the name of a variable."""
@@ -168,24 +232,28 @@ def _row_of(names: tuple[str, ...]) -> type[tuple[_Value | None, ...]]:
     return Row
 
 
-def _question(text: str, prefixes: Mapping[str, str]) -> tuple[list[str], tuple[Rule, ...], bool] | None:
-    """Return the variables of a SELECT, the rules that it becomes, and whether it is DISTINCT.
-
-    None for one that rules cannot express.
-    """
+def _question(text: str, prefixes: Mapping[str, str]) -> _Question | None:
+    """Return what a SELECT becomes; None for one that rules cannot express."""
     match = _SELECT.match(text)
     if match is None:
         return None
-    names = match[2].replace("?", " ").split()
+    names = match["names"].replace("?", " ").split()
     declared = "".join(f"PREFIX {name}: <{iri}>\n" for name, iri in prefixes.items() if f"{name}:" in text)
     # A new blank node for each solution: no solution may then be left out, or come more often than the query has it.
     head = " ".join(f"_:row <{_COLUMN}{name}> ?{name} ." for name in names)
-    whole = f"{declared}CONSTRUCT {{ _:row <{_COLUMN}> <{_COLUMN}> . {head} }} WHERE "
+    whole = f"{declared}{match['prologue']}CONSTRUCT {{ _:row <{_COLUMN}> <{_COLUMN}> . {head} }} WHERE "
     whole += _NO_LIMIT.sub("", text[match.end() :])
+    chosen = {}
+    if match["distinct"]:  # a triple of several graphs would come several times
+        for block in _GRAPHS.finditer(whole):
+            chosen[block.end(), block.end("body")] = block["condition"]
+        whole = _GRAPHS.sub(lambda block: " " * len(block[0]), whole)
     try:
         (stated,) = parse_rq(whole, "query").rules
         rules = decompose(stated, "query", "query", whole)
     except KgError:
         return None
-    blocks = any(isinstance(element, EngineBlock) for rule in rules for element in flat(rule.body))
-    return None if blocks else (names, rules, match[1] is not None)
+    if any(isinstance(element, EngineBlock) for rule in rules for element in flat(rule.body)):
+        return None
+    starts = [0, *(found.end() for found in re.finditer("\n", whole))]
+    return _Question(names, rules, match["distinct"] is not None, chosen, starts)

@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
 
 import msgspec
 
@@ -32,7 +32,7 @@ from kg.store.kept import keep, kept
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.graph.reading import Queryable
+    from kg.rules.selecting import Columns
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = [
@@ -74,7 +74,13 @@ class NodeLine:
 
 def figures(snapshot: EmbeddedSnapshot) -> Figures:
     """Return the figures of the store whose content `snapshot` is."""
-    return _answer(snapshot, "stats", Figures, lambda: Figures(statistics(snapshot), counted(snapshot)))
+
+    def make() -> Figures:
+        graph = _whole(snapshot)
+        columns = None if graph is snapshot else cast("Columns", graph)
+        return Figures(statistics(snapshot, columns), counted(graph))
+
+    return _answer(snapshot, "stats", Figures, make)
 
 
 def channels(snapshot: EmbeddedSnapshot, kind: str, *, implicit: bool = False) -> list[Channel]:
@@ -121,7 +127,7 @@ def totals(snapshot: EmbeddedSnapshot, make: Callable[[], dict[str, int]] | None
     )
 
 
-def _whole(snapshot: EmbeddedSnapshot) -> Queryable:
+def _whole(snapshot: EmbeddedSnapshot) -> Columns | EmbeddedSnapshot:
     """Return what is asked about the whole store."""
     from kg.rules.selecting import columns_of  # noqa: PLC0415 - start-up time of kept answers
 
