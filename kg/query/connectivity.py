@@ -33,7 +33,7 @@ class Neighbours:
     others: Numbers
 
     @classmethod
-    def of(cls, count: int, edges: Sequence[tuple[int, int]]) -> Self:
+    def of(cls, count: int, edges: Sequence[tuple[int, int]] | Numbers) -> Self:
         """Return the neighbours that edges between `count` vertices make, each once; loops are left out."""
         pairs = np.array(edges, np.int64).reshape(-1, 2)
         pairs = pairs[pairs[:, 0] != pairs[:, 1]]

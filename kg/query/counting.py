@@ -11,13 +11,11 @@ from statistics import fmean
 from typing import TYPE_CHECKING
 
 from kg.query import stored
-from kg.query.core import run
-from kg.query.result import Solutions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.store.interface import Snapshot
+    from kg.query.stats import Asked
 
 __all__ = ["Counted", "counted"]
 
@@ -39,14 +37,14 @@ class Counted:
     by_kind: tuple[tuple[str, int], ...]
 
 
-def counted(snapshot: Snapshot) -> Counted:
+def counted(graph: Asked) -> Counted:
     """Return the figures of a store as RNKG counts them."""
-    result = run(snapshot, stored.internal("rnkg-relations"))
-    rows = result.rows if isinstance(result, Solutions) else ()
+    triples = 0
     numbers: dict[str, int] = {}
     kinds: list[str] = []
     neighbours: list[set[int]] = []
-    for row in rows:
+    for row in graph.query(stored.internal("rnkg-relations")):
+        triples += 1
         one, kind, _, other, other_kind = (str(getattr(term, "value", "")) for term in row)
         ends = []
         for iri, what in ((one, kind), (other, other_kind)):
@@ -61,7 +59,7 @@ def counted(snapshot: Snapshot) -> Counted:
     by_kind = sorted(Counter(kinds).items(), key=lambda pair: (-pair[1], pair[0]))
     return Counted(
         entities=len(kinds),
-        triples=len(rows),
+        triples=triples,
         entities_per_node=sum(nodes) / len(nodes) if nodes else 0.0,
         path_to_hardware=_path(kinds, neighbours, "hardware"),
         path_to_function=_path(kinds, neighbours, "function"),

@@ -245,30 +245,21 @@ def _terms(triples: Iterable[Triple | Quad]) -> Iterator[bytes]:
         yield from (spell(one.subject), spell(one.predicate), spell(one.object))
 
 
-def stated(triples: Iterable[Triple | Quad], dictionary: Dictionary, what: Wanted = EVERYTHING) -> Facts:
-    """Return those of some triples that are wanted."""
+def stated(triples: Iterable[Triple | Quad], dictionary: Dictionary) -> Facts:
+    """Return triples as columns."""
     found = Facts()
-    pairs = by_predicate(rows_of(triples, dictionary))
-    for predicate, keys in pairs if what is EVERYTHING else only(what, pairs, dictionary):
+    for predicate, keys in by_predicate(rows_of(triples, dictionary)):
         found.replace(predicate, distinct(keys))
     return found
 
 
-def patched(
-    facts: Facts, patches: Iterable[tuple[bytes, bytes]], what: Wanted, dictionary: Dictionary
-) -> tuple[Facts, set[int]]:
+def patched(facts: Facts, patches: Iterable[tuple[bytes, bytes]], dictionary: Dictionary) -> tuple[Facts, set[int]]:
     """Return the columns of a graph after patches, and the predicates that these name."""
     found, touched = facts.copy(), set[int]()
     parts = ((adds, text) for patch in patches for adds, text in enumerate(patch) if text.strip())
     for adds, together in groupby(parts, itemgetter(0)):  # each reading costs more than a few triples
-        for predicate, keys in _of_lines(b"".join(text for _, text in together), what, dictionary):
+        lines = b"".join(text for _, text in together)
+        for predicate, keys in stated(parse(lines, RdfFormat.N_TRIPLES, lenient=True), dictionary):
             (found.add if adds else found.remove)(predicate, keys)
             touched.add(predicate)
     return found, touched
-
-
-def _of_lines(text: bytes, what: Wanted, dictionary: Dictionary) -> Facts:
-    """Return the wanted triples of a text; what is not is left out before it is read, since patches may be large."""
-    names = None if what.predicates is None else what.predicates | {predicate for predicate, _ in what.members}
-    quads = parse(text, RdfFormat.N_TRIPLES, lenient=True)
-    return stated((quad for quad in quads if names is None or quad.predicate in names), dictionary, what)

@@ -19,6 +19,7 @@ from pyoxigraph import NamedNode
 
 from kg.rules.engine.facts import Facts
 from kg.rules.engine.terms import Dictionary, Kept
+from kg.rules.recording import Names
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ __all__ = ["Memory", "load", "save"]
 
 _FOLDER: Final = "columns"
 _DIGEST_BYTES: Final = 16
-_FORM: Final = b"kg columns 2"
+_FORM: Final = b"kg columns 3"
 """Goes into the digest; another one for each arrangement of the file."""
 _HEADER: Final = _DIGEST_BYTES + 8
 """Where the header begins, behind its length."""
@@ -41,18 +42,21 @@ _WORDS: Final = 512
 
 @dataclass(slots=True)
 class Memory:
-    """The state after a run: the generation it is of, and the digest of the rules and names that it ran with.
+    """The state after a run: the generation it is of, the digest of the rules that it ran with, and their names.
 
     `asserted` is what any of the graphs and the files of rules state. `inferred` holds auxiliary triples too, which
-    are not in the store.
+    are not in the store; `written` is the content of the graph of inferred triples. So `graphs` and `written` have all
+    triples of the generation, but for the record of builds.
     """
 
     generation: int | None
     digest: str
+    names: Names
     dictionary: Dictionary
     graphs: dict[NamedNode | None, Facts] = field(default_factory=dict)
     asserted: Facts = field(default_factory=Facts)
     inferred: Facts = field(default_factory=Facts)
+    written: Facts = field(default_factory=Facts)
 
 
 def save(cache: Path, memory: Memory) -> None:
@@ -63,7 +67,7 @@ def save(cache: Path, memory: Memory) -> None:
     begins: dict[int, int] = {}
     sections: list[list[tuple[int, int, int]]] = []
     size = 0
-    for facts in (memory.inferred, memory.asserted, *memory.graphs.values()):
+    for facts in (memory.inferred, memory.asserted, memory.written, *memory.graphs.values()):
         sections.append([])
         for predicate, keys in facts:
             if id(keys) not in begins:
@@ -73,7 +77,14 @@ def save(cache: Path, memory: Memory) -> None:
             sections[-1].append((predicate, begins[id(keys)], keys.size))
     spellings = memory.dictionary.spellings(range(1, len(memory.dictionary)))
     graphs = ["" if graph is None else graph.value for graph in memory.graphs]
-    header = {"digest": memory.digest, "graphs": graphs, "sections": sections, "keys": size, "terms": len(spellings)}
+    header = {
+        "digest": memory.digest,
+        "names": _written(memory.names),
+        "graphs": graphs,
+        "sections": sections,
+        "keys": size,
+        "terms": len(spellings),
+    }
     line = json.dumps(header, separators=(",", ":")).encode()
     line += b" " * (-len(line) % 8)  # arrays begin at a multiple of eight bytes
     length = len(line).to_bytes(_HEADER - _DIGEST_BYTES, "little")
@@ -95,8 +106,8 @@ def save(cache: Path, memory: Memory) -> None:
             path.unlink(missing_ok=True)
 
 
-def load(cache: Path, digest: str) -> Memory | None:
-    """Return the memory of the last run below the folder `cache`; None when it is of other rules, or damaged."""
+def load(cache: Path, digest: str | None = None) -> Memory | None:
+    """Return the memory of the last run below the folder `cache`; None if it is damaged, or of another digest."""
     folder = cache / _FOLDER
     numbers = [int(path.name) for path in folder.iterdir() if path.name.isdigit()] if folder.is_dir() else []
     if not numbers:
@@ -111,12 +122,12 @@ def load(cache: Path, digest: str) -> Memory | None:
     return _read(content, max(numbers), digest)
 
 
-def _read(content: memoryview, generation: int, digest: str) -> Memory | None:
-    """Return the content of an intact file; None if it belongs to other rules."""
+def _read(content: memoryview, generation: int, digest: str | None) -> Memory | None:
+    """Return the content of an intact file; None if it belongs to other rules than those of a digest."""
     size = int.from_bytes(content[_DIGEST_BYTES:_HEADER], "little")
     place = _HEADER + size
     header = json.loads(content[_HEADER:place].tobytes())
-    if header["digest"] != digest:
+    if digest not in {header["digest"], None}:
         return None
 
     terms = header["terms"]
@@ -125,12 +136,18 @@ def _read(content: memoryview, generation: int, digest: str) -> Memory | None:
     sums = np.frombuffer(content, np.uint32, terms, place := place + ends.nbytes)
     order = np.frombuffer(content, np.uint32, terms, place := place + sums.nbytes)
     dictionary = Dictionary(Kept(content[place + order.nbytes :], ends, sums, order))
-    inferred, asserted, *parts = (
+    inferred, asserted, written, *parts = (
         Facts({predicate: keys[begin : begin + size] for predicate, begin, size in section})
         for section in header["sections"]
     )
     graphs = dict(zip((NamedNode(name) if name else None for name in header["graphs"]), parts, strict=True))
-    return Memory(generation, digest, dictionary, graphs, asserted, inferred)
+    own, builds, base, vocabulary = header["names"]
+    names = Names(NamedNode(own), NamedNode(builds), base, vocabulary)
+    return Memory(generation, header["digest"], names, dictionary, graphs, asserted, inferred, written)
+
+
+def _written(names: Names) -> list[str]:
+    return [names.inferred.value, names.builds.value, names.base, names.vocabulary]
 
 
 def _digest(content: bytes | memoryview) -> bytes:

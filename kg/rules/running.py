@@ -29,7 +29,7 @@ from pyoxigraph import RdfFormat, parse
 
 from kg.errors import GraphError, Place, SourceError, UsageError
 from kg.rules import memory as memories
-from kg.rules.columns import EVERYTHING, by_predicate, patched, read, read_columns, rows_of, stated, union_of, wanted
+from kg.rules.columns import EVERYTHING, by_predicate, patched, read, read_columns, rows_of, stated, union_of
 from kg.rules.dependencies import volatile
 from kg.rules.engine.evaluate import Limits, Program, evaluate
 from kg.rules.engine.facts import Facts, absorb, distinct, lacking
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from pyoxigraph import NamedNode
 
-    from kg.rules.columns import Tables, Wanted
+    from kg.rules.columns import Tables
     from kg.rules.engine.evaluate import RuleReport
     from kg.rules.files import RuleSet
     from kg.rules.recording import Names
@@ -254,7 +254,6 @@ class Reasoner:
         self._cache = cache
         self._taken: RuleSet | None = None
         self._digest = ""
-        self._what = EVERYTHING
         self._maintained: Maintained | None = None
 
     def take(self, rule_set: RuleSet) -> None:
@@ -263,7 +262,6 @@ class Reasoner:
         self._taken = rule_set
         if digest != self._digest:
             self.program = Program(rule_set.rules, rule_set.strata)
-            self._what = wanted(rule_set.rules)
             self._digest = digest
             self.forget()
         if self.memory is not None and self.memory.generation is None:
@@ -298,18 +296,20 @@ class Reasoner:
     ) -> Outcome:
         begin = time.perf_counter()
         self.forget()
-        dictionary, parts = written.take(self._what, graphs) if written is not None else (Dictionary(), {})
-        parts |= read(source, self._what, [graph for graph in graphs if graph not in parts], dictionary)
+        dictionary, parts = written.take(graphs) if written is not None else (Dictionary(), {})
+        parts |= read(source, EVERYTHING, [graph for graph in graphs if graph not in parts], dictionary)
         data = stated(rule_set.data, dictionary)
         asserted = union_of([*parts.values(), data])
         now = self._read_inferred(source, dictionary)
-        return self._full(Memory(None, self._digest, dictionary, parts, asserted), data, now, begin, limits)
+        return self._full(
+            Memory(None, self._digest, self._names, dictionary, parts, asserted), data, now, begin, limits
+        )
 
     def _full(self, memory: Memory, data: Facts, now: Facts, begin: float, limits: Limits) -> Outcome:
         middle = time.perf_counter()
         found = evaluate(self.program, memory.dictionary, memory.asserted, limits=limits)
         memory.inferred = found.inferred
-        then = _shown(memory, data)
+        then = memory.written = _shown(memory, data)
         self.memory, self._maintained = memory, None
         seconds = (middle - begin, time.perf_counter() - middle)
         return Outcome(memory.dictionary, memory.asserted, now, then, "full", tuple(found.reports), *seconds)
@@ -325,20 +325,20 @@ class Reasoner:
     ) -> Outcome:
         begin = time.perf_counter()
         data = stated(rule_set.data, memory.dictionary)
-        now = self._held_since(memory, data, source, changes)
-        parts, touched = _Rereading(memory, source, self._what).graphs(graphs, changes)
+        now = self._held_since(memory, source, changes)
+        parts, touched = _Rereading(memory, source).graphs(graphs, changes)
         asserted = memory.asserted.copy()
         for predicate in touched:
             columns = [part.keys(predicate) for part in (*parts.values(), data)]
             asserted.replace(predicate, distinct(np.concatenate(columns)))
         inserted, deleted = lacking(asserted, memory.asserted), lacking(memory.asserted, asserted)
-        following = Memory(None, self._digest, memory.dictionary, parts, asserted, memory.inferred)
+        following = Memory(None, self._digest, self._names, memory.dictionary, parts, asserted, memory.inferred)
         if (len(inserted) + len(deleted)) * _LARGE > len(asserted):
             return self._full(following, data, now, begin, limits)
         middle = time.perf_counter()
         if len(inserted) or len(deleted):
             following.inferred = self._maintain(memory, inserted, deleted, limits)
-        then = _shown(following, data)
+        then = following.written = _shown(following, data)
         self.memory = following
         seconds = (middle - begin, time.perf_counter() - middle)
         return Outcome(memory.dictionary, asserted, now, then, "incremental", (), *seconds)
@@ -349,23 +349,18 @@ class Reasoner:
         self._maintained.apply(inserted, deleted, limits=limits)
         return self._maintained.inferred
 
-    def _held_since(self, memory: Memory, data: Facts, source: Tables, changes: Changes) -> Facts:
+    def _held_since(self, memory: Memory, source: Tables, changes: Changes) -> Facts:
         """Return the content of the graph of inferred triples, updated from that of the memory."""
-        known = _shown(memory, data)
+        known = memory.written
         patches = (changes.graphs or {}).get(self._names.inferred.value, [])
         if patches is None:
             return self._read_inferred(source, memory.dictionary)
-        return patched(known, patches, EVERYTHING, memory.dictionary)[0] if patches else known
+        return patched(known, patches, memory.dictionary)[0] if patches else known
 
     def _read_inferred(self, source: Tables, dictionary: Dictionary) -> Facts:
-        """Return what the graph of inferred triples holds: usually what these rules may infer and nothing else."""
+        """Return what the graph of inferred triples holds."""
         graph = self._names.inferred
-        if graph not in source.graphs():
-            return Facts()
-        found = read_columns(source, self._what, [graph], dictionary)[1]
-        if len(found) == int(source.table("SELECT (COUNT(*) AS ?n) { ?s ?p ?o }", graph)):
-            return found
-        return read_columns(source, EVERYTHING, [graph], dictionary)[1]
+        return read_columns(source, EVERYTHING, [graph], dictionary)[1] if graph in source.graphs() else Facts()
 
 
 @dataclass(frozen=True, slots=True)
@@ -374,7 +369,6 @@ class _Rereading:
 
     memory: Memory
     source: Tables
-    what: Wanted
 
     def graphs(
         self, graphs: list[NamedNode | None], changes: Changes
@@ -384,7 +378,7 @@ class _Rereading:
         touched: set[int] = set()
         known = changes.graphs or {}
         again = [graph for graph in graphs if graph not in self.memory.graphs or known.get(_name(graph), ()) is None]
-        fresh = read(self.source, self.what, again, self.memory.dictionary)
+        fresh = read(self.source, EVERYTHING, again, self.memory.dictionary)
         for graph in graphs:
             before = self.memory.graphs.get(graph, Facts())
             if graph in fresh:
@@ -392,7 +386,7 @@ class _Rereading:
                 touched |= _differing(before, fresh[graph])
             elif known.get(_name(graph)):
                 patches = known[_name(graph)] or []
-                parts[graph], named = patched(before, patches, self.what, self.memory.dictionary)
+                parts[graph], named = patched(before, patches, self.memory.dictionary)
                 touched |= named
             else:
                 parts[graph] = before

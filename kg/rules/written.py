@@ -5,18 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from pyoxigraph import NamedNode, RdfFormat, parse
+from pyoxigraph import RdfFormat, parse
 
-from kg.rules.columns import EVERYTHING, by_predicate, only, rows_of
-from kg.rules.engine.facts import Facts, distinct, pack, unpack
+from kg.rules.columns import by_predicate, rows_of
+from kg.rules.engine.facts import Facts, distinct
 from kg.rules.engine.terms import Dictionary
 from kg.store.changes import Changes
 from kg.store.terms import parts_of_lines
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from kg.rules.columns import Wanted
+    from pyoxigraph import NamedNode
 
 __all__ = ["Written"]
 
@@ -86,38 +85,19 @@ class Written(Changes):
         for predicate, keys in by_predicate(_rows(lines, self._dictionary)):
             columns.setdefault(predicate, []).append(keys)
 
-    def take(self, what: Wanted, graphs: list[NamedNode | None]) -> tuple[Dictionary, dict[NamedNode | None, Facts]]:
-        """Return the wanted triples of those graphs that are known, and keep no more from now on."""
+    def take(self, graphs: list[NamedNode | None]) -> tuple[Dictionary, dict[NamedNode | None, Facts]]:
+        """Return the triples of those graphs that are known, and keep no more from now on."""
         self._read()
         found: dict[NamedNode | None, Facts] = {}
         known = self._columns or {}
         for graph in graphs if self._columns is not None else ():
             name = "" if graph is None else graph.value
             if name not in self._unknown:
-                found[graph] = Facts()
-                pairs = ((one, distinct(np.concatenate(parts))) for one, parts in known.pop(name, {}).items())
-                for predicate, keys in pairs if what is EVERYTHING else only(what, pairs, self._dictionary):
-                    found[graph].replace(predicate, keys)
-        dictionary = _compact(self._dictionary, found)
+                pairs = known.pop(name, {}).items()
+                found[graph] = Facts({one: distinct(np.concatenate(parts)) for one, parts in pairs})
+        dictionary = self._dictionary
         self._columns, self._dictionary = None, Dictionary()
         return dictionary, found
-
-
-def _compact(dictionary: Dictionary, parts: dict[NamedNode | None, Facts]) -> Dictionary:
-    """Return a dictionary of the terms that facts have, which are changed to its identifiers."""
-    used = np.zeros(len(dictionary), bool)
-    for facts in parts.values():
-        for predicate, keys in facts:
-            used[predicate] = True
-            for ends in unpack(keys):
-                used[ends] = True
-    numbers = np.cumsum(used)
-    for graph, facts in parts.items():
-        parts[graph] = changed = Facts()
-        for predicate, keys in facts:
-            subjects, objects = unpack(keys)
-            changed.replace(int(numbers[predicate]), pack(numbers[subjects], numbers[objects]))
-    return Dictionary.of(dictionary.spellings(np.flatnonzero(used)))
 
 
 def _rows(lines: bytes, dictionary: Dictionary) -> NDArray[np.int64]:

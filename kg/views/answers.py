@@ -7,12 +7,13 @@ An answer counts as missing when the code or the queries that computed it have c
 
 from __future__ import annotations
 
+import gc
 import zlib
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
 
 import msgspec
 
@@ -31,6 +32,7 @@ from kg.store.kept import keep, kept
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kg.rules.selecting import Columns
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = [
@@ -72,37 +74,45 @@ class NodeLine:
 
 def figures(snapshot: EmbeddedSnapshot) -> Figures:
     """Return the figures of the store whose content `snapshot` is."""
-    return _answer(snapshot, "stats", Figures, lambda: Figures(statistics(snapshot), counted(snapshot)))
+
+    def make() -> Figures:
+        graph = _whole(snapshot)
+        columns = None if graph is snapshot else cast("Columns", graph)
+        return Figures(statistics(snapshot, columns), counted(graph))
+
+    return _answer(snapshot, "stats", Figures, make)
 
 
 def channels(snapshot: EmbeddedSnapshot, kind: str, *, implicit: bool = False) -> list[Channel]:
     """Return the topics, services or actions of the store, as `kg.graph.overview.channels` does."""
     name = f"{kind}-all" if implicit else kind
-    return _answer(snapshot, name, list[Channel], lambda: overview.channels(snapshot, kind, implicit=implicit))
+    return _answer(snapshot, name, list[Channel], lambda: overview.channels(_whole(snapshot), kind, implicit=implicit))
 
 
 def node_lines(snapshot: EmbeddedSnapshot) -> list[NodeLine]:
     """Return all node types of the store as lines of JSON, in the order of `kg.graph.reading.node_records`."""
 
     def make() -> list[NodeLine]:
-        return [NodeLine(str(one.node.kind), one.iri, json_text(node_object(one))) for one in node_records(snapshot)]
+        return [
+            NodeLine(str(one.node.kind), one.iri, json_text(node_object(one))) for one in node_records(_whole(snapshot))
+        ]
 
     return _answer(snapshot, "nodes", list[NodeLine], make)
 
 
 def channel_names(snapshot: EmbeddedSnapshot) -> dict[str, list[str]]:
     """Return all names of topics, services and actions, as `kg.graph.channels_reading.every_name` does."""
-    return _answer(snapshot, "names", dict[str, list[str]], lambda: every_name(snapshot))
+    return _answer(snapshot, "names", dict[str, list[str]], lambda: every_name(_whole(snapshot)))
 
 
 def partly_known(snapshot: EmbeddedSnapshot) -> list[str]:
     """Return the names of ends that are not known whole, as `kg.graph.impact_parts.partly_known` does."""
-    return _answer(snapshot, "partly-known", list[str], lambda: impact_parts.partly_known(snapshot))
+    return _answer(snapshot, "partly-known", list[str], lambda: impact_parts.partly_known(_whole(snapshot)))
 
 
 def set_names(snapshot: EmbeddedSnapshot) -> list[str]:
     """Return the names of settings and of what they set, as `kg.graph.impact_parts.set_names` does."""
-    return _answer(snapshot, "set-names", list[str], lambda: impact_parts.set_names(snapshot))
+    return _answer(snapshot, "set-names", list[str], lambda: impact_parts.set_names(_whole(snapshot)))
 
 
 def rows(snapshot: EmbeddedSnapshot, name: str, make: Callable[[], list[dict[str, Any]]]) -> list[dict[str, Any]]:
@@ -117,16 +127,34 @@ def totals(snapshot: EmbeddedSnapshot, make: Callable[[], dict[str, int]] | None
     )
 
 
+def _whole(snapshot: EmbeddedSnapshot) -> Columns | EmbeddedSnapshot:
+    """Return what is asked about the whole store."""
+    from kg.rules.selecting import columns_of  # noqa: PLC0415 - start-up time of kept answers
+
+    return columns_of(snapshot)
+
+
 def _answer(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer], make: Callable[[], _Answer]) -> _Answer:
     """Return a kept answer of a type, or compute it and keep it; where nothing can be written it is computed."""
     found = _kept(snapshot, name, kind)
     if found is None:
-        found = make()
+        found = _made(make)
         version = _version()
         if version is not None and snapshot.layout is not None:
             with suppress(OSError):
                 keep(snapshot.layout.cache / _FOLDER / name, snapshot.identity, version, [msgspec.json.encode(found)])
     return found
+
+
+def _made(make: Callable[[], _Answer]) -> _Answer:
+    """Compute an answer. It has no garbage in cycles, which would be searched for again and again as it grows."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        return make()
+    finally:
+        if enabled:
+            gc.enable()
 
 
 def _kept(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer]) -> _Answer | None:

@@ -106,7 +106,7 @@ class Base:
         kept = memory.load(cache, digest)
         if kept is not None and kept.generation == generation:
             return cls(source, names, what, kept)
-        base = cls(source, names, what, Memory(generation, digest, Dictionary()))
+        base = cls(source, names, what, Memory(generation, digest, names, Dictionary()))
         base.memory.asserted, base.memory.inferred = base._read(what)
         with suppress(OSError):
             memory.save(cache, base.memory)

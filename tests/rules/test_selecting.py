@@ -1,0 +1,131 @@
+from __future__ import annotations
+
+import tempfile
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pyoxigraph import NamedNode
+
+from kg.rules.files import RuleSet
+from kg.rules.recording import Names
+from kg.rules.running import Runner
+from kg.rules.selecting import Columns, columns_of
+from kg.store.embedded import EmbeddedStore
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from kg.store.snapshot import EmbeddedSnapshot
+
+NAMES: Final = Names.of("http://example.org/", "http://example.org/ns#")
+GRAPHS: Final = [NamedNode(f"http://example.org/graph/{name}") for name in ("a", "b", "launch/c")]
+PREFIXES: Final = {"": "urn:"}
+OBJECTS: Final = [
+    "<urn:a>",
+    "<urn:b>",
+    "<urn:c>",
+    '"text"',
+    '"a \\"quoted\\" one"',
+    '"so"@en',
+    '"7"^^<urn:kind>',
+    "_:b",
+]
+QUERIES: Final = [
+    "SELECT ?s ?o { ?s :p ?o }",
+    "SELECT DISTINCT ?o { ?s :p ?o }",
+    "SELECT ?o WHERE { ?s ?p ?o . ?s :q ?other }",
+    "SELECT ?s ?o ?more { ?s :p ?o OPTIONAL { ?s :q ?more } }",
+    "SELECT ?s ?more { VALUES ?s { :a :b } OPTIONAL { ?s :p/:q ?more } }",
+    "SELECT ?s ?o { { SELECT * WHERE { ?s :p ?o } LIMIT 1000000000 } MINUS { ?s :q :a } }",
+    "SELECT ?s ?kind ?o { { ?s :p ?o BIND(:p AS ?kind) } UNION { ?s :q ?o BIND(:q AS ?kind) } }",
+    "SELECT DISTINCT ?x ?y { ?s :p|:q ?x . BIND(?s AS ?y) FILTER(ISIRI(?x)) }",
+    """SELECT DISTINCT ?s ?o {
+      { SELECT ?graph { GRAPH ?graph {} FILTER(!CONTAINS(STR(?graph), '/launch/')) } }
+      GRAPH ?graph { ?s :p ?o }
+      ?o :q ?any
+    }""",
+    "SELECT ?s { GRAPH ?g { ?s :p ?o } }",
+    "SELECT ?s (COUNT(*) AS ?n) { ?s :p ?o } GROUP BY ?s",
+    "SELECT ?s ?o { ?s :p ?o } ORDER BY ?s ?o LIMIT 2",
+]
+quads = st.dictionaries(
+    st.tuples(st.sampled_from("abc"), st.sampled_from("pq"), st.sampled_from(OBJECTS)), st.integers(0, 2), max_size=12
+)
+
+
+def contents_of(placed: dict[tuple[str, str, str], int]) -> list[list[bytes]]:
+    """Return the content of each graph; each triple is in one, for the store gives those of several more than once."""
+    contents: list[list[bytes]] = [[] for _ in GRAPHS]
+    for (s, p, o), graph in placed.items():
+        contents[graph].append(f"<urn:{s}> <urn:{p}> {o} .\n".encode())
+    return contents
+
+
+def with_columns(folder: Path, contents: Sequence[list[bytes]]) -> EmbeddedStore:
+    """Return a store of some graphs, whose columns are kept."""
+    store = EmbeddedStore.create(folder / ".kg")
+    with store.write("test") as transaction:
+        transaction.replace_graphs(dict(zip(GRAPHS, contents, strict=False)))
+    Runner(NAMES, store.layout.cache).run(store, RuleSet(()))
+    return store
+
+
+def rows(found: Iterable[Any]) -> Counter[tuple[str | None, ...]]:
+    """Return the values of rows, and how often each row comes."""
+    return Counter(tuple(None if term is None else term.value for term in row) for row in found)
+
+
+def same(snapshot: EmbeddedSnapshot, columns: Columns | EmbeddedSnapshot, text: str) -> bool:
+    """Return whether columns answer a query as the store does."""
+    return rows(columns.query(text, prefixes=PREFIXES)) == rows(snapshot.query(text, prefixes=PREFIXES))  # type: ignore[arg-type]  # a SELECT
+
+
+@settings(max_examples=25, deadline=None)
+@given(quads)
+def test_columns_answer_as_the_store_does(placed: dict[tuple[str, str, str], int]) -> None:
+    """Each row comes as often as in the store, whether rules can express the query or not."""
+    with tempfile.TemporaryDirectory() as folder, with_columns(Path(folder), contents_of(placed)).read() as snapshot:
+        columns = columns_of(snapshot)
+        assert isinstance(columns, Columns)
+        assert [text for text in QUERIES if not same(snapshot, columns, text)] == []
+        assert columns.count() == snapshot.count()
+
+
+def test_later_patches_are_followed(tmp_path: Path) -> None:
+    """Columns of an earlier generation answer as the store in force."""
+    store = with_columns(tmp_path, [[b"<urn:a> <urn:p> <urn:b> .\n"]])
+    with store.write("test") as transaction:
+        transaction.patch_graph(GRAPHS[0], b"<urn:a> <urn:p> <urn:b> .\n", b"<urn:c> <urn:p> <urn:new> .\n")
+        transaction.patch_graph(GRAPHS[1], b"", b"<urn:d> <urn:p> <urn:b> .\n")
+    with store.read() as snapshot:
+        found = rows(columns_of(snapshot).query(QUERIES[0], prefixes=PREFIXES))  # type: ignore[arg-type]  # a SELECT
+        assert found == {("urn:c", "urn:new"): 1, ("urn:d", "urn:b"): 1}
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_the_store_answers_what_columns_do_not_know(tmp_path: Path, *, kept: bool) -> None:
+    """A graph whose new content is not recorded, or a store without columns, is asked itself."""
+    store = with_columns(tmp_path, [[b"<urn:a> <urn:p> <urn:b> .\n"]])
+    if kept:
+        with store.write("test") as transaction:
+            transaction.replace_graphs({GRAPHS[0]: [b"<urn:c> <urn:p> <urn:b> .\n"]})
+    else:
+        for path in (store.layout.cache / "columns").iterdir():
+            path.unlink()
+    with store.read() as snapshot:
+        assert columns_of(snapshot) is snapshot
+
+
+def test_related_things_are_those_of_the_chosen_graphs(tmp_path: Path) -> None:
+    """Types relate nothing; properties that are read everywhere count in any graph."""
+    a = b"<urn:a> <urn:p> <urn:b> .\n<urn:a> <http://www.w3.org/1999/02/22-rdf-syntax-ns#type> <urn:b> .\n"
+    store = with_columns(tmp_path, [[a], [], [b"<urn:b> <urn:p> <urn:a> .\n<urn:b> <urn:q> <urn:a> .\n"]])
+    with store.read() as snapshot:
+        columns = columns_of(snapshot)
+        assert isinstance(columns, Columns)
+        found = columns.related({"urn:a": 0, "urn:b": 1}, '!CONTAINS(STR(?graph), "/launch/")', ["urn:q"])
+        assert found.tolist() == [[0, 1], [1, 0]]
