@@ -48,6 +48,7 @@ __all__ = [
 _THREADS: Final = 2
 _SMALL: Final = 20_000
 """A graph that gives fewer rows than this is read by one query: most are, and there are hundreds of predicates."""
+_PIECE_BYTES: Final = 4 << 20
 _OBJECT: Final = np.int64((1 << 32) - 1)
 
 
@@ -182,14 +183,25 @@ class _Query:
         if not text:
             return
         if self.predicate is None:
-            yield from by_predicate(dictionary.intern_all(cells(text, 3)).reshape(-1, 3))
+            yield from by_predicate(_interned(text, 3, dictionary).reshape(-1, 3))
         elif self.target is None:
-            pairs = dictionary.intern_all(cells(text, 2))
+            pairs = _interned(text, 2, dictionary)
             yield dictionary.intern_term(self.predicate), pack(pairs[0::2], pairs[1::2])
         else:
-            subjects = dictionary.intern_all(cells(text, 1))
+            subjects = _interned(text, 1, dictionary)
             target = np.int64(dictionary.intern_term(self.target))
             yield dictionary.intern_term(self.predicate), (subjects << 32) | target
+
+
+def _interned(text: bytes, width: int, dictionary: Dictionary) -> NDArray[np.int64]:
+    """Return the identifiers of the cells of a table, split piece by piece: cells take several times its size."""
+    found = []
+    begin = 0
+    while begin < len(text):
+        end = text.find(b"\n", begin + _PIECE_BYTES) + 1 or len(text)
+        found.append(dictionary.intern_all(cells(text[begin:end], width)))
+        begin = end
+    return np.concatenate(found)
 
 
 def by_predicate(rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
