@@ -53,7 +53,8 @@ def test_the_main_screen(store: Path, tmp_path: Path, snap_compare: Callable[...
         await run_query(app, pilot, QUERY)
         # The table makes room for the numbers of rows when it has nothing else to do.
         table = current(app).results.table
-        await until(pilot, lambda: not current(app).editor.has_focus and table._label_column.content_width > 0)
+        await until(pilot, lambda: not current(app).editor.has_focus)
+        await until(pilot, lambda: table._label_column.content_width > 0)
         await pilot.pause()
 
     assert snap_compare(app, terminal_size=(110, 30), run_before=before)
