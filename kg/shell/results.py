@@ -20,8 +20,10 @@ from kg.syntax.names import PREFIXES, shorten
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from rich.text import TextType
     from textual.app import ComposeResult
     from textual.binding import BindingType
+    from textual.widgets.data_table import RowKey
 
     from kg.errors import KgError
     from kg.query.result import Result
@@ -60,6 +62,13 @@ class AnswerTable(DataTable[Text]):
 
     class Passed(Message):
         """The cursor would go behind the last row of the page."""
+
+    def add_row(
+        self, *cells: Text, height: int | None = 1, key: str | None = None, label: TextType | None = None
+    ) -> RowKey:
+        """Add a row; it has room for its label even if it is drawn before the table finds the time to measure it."""
+        self._labelled_row_exists = self._labelled_row_exists or label is not None
+        return super().add_row(*cells, height=height, key=key, label=label)
 
     def action_cursor_down(self) -> None:
         """Go down; from the last row of a page to the next page."""

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
+
 from hypothesis import given
 from hypothesis import strategies as st
 from pyoxigraph import Literal, NamedNode
+from rich.text import Text
+from textual.app import App
 
 from kg.render.text import width
-from kg.shell.results import _LEAST, _PADDING, ResultView, _cut, _fitted
+from kg.shell.results import _LEAST, _PADDING, AnswerTable, ResultView, _cut, _fitted
 
 TEXTS = st.text(st.characters(exclude_categories=("C", "M")), max_size=60)
 
@@ -44,3 +48,20 @@ def test_iris_are_shortened_by_what_is_known() -> None:
         NamedNode(iri) for iri in ("https://kg.example/node/a", "https://kg.example/topic/b%20c", "urn:o:x", "urn:y")
     ]
     assert [view._text(term) for term in named] == ["ex:a", "topic/b c", "o:x", "urn:y"]
+
+
+def test_rows_that_are_drawn_at_once_have_room_for_their_numbers() -> None:
+    """A table measures its rows when it has nothing else to do, which may be after it drew them."""
+
+    async def numbers() -> int:
+        table = AnswerTable()
+        app = App[None]()
+        async with app.run_test() as pilot:
+            await app.mount(table)
+            table.add_column("name", width=10)
+            table.add_row(Text("scan"), label=Text("12"))
+            table.render_line(1)
+            await pilot.pause()
+            return table._label_column.content_width
+
+    assert asyncio.run(numbers()) == len("12")
