@@ -1,6 +1,6 @@
 """What the sources of nodes import and include: libraries, modules and headers from outside of their package.
 
-The library that a node includes (`serial/serial.h`), or the module that it imports (`moveit_commander`), often tells
+The library that a node includes (`serial/serial.h`), or the module that it imports (`moveit_commander`), often shows
 which device it works with where no name and no text does. Own headers and modules are followed, so that a driver's
 class counts for the program that uses it. The C++ standard library (headers without an ending or folder) is left out.
 """
