@@ -51,6 +51,13 @@ _INTEGERS: Final = frozenset(
     }
 )
 _DESCRIPTORS: Final = ("ParameterType", "ParameterDescriptor")
+_BEGINNINGS: Final[dict[str | None, Value]] = {
+    "string": EMPTY,
+    "bool": Truth(False),
+    "int": Number(0, "0"),
+    "double": Number(0.0, "0.0"),
+}
+"""The value of a default `{}`, by the type of the parameter; that of a list is a list."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +90,9 @@ class Parameters:
         default = call.argument(effect.default) if effect.value is None else _literal(effect.value)
         if isinstance(default, Object) and (default.kind.name in _DESCRIPTORS or _is_blank(default)):
             default = None
+        template = call.arguments.template
+        if default == Sequence(()) and template:
+            default = _BEGINNINGS.get(_type(template, None, None), default)
         stated = _stated_type(default)
         if isinstance(default, TypeValue):
             default = None
@@ -93,7 +103,7 @@ class Parameters:
         key = (id(owner) if owner is not None and "of" not in owner.native else None, shown or "")
         known = self._values.get(key) if shown is not None and effect.access is not Access.WRITE else None
         value = _value(default, known, before, shown)
-        kind = stated or _type(call.arguments.template, default, before)
+        kind = stated or _type(template, default, before)
         if kind is None:
             declared = call.declared(effect.output, language)
             kind = ros_type(declared) if declared is not None else next(iter(effect.types), None)

@@ -52,6 +52,8 @@ _RELATIONS: Final = frozenset({"is_same", "is_same_v", "is_base_of", "is_base_of
 _PAIR: Final = ("first", "second")
 _STORED: Final = frozenset({Either, Text, Number, Sequence})
 """Values that a variable may hold in another form."""
+_NOTHING: Final = Sequence(())
+"""The value of `{}`."""
 
 
 class Cpp:
@@ -319,6 +321,8 @@ class Cpp:
         if isinstance(value, Text) and kind.names == ("auto",):
             return value
         if isinstance(value, Sequence):
+            if value == _NOTHING:
+                return self._nothing(kind, frame)
             found = self.kind_of(kind, frame)
             if found is not None and (
                 found.cls is not None or found.name in library.MAPS or self.machine.framework.is_handle(found)
@@ -331,6 +335,13 @@ class Cpp:
             if found is not None:
                 return library.stored(found, value)
         return value
+
+    def _nothing(self, kind: Type, frame: Frame) -> Value:
+        """Return the value of `{}` in a variable of a type."""
+        held = self.kinds.held(kind, frame)
+        if held is None or held.name in library.LISTS:
+            return _NOTHING
+        return self.construct(held, [], frame, listed=True)
 
     def assigned(self, target: Expression, value: Value, written: Expression, frame: Frame) -> Value:
         """Return a value as the target of an assignment holds it."""

@@ -35,13 +35,21 @@ _UNDEFINED: Final = re.compile(rb"[ \t]*#[ \t]*(?:ifndef[ \t]+|if[ \t]*![ \t]*de
 _DEFINED: Final = re.compile(rb"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]*(?:/[/*].*)?\r?$", re.MULTILINE)
 """Macros without a value: guards of headers, which may look like flags for a version of ROS. Others are defaults."""
 _HAS_INCLUDE: Final = b"__has_include"
+_COMMENTS: Final = re.compile(rb"/\*.*?\*/|//[^\n]*", re.DOTALL)
+_UNFINISHED: Final = re.compile(rb"(?:[,(=|?<]|&&|[^:]:)\Z")
+"""The end of code that goes on in what follows, such as a list of arguments."""
+_CONTINUED: Final = re.compile(rb"\s*(?:[,)?=|]|\.\w|&&|<<|:[^:])")
+"""The begin of code that goes on from what is before it."""
+_NEAR: Final = 300
+"""Bytes before a directive that are searched for the end of the code there."""
 _VISIBLE: Final = re.compile(rb"[^\r\n]")
 
 
 def prepared(source: bytes, ros: int) -> bytes:
     """Return a source of the same length as a package of ROS 1 or 2 compiles it.
 
-    It lacks macros that hide declarations, code for the other ROS, and the sides of `#if` that split a block.
+    It lacks macros that hide declarations, code for the other ROS, and the sides of `#if` that split a block or an
+    expression.
     """
     if any(one.search(source) for one in _EXPORTED):
         source = _CLASS_HEAD.sub(lambda m: m[1] + m[2] + b" " * len(m[3]) + m[4], source)
@@ -94,11 +102,11 @@ class _Group:
 
 
 def _without_branches(source: bytes, ros: int) -> bytes:
-    """Return a source without the sides of `#if` that are not compiled, or that split a block of code.
+    """Return a source without the sides of `#if` that are not compiled, or that split a block or an expression.
 
     Not compiled is what is for the other ROS, and what the macros exclude that the file defines. Of the sides that
-    split a block the first is left that may be compiled. All sides of a test with `__has_include` are left; the grammar
-    does not know the test itself.
+    split something the first is left that may be compiled. All sides of a test with `__has_include` are left; the
+    grammar does not know the test itself.
     """
     found = bytearray(source)
     macros = Macros(ros, frozenset(_DEFINED.findall(source)))
@@ -150,7 +158,7 @@ def _keep_sides(source: bytearray, marks: list[re.Match[bytes]], known: list[boo
     sides = [(one.end(), other.start()) for one, other in pairwise(marks)]
     first = known.index(True) if True in known else len(known)
     live = [place for place, one in enumerate(known[: first + 1]) if one is not False]
-    splits = any(_splits(source, *side) for side in sides)
+    splits = any(_splits(source, *side) for side in sides) or _in_expression(source, marks[0].start(), sides)
     if splits:
         live = live[:1]
     elif live == list(range(len(sides))) and not any(_HAS_INCLUDE in mark[0] for mark in marks):
@@ -167,6 +175,14 @@ def _splits(source: bytearray, start: int, end: int) -> bool:
     if source.count(b"{", start, end) != source.count(b"}", start, end):
         return True
     return -1 < source.find(b"}", start, end) < source.find(b"{", start, end)
+
+
+def _in_expression(source: bytearray, start: int, sides: list[tuple[int, int]]) -> bool:
+    """Return whether an `#if` that begins at `start` is within an expression, or a list of initialisers."""
+    before = _COMMENTS.sub(b"", bytes(source[max(0, start - _NEAR) : start])).rstrip()
+    if _UNFINISHED.search(before):
+        return True
+    return any(_CONTINUED.match(_COMMENTS.sub(b"", bytes(source[begin:end]))) for begin, end in sides)
 
 
 def _blank(source: bytearray, start: int, end: int) -> None:
