@@ -7,9 +7,11 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python import library
+from kg.extract.python.modules import GENERATED
 from kg.extract.python.statements import DECORATED
 from kg.symbolic import form
 from kg.symbolic.binding import bind
+from kg.symbolic.names import EMPTY
 from kg.symbolic.state import Alias, Arguments, Frame
 from kg.symbolic.values import (
     Bound,
@@ -43,6 +45,8 @@ _MOST_SITES: Final = 12
 _CLASS: Final = "__class__"
 _PLAIN: Final = frozenset({"builtins", "abc", "enum", "typing", "object", "collections", "dataclasses"})
 """Packages whose classes call no methods of those that derive from them."""
+_OF_NODES: Final = frozenset({"create_publisher", "create_subscription", "create_service", "create_client"})
+"""Methods that only nodes of ROS 2 have."""
 
 
 class Calls:
@@ -144,6 +148,8 @@ class Calls:
             return self.value(self._language.member(of, name), given)
         else:
             known = library.method(self._language, of, name, given, written)
+            if known is None:
+                known = self._of_unknown_node(name, given)
             if known is not None:
                 return known
         self._escape_all(given)
@@ -163,10 +169,22 @@ class Calls:
         known = library.object_method(self._language, of, name, given)
         if known is None:
             known = machine.framework.call_method(of, name, given)
+        if known is None:
+            known = self._of_unknown_node(name, given)
         if known is not None:
             return known
         self._escape_all(given)
         return outside(name, given.values)
+
+    def _of_unknown_node(self, name: str, given: Arguments) -> Value | None:
+        """Call a method of a node that is not known; None unless only nodes have it and it gets an interface's type."""
+        first = given.values[0] if given.values and name in _OF_NODES else None
+        if not isinstance(first, TypeValue) or not GENERATED.intersection(first.kind.names[:-1]):
+            return None
+        framework = self._language.machine.framework
+        if framework.host is None:
+            framework.host = Object(Kind(("rclpy", "Node")), native={"namespace": EMPTY})
+        return framework.call_method(framework.host, name, given)
 
     def outside(self, called: TypeValue, given: Arguments) -> Value:
         """Call a function or construct a class that is not in the sources."""
@@ -254,12 +272,17 @@ class Calls:
                     held = self._language.of_object(one.of, one.name)
                     if isinstance(held, Closure):
                         self._schedule(held)
-                elif isinstance(one, TypeValue) and any(map(self._calls_back, self._language.chain(one.kind)[1])):
+                elif isinstance(one, TypeValue) and self._is_created(one.kind):
                     self.create(one)
                 elif isinstance(one, Sequence):
                     self.escape(item for item in one.items if isinstance(item, Closure | Sequence | TypeValue))
                 elif isinstance(one, Mapping):
                     self.escape(item for _, item in one.items if isinstance(item, Closure))
+
+    def _is_created(self, kind: Kind) -> bool:
+        """Check whether code outside of the sources that gets a class presumably creates an object of it."""
+        described = self._language.machine.framework.described(kind) if kind.cls is not None else []
+        return any(one.is_a == "node" for one in described) or any(map(self._calls_back, self._language.chain(kind)[1]))
 
     def create(self, value: Value) -> None:
         """Schedule the creation of an object of a class by code outside of the sources."""

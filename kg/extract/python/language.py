@@ -6,12 +6,13 @@ as `rospy.Publisher`, is a type by its full name, whatever it is.
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any, Final, cast
 
 from kg.extract.python import library
 from kg.extract.python.calls import Calls
 from kg.extract.python.functions import elements
-from kg.extract.python.modules import BUILTINS, GENERATED, mentions_ros
+from kg.extract.python.modules import BUILTINS, FRAMEWORKS, GENERATED, mentions_ros
 from kg.extract.python.texts import percent
 from kg.symbolic import form
 from kg.symbolic.containers import counted, with_element
@@ -34,7 +35,7 @@ from kg.symbolic.values import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
     from collections.abc import Mapping as Names
 
     from kg.corpus.files import FilePath
@@ -51,6 +52,10 @@ MODULE: Final = "<module>"
 _MOST_BASES: Final = 200
 _PUBLIC: Final[dict[tuple[str, ...], tuple[str, ...]]] = {("rclpy", "lifecycle", "Node"): ("rclpy", "LifecycleNode")}
 _PRESETS: Final = {name.removeprefix("rmw_qos_profile_"): qos for name, qos in PROFILES.items()}
+
+
+_OF_NODES: Final = re.compile(rb"\bself\.create_(?:publisher|subscription|service|client)\(")
+"""Calls of methods that only nodes of ROS 2 have."""
 
 
 def public(names: tuple[str, ...]) -> tuple[str, ...]:
@@ -254,7 +259,16 @@ class Python:
             elif current.cls not in classes:
                 classes[current.cls] = None
                 pending = [*self._bases.get(current.cls, ()), *pending]
-        return [(cls, {}) for cls in classes], outside
+        return [(cls, {}) for cls in classes], [self._as_node(base, classes) for base in outside]
+
+    @staticmethod
+    def _as_node(base: Kind, classes: Iterable[Class]) -> Kind:
+        """Return a base outside of the build; what is called a node and used as one of ROS 2 is presumed to be one."""
+        if not base.name.endswith("Node") or base.names[0] in FRAMEWORKS:
+            return base
+        if not any(_OF_NODES.search(cast("PythonUnit", cls.unit).source) for cls in classes):
+            return base
+        return Kind(("rclpy", "LifecycleNode" if "Lifecycle" in base.name else "Node"))
 
     def methods(self, kind: Kind, name: str) -> list[tuple[Function, dict[str, Value]]]:
         """Return the methods of a name, those of the class before those of its bases."""

@@ -122,7 +122,7 @@ class _Nodes:
         if root.function:
             language.calls.value(language.member(module, root.function))
         language.machine.drain()
-        if framework.nodes or framework.node_names:
+        if framework.nodes or framework.node_names or _has_interfaces(framework):
             yield self._extracted(framework, root)
             return
         for row in framework.loaded:
@@ -226,6 +226,11 @@ class _Nodes:
         versions = {one.effect.ros for one in framework.declared} - {0}
         data = self._reader.read(root.path) or b""
         return min(versions, default=2 if b"rclpy" in data else 1)
+
+
+def _has_interfaces(framework: Framework) -> bool:
+    """Return whether a program has interfaces, so that it has a node, which code outside of the sources may start."""
+    return any(one.effect.role is not None for one in framework.declared)
 
 
 def _name(framework: Framework) -> str | None:
