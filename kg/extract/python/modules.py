@@ -100,8 +100,8 @@ GENERATED: Final = frozenset({"msg", "srv", "action", "cfg"})
 BUILTINS: Final = frozenset(vars(builtins)) | {"unicode", "xrange", "raw_input", "basestring", "long", "unichr"}
 _ROS_WORDS: Final = (b"rospy", b"rclpy", b"roslib", b"actionlib", b"tf2_ros", b"message_filters", b"jsk_topic_tools")
 _STARTERS: Final = (
-    b"init_node", b"rclpy", b"rqt_gui", b"rospy.Publisher", b"rospy.Subscriber", b"rospy.Service", b".create_publisher(",
-    b".create_subscription(", b".create_service(", b".create_client(",
+    b"init_node", b"rclpy", b"rqt_gui", b"rospy.Publisher", b"rospy.Subscriber", b"rospy.Service",
+    b".create_publisher(", b".create_subscription(", b".create_service(", b".create_client(",
 )  # fmt: skip
 """One of these words is in a module of every program that starts a node, or uses one that others start."""
 _IMPORTS: Final = re.compile(r"^[ \t]*(?:from[ \t]+(\S+)[ \t]+)?import[ \t]+([^#\n]+)", re.MULTILINE)
