@@ -7,6 +7,7 @@ Source: `launch_ros.utilities.evaluate_parameters` (a text is read as YAML unles
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from typing import Final
 
@@ -18,13 +19,15 @@ from kg.yamltext import Walk, compose_yaml, load_yaml
 __all__ = ["Performed", "of_object", "of_text", "of_yaml", "quoted", "truth"]
 
 _TEXT: Final = "string"
-_TYPES: Final = {
-    "tag:yaml.org,2002:bool": "bool",
-    "tag:yaml.org,2002:int": "int",
-    "tag:yaml.org,2002:float": "double",
-    "tag:yaml.org,2002:str": _TEXT,
-    "tag:yaml.org,2002:timestamp": _TEXT,
-}
+_NULL: Final = "tag:yaml.org,2002:null"
+_INTEGER: Final = re.compile(r"[-+]?(?:0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
+_DOUBLE: Final = re.compile(
+    r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|\.?inf(?:inity)?|\.?nan)", re.IGNORECASE
+)
+_BOOLEANS: Final = frozenset(
+    written for word in ("y", "yes", "true", "on", "n", "no", "false", "off")
+    for written in (word, word.capitalize(), word.upper())
+)  # fmt: skip
 _TRUTHS: Final = {
     **dict.fromkeys(("true", "1", "yes", "on"), True),
     **dict.fromkeys(("false", "0", "no", "off"), False),
@@ -85,12 +88,28 @@ def of_yaml(node: yaml.Node, walk: Walk | None = None, depth: int = 0) -> tuple[
     walk.visit(node, depth)
     if isinstance(node, yaml.ScalarNode):
         plain = not node.style and "\n" not in node.value
-        return (node.value if plain else quoted(node.value, style=node.style)), _TYPES.get(node.tag)
+        return (node.value if plain else quoted(node.value, style=node.style)), _type(node)
     if isinstance(node, yaml.SequenceNode):
         items = [of_yaml(item, walk, depth + 1) for item in node.value]
         return f"[{', '.join(text for text, _ in items)}]", _array({kind for _, kind in items})
     pairs = [(of_yaml(key, walk, depth + 1)[0], of_yaml(value, walk, depth + 1)[0]) for key, value in node.value]
     return f"{{{', '.join(f'{key}: {value}' for key, value in pairs)}}}", None
+
+
+def _type(node: yaml.ScalarNode) -> str | None:
+    """Return the type of a scalar as `get_value` of `rcl_yaml_param_parser` decides it; None for null.
+
+    Unlike YAML 1.1 it reads `1e-3` and `-.5` as numbers, `y` as a boolean, and `1_000` and `1:30` as texts.
+    """
+    if node.style:
+        return _TEXT
+    if node.tag == _NULL:
+        return None
+    if node.value in _BOOLEANS:
+        return "bool"
+    if _INTEGER.fullmatch(node.value):
+        return "int"
+    return "double" if _DOUBLE.fullmatch(node.value) else _TEXT
 
 
 def quoted(text: str, *, style: str | None = None) -> str:

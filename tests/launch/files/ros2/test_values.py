@@ -50,6 +50,13 @@ def test_values_of_python_keep_their_meaning(value: object) -> None:
         ("/{}/scan", None, ("/{}/scan", "string")),
         ("a: b: c", None, ('"a: b: c"', "string")),
         ("true", None, ("true", "bool")),
+        ("y", None, ("y", "bool")),
+        ("1e-3", None, ("1e-3", "double")),
+        ("-.5", None, ("-.5", "double")),
+        (".nan", None, (".nan", "double")),
+        ("0x1F", None, ("0x1F", "int")),
+        ("1_000", None, ("1_000", "string")),
+        ("1:30", None, ("1:30", "string")),
     ],
 )
 def test_texts_are_read_as_yaml_unless_a_type_is_asked_for(
