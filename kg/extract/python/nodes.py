@@ -196,7 +196,7 @@ class _Nodes:
         self._started.update(made.kind.cls for made in framework.nodes)
         ros = self._version(framework, root)
         named = _name(framework)
-        interfaces, parameters = facts_of(framework.declared, self._modules, ros, named or "node")
+        interfaces, parameters = facts_of(framework.declared, self._modules, ros, named or root.name)
         interfaces = tuple(replace(one, name=_clean(one.name)) for one in interfaces)
         parameters = tuple(replace(one, name=_clean(one.name)) for one in parameters)
         stacks = [one.stack for one in framework.declared] + [stack for _, _, stack, _ in framework.marks]
