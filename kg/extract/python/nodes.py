@@ -17,7 +17,7 @@ from kg.extract.marks import Extracted
 from kg.extract.python.language import Python
 from kg.extract.python.modules import Modules, mentions_ros
 from kg.extract.slots import slots_of
-from kg.facts import FileKind, Location, NodeKind, NodeType
+from kg.facts import FileKind, Location, NodeKind, NodeType, Role
 from kg.names import normalise
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
@@ -122,7 +122,7 @@ class _Nodes:
         if root.function:
             language.calls.value(language.member(module, root.function))
         language.machine.drain()
-        if framework.nodes or framework.node_names or _has_interfaces(framework):
+        if framework.nodes or framework.node_names or _uses_a_node(framework):
             yield self._extracted(framework, root)
             return
         for row in framework.loaded:
@@ -228,9 +228,13 @@ class _Nodes:
         return min(versions, default=2 if b"rclpy" in data else 1)
 
 
-def _has_interfaces(framework: Framework) -> bool:
-    """Return whether a program has interfaces, so that it has a node, which code outside of the sources may start."""
-    return any(one.effect.role is not None for one in framework.declared)
+def _uses_a_node(framework: Framework) -> bool:
+    """Return whether a program has interfaces that need a node, which code outside of the sources may start.
+
+    rospy calls services without one.
+    """
+    effects = [one.effect for one in framework.declared if one.effect.role is not None]
+    return any(one.ros != 1 or one.role is not Role.CLIENTS for one in effects)
 
 
 def _name(framework: Framework) -> str | None:
