@@ -10,7 +10,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import tree_sitter_cpp
-from tree_sitter import Language, Parser, Query, QueryCursor, Range
+from tree_sitter import Language, Parser, Point, Query, QueryCursor, Range
 
 if TYPE_CHECKING:
     from tree_sitter import Node, Tree
@@ -66,9 +66,13 @@ def parse(source: bytes) -> Tree:
 
 
 def parse_range(source: bytes, node: Node) -> Tree:
-    """Return the tree of the bytes of `node` alone, at their places in `source`."""
-    span = Range(node.start_point, node.end_point, node.start_byte, node.end_byte)
-    return Parser(LANGUAGE, included_ranges=[span]).parse(source)
+    """Return the tree of the bytes of `node`, with the semicolon after it, as a statement at its place in `source`."""
+    spans = [Range(node.start_point, node.end_point, node.start_byte, node.end_byte)]
+    end = source.find(b";", node.end_byte)
+    if end >= 0:
+        place = Point(node.end_point[0], node.end_point[1] + end - node.end_byte)
+        spans.append(Range(place, Point(place[0], place[1] + 1), end, end + 1))
+    return Parser(LANGUAGE, included_ranges=spans).parse(source)
 
 
 def text(node: Node) -> str:

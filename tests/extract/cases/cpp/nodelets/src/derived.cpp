@@ -20,8 +20,10 @@ class Derived : public Base
   void extend() override
   {
     publisher_ = own_.advertise<std_msgs::Bool>("derived", 1);
+    ros::NodeHandle copied(getPrivateNodeHandle());
+    other_ = copied.advertise<std_msgs::Bool>("copied", 1);
   }
-  ros::Publisher publisher_;
+  ros::Publisher publisher_, other_;
 };
 }  // namespace nodelets
 
