@@ -24,6 +24,10 @@ _VISIBILITY: Final = re.compile(rb"\b[A-Z][A-Z0-9_]*_(?:PUBLIC|LOCAL|EXPORT|API|
 _QT: Final = re.compile(
     rb"\bQ_(?:OBJECT|GADGET|SLOTS)\b|\bQ_SIGNALS\s*:|\b(?:public|protected|private)\s+slots(?=\s*:)"
 )
+_ALONE: Final = re.compile(
+    rb"^[ \t]*([A-Z][A-Z0-9]*_[A-Z0-9_]+)[ \t]*(?=(?://[^\n]*)?\r?\n\s*[A-Za-z_~}#/])", re.MULTILINE
+)
+"""A macro on a line of its own, such as `EIGEN_MAKE_ALIGNED_OPERATOR_NEW`, or a part of an expression."""
 _CONNECTED: Final = re.compile(rb"\b((?:SIGNAL|SLOT)\(\s*)(\w+\s*\([^()]*\))(?=\s*\))")
 """The signatures of signals and slots, which are no expressions."""
 _DIRECTIVE: Final = re.compile(
@@ -35,13 +39,14 @@ _UNDEFINED: Final = re.compile(rb"[ \t]*#[ \t]*(?:ifndef[ \t]+|if[ \t]*![ \t]*de
 _DEFINED: Final = re.compile(rb"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]*(?:/[/*].*)?\r?$", re.MULTILINE)
 """Macros without a value: guards of headers, which may look like flags for a version of ROS. Others are defaults."""
 _HAS_INCLUDE: Final = b"__has_include"
-_COMMENTS: Final = re.compile(rb"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _UNFINISHED: Final = re.compile(rb"(?:[,(=|?<]|&&|[^:]:)\Z")
 """The end of code that goes on in what follows, such as a list of arguments."""
 _CONTINUED: Final = re.compile(rb"\s*(?:[,)?=|]|\.\w|&&|<<|:[^:])")
 """The begin of code that goes on from what is before it."""
+_LEFT_OUT: Final = re.compile(rb"/\*.*?\*/|//[^\n]*|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
+"""Comments and lines of the preprocessor."""
 _NEAR: Final = 300
-"""Bytes before a directive that are searched for the end of the code there."""
+"""Bytes before a place that are searched for the end of the code there."""
 _VISIBLE: Final = re.compile(rb"[^\r\n]")
 
 
@@ -54,11 +59,18 @@ def prepared(source: bytes, ros: int) -> bytes:
     if any(one.search(source) for one in _EXPORTED):
         source = _CLASS_HEAD.sub(lambda m: m[1] + m[2] + b" " * len(m[3]) + m[4], source)
     source = _VISIBILITY.sub(_unless_directive(_spaces), source)
+    source = _ALONE.sub(_if_statement, source)
     if b"Q_" in source or b" slots" in source:
         source = _QT.sub(_unless_directive(_of_qt), source)
     if b"SIGNAL(" in source or b"SLOT(" in source:
         source = _CONNECTED.sub(lambda m: m[1] + b"0" + _VISIBLE.sub(b" ", m[2])[1:], source)
     return _without_branches(source, ros) if b"#if" in source or b"# if" in source else source
+
+
+def _if_statement(match: re.Match[bytes]) -> bytes:
+    """Return spaces for a macro that stands where a statement or declaration begins, else the macro."""
+    before = _LEFT_OUT.sub(b"", match.string[max(0, match.start() - _NEAR) : match.start()]).rstrip()
+    return _spaces(match) if before.endswith((b";", b"}", b":")) else match[0]
 
 
 def _spaces(match: re.Match[bytes]) -> bytes:
@@ -179,10 +191,10 @@ def _splits(source: bytearray, start: int, end: int) -> bool:
 
 def _in_expression(source: bytearray, start: int, sides: list[tuple[int, int]]) -> bool:
     """Return whether an `#if` that begins at `start` is within an expression, or a list of initialisers."""
-    before = _COMMENTS.sub(b"", bytes(source[max(0, start - _NEAR) : start])).rstrip()
+    before = _LEFT_OUT.sub(b"", bytes(source[max(0, start - _NEAR) : start])).rstrip()
     if _UNFINISHED.search(before):
         return True
-    return any(_CONTINUED.match(_COMMENTS.sub(b"", bytes(source[begin:end]))) for begin, end in sides)
+    return any(_CONTINUED.match(_LEFT_OUT.sub(b"", bytes(source[begin:end]))) for begin, end in sides)
 
 
 def _blank(source: bytearray, start: int, end: int) -> None:
