@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.corpus.workspace import PackageFolder
 
-__all__ = ["read_definitions"]
+__all__ = ["fields_of", "read_definitions"]
 
 _SUFFIXES: Final = {
     "msg": {"": "message"},
@@ -143,6 +143,13 @@ def read_definitions(reader: Reader, package: PackageFolder) -> tuple[InterfaceD
             name = PurePosixPath(entry.path).stem
             found.append(InterfaceDefinition(entry.kind.value, package.name, name, fields, Location(entry.path, 1)))
     return tuple(found)
+
+
+def fields_of(text: str, package: str) -> list[Field]:
+    """Return the fields and constants of a message in the `.msg` notation, without lines that follow no grammar."""
+    lines = enumerate((line.strip() for line in text.splitlines()), start=1)
+    read = (_field(line, "message", package, number) for number, line in lines if line and not line.startswith("#"))
+    return [field for field in read if field is not None]
 
 
 @dataclass(frozen=True, slots=True)

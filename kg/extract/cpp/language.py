@@ -121,7 +121,7 @@ class Cpp:
         functions = self.linker.find_functions(names, frame.unit, frame.scope)
         if functions:
             return Bound(last, None, tuple(functions), template=self.kinds.template(expression.template, frame))
-        known = self.machine.framework.constant(names)
+        known = self.machine.framework.constant(names) or self._of_message(names, frame)
         if known is not None:
             return known
         if self.linker.is_enumerator(last, frame.unit):
@@ -136,6 +136,11 @@ class Cpp:
         if last == "npos":
             return library.NPOS
         return Unknown(f"{'::'.join(names)} {OUTSIDE}")
+
+    def _of_message(self, names: tuple[str, ...], frame: Frame) -> Value | None:
+        """Return a constant of a message by its name; None if it is none."""
+        kind = self.kinds.kind(form.Type(names[:-1]), frame) if len(names) > 1 and names[-1].isupper() else None
+        return self.linker.project.constants.find((*kind.names, names[-1])) if isinstance(kind, Kind) else None
 
     def static_member(self, kind: Kind, name: str) -> Value | None:
         """Return a static member of a class by its name; None if the class has none of that name."""

@@ -13,6 +13,7 @@ from itertools import chain, islice
 from typing import TYPE_CHECKING, Final, cast
 
 from kg.corpus.files import FilePath, Place
+from kg.extract.constants import Constants
 from kg.extract.cpp.units import CppClass, CppFunction, CppUnit, assigned_in, words_of
 from kg.extract.manifests import read_build
 from kg.extract.parameters import listener
@@ -97,6 +98,7 @@ class Project:
 
     def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> None:
         self.reader = reader
+        self.constants = Constants(reader)
         self.reach = Reach(calls, self)
         self.revision = 0
         self._methods: dict[str, dict[int, Function]] = defaultdict(dict)

@@ -347,7 +347,7 @@ class Python:
         return TypeValue(Kind((*outside[0].names, name))) if outside else Unknown(f"{name} is not in the class")
 
     def _constant(self, found: TypeValue) -> Value:
-        """Return a constant of a framework, of the quality of service or a duration, for its full name."""
+        """Return a constant of a framework or of a message, of the quality of service or a duration, for its full name."""
         names = found.kind.names
         if "QoSPresetProfiles" in names[:-1] or names[-1].startswith("qos_profile_"):
             profile = _PRESETS.get(names[-1].lower().removeprefix("qos_profile_"))
@@ -356,7 +356,7 @@ class Python:
             known = policy((*names[:-2], names[-2].removeprefix("QoS"), names[-1]))
             if known is not None:
                 return known
-        return library.CONSTANTS.get(".".join(names), found)
+        return self.modules.constants.find(names) or library.CONSTANTS.get(".".join(names), found)
 
     # Types and values, as far as Python has them
 

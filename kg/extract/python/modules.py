@@ -10,6 +10,7 @@ from functools import cache, cached_property
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import Place
+from kg.extract.constants import Constants
 from kg.extract.python.expressions import Expressions
 from kg.extract.python.statements import Statements
 from kg.extract.python.syntax import first_error, parse
@@ -118,6 +119,7 @@ class Modules:
 
     def __init__(self, reader: Reader, package: PackageFolder) -> None:
         self.reader = reader
+        self.constants = Constants(reader)
         self.repository = reader.repository
         self._place = Place(reader.repository, package.path, package.name)
         self._units: dict[FilePath, PythonUnit | None] = {}

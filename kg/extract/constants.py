@@ -1,0 +1,52 @@
+"""Constants of messages, as code names them: `demo_msgs.msg.Topics.STATE`, `demo_msgs::msg::Topics::STATE`."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from kg.extract.definitions import fields_of
+from kg.facts import Resolution
+from kg.symbolic.values import Number, Text, Truth, Value
+
+if TYPE_CHECKING:
+    from kg.corpus.reading import Reader
+    from kg.facts import Field
+
+__all__ = ["Constants"]
+
+
+class Constants:
+    """The constants of the messages that a reader of sources finds."""
+
+    def __init__(self, reader: Reader) -> None:
+        self._reader = reader
+        self._known: dict[tuple[str, str], dict[str, Value]] = {}
+
+    def find(self, names: tuple[str, ...]) -> Value | None:
+        """Return the constant of a full name, `(package, [msg,] message, constant)`; None if there is none."""
+        package, *inner, message, constant = names if len(names) > 2 else ("", "", "")  # noqa: PLR2004 - with a package
+        if inner not in ([], ["msg"]) or constant != constant.upper():
+            return None
+        key = (package, message)
+        if key not in self._known:
+            self._known[key] = self._read(package, message)
+        return self._known[key].get(constant)
+
+    def _read(self, package: str, message: str) -> dict[str, Value]:
+        file = self._reader.workspace.definition(package, message, "msg")
+        content = self._reader.read(file) if file is not None else None
+        fields = fields_of(content.decode(), package) if content is not None else []
+        return {field.name: value for field in fields if (value := _value(field)) is not None}
+
+
+def _value(field: Field) -> Value | None:
+    if field.constant is None:
+        return None
+    if field.type in ("string", "wstring"):
+        return Text.of(field.constant, Resolution.CONSTANT)
+    if field.constant in ("true", "false"):
+        return Truth(field.constant == "true")
+    with suppress(ValueError):
+        return Number(float(field.constant) if "." in field.constant else int(field.constant), field.constant)
+    return None
