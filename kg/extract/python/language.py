@@ -347,7 +347,7 @@ class Python:
         return TypeValue(Kind((*outside[0].names, name))) if outside else Unknown(f"{name} is not in the class")
 
     def _constant(self, found: TypeValue) -> Value:
-        """Return a constant of a framework or of a message, of the quality of service or a duration, for its full name."""
+        """Return a constant of a framework or message, of the quality of service or a duration, for its full name."""
         names = found.kind.names
         if "QoSPresetProfiles" in names[:-1] or names[-1].startswith("qos_profile_"):
             profile = _PRESETS.get(names[-1].lower().removeprefix("qos_profile_"))
