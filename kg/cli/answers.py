@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.cli.links import Links
     from kg.query.result import Result
 
-__all__ = ["answer", "format_for", "is_empty", "table"]
-
 _OTHER_NAMES: Final = {
     "md": "markdown",
     "ndjson": "jsonl",

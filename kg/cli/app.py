@@ -11,8 +11,6 @@ from kg.cli.output import json_lines, write
 from kg.cli.session import Session
 from kg.errors import Exit
 
-__all__ = ["app"]
-
 EPILOGUE: Final = """
 Data goes to standard output, messages go to standard error. Exit codes:
 

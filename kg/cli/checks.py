@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.layout import Layout
 
-__all__ = ["Check", "checks"]
-
 _DISTRIBUTION: Final = "kg-ros"
 _LEAST_FREE: Final = 200 << 20
 

@@ -10,21 +10,6 @@ from kg.settings import load
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = [
-    "actions",
-    "codes",
-    "features",
-    "launches",
-    "nodes",
-    "packages",
-    "parameters",
-    "queries",
-    "rules",
-    "services",
-    "subjects",
-    "topics",
-]
-
 
 def codes(incomplete: str) -> list[tuple[str, str]]:
     """Return the error codes with their titles."""

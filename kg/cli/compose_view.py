@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from kg.search.compose.network import Port
     from kg.search.compose.results import Composed, Node
 
-__all__ = ["chain_lines"]
-
 _MOST: Final = 4
 """How many copies, and types that are needed, are named one by one."""
 

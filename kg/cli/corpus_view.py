@@ -15,17 +15,6 @@ if TYPE_CHECKING:
     from kg.corpus.selection_figures import Figures
     from kg.query.counting import Counted
 
-__all__ = [
-    "FIGURE_COLUMNS",
-    "RNKG_COLUMNS",
-    "STEP_COLUMNS",
-    "compared",
-    "figure_rows",
-    "rnkg_rows",
-    "selection_object",
-    "step_rows",
-]
-
 STEP_COLUMNS: Final = (
     Column("criterion", "name"),
     Column("removes", "number"),

@@ -28,23 +28,6 @@ from kg.render.text import printable
 if TYPE_CHECKING:
     from kg.errors import Place
 
-__all__ = [
-    "MODE",
-    "Mode",
-    "colored",
-    "defect",
-    "dim",
-    "excerpt",
-    "head",
-    "helps",
-    "linked",
-    "note",
-    "problem",
-    "render",
-    "report",
-    "say",
-]
-
 REPORT_ADDRESS: Final = "the issue tracker named on the project's page"
 _STYLES: Final = {"error": "1;31", "warning": "1;33", "note": "1;36", "help": "1;32", "dim": "2", "bold": "1"}
 

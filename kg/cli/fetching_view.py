@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.corpus.fetching import Fetched
     from kg.corpus.fetching_lock import Entry, Lock, Standing
 
-__all__ = ["Bar", "Lines", "code_of", "entry_object", "for_this_stream", "not_as_pinned", "summary"]
-
 _CODES: Final = {"refused": "KG134", "too large": "KG135", "too slow": "KG135", "in the way": "KG137"}
 _LONGEST_NAME: Final = 40
 

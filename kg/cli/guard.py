@@ -19,8 +19,6 @@ from kg.errors import Exit, KgError, StoreError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["guarded", "hang_up"]
-
 
 def guarded(work: Callable[[], object]) -> int:
     """Run a command and return what the process shall return (`kg.errors.Exit`)."""

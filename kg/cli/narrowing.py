@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from kg.search.narrowing import Question
     from kg.search.searching import Search
 
-__all__ = ["narrow"]
-
 _LOOKED_AT: Final = 30
 """So many of the best hits are split by questions."""
 _ENOUGH: Final = 2

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord
     from kg.views.evidence import Places
 
-__all__ = ["left_out", "node_lines", "node_view"]
-
 _MOST_DESCRIPTIONS: Final = 2
 """Texts that are shown unless all are asked for: the best say what a node is for."""
 _NO_CLASSES: Final = Classes()

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from kg.robot.programs.files import Loaded
 
-__all__ = ["Log", "error_at", "read", "show_problems"]
-
 
 def read(path: str, *, json: bool) -> Loaded:
     """Return the program in a file; with `json`, what makes it none is written like any other problem, and that is all.

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.facts import Problem, Repository
     from kg.pipeline.report import PackageResult
 
-__all__ = ["Bar", "Lines", "for_people", "for_this_stream", "waiting"]
-
 _LONGEST_NAME: Final = 32
 
 

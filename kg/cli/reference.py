@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from kg.cli.manual import Page
 
-__all__ = ["description", "markdown", "pages"]
-
 _HEAD: Final = """\
 # The command line
 

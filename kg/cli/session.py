@@ -11,9 +11,6 @@ from kg.store.opening import remote_refusal
 if TYPE_CHECKING:
     from kg.settings import Settings
 
-__all__ = ["REMOTE", "Session", "session"]
-
-
 REMOTE: Final = frozenset(
     {
         "action",

@@ -10,8 +10,6 @@ from kg.similar import did_you_mean
 if TYPE_CHECKING:
     from typer.exceptions import TyperException
 
-__all__ = ["as_usage_error"]
-
 
 def as_usage_error(error: TyperException) -> UsageError:
     """Return KG003 for what typer has to say about the arguments."""

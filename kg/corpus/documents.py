@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import FileEntry, Source
 
-__all__ = ["Documents"]
-
 _README: Final = re.compile(r"readme\b|readme_|mainpage|wiki", re.IGNORECASE)
 _ENDINGS: Final = (".md", ".rst", ".dox", ".adoc", ".markdown", ".wiki")
 _FOLDERS: Final = frozenset({"doc", "docs", "documentation", "wiki"})

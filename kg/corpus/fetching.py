@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
     from pathlib import Path
 
-__all__ = ["Fetched", "Options", "Told", "fetch", "pinned"]
-
 _WORKSPACE: Final = ".fetching"
 _TICK_SECONDS: Final = 0.2
 

@@ -20,8 +20,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["VERSIONS", "branches_to_try", "marked"]
-
 VERSIONS: Final = ("1", "2", "any")
 
 # Newest first: https://wiki.ros.org/Distributions and https://docs.ros.org/en/rolling/Releases.html.

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from kg.corpus.fetching_git import Limits
     from kg.corpus.fetching_list import Wanted
 
-__all__ = ["Choice", "fetch_one", "stands_at"]
-
 _MOST_TRIED: Final = 3
 _MOVED: Final = re.compile(r"^warning: redirecting to (\S+)$", re.MULTILINE)
 _BRANCH: Final = re.compile(r"(?P<commit>[0-9a-f]{40,64})\trefs/heads/(?P<name>[^\s\x00-\x20\x7f]+)")

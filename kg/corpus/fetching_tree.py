@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["content_bytes", "outward_links", "ros_versions"]
-
 _ROS1: Final = re.compile(
     rb"<build_type[^>]*>\s*catkin|<(?:buildtool_depend|buildtool_export_depend)[^>]*>\s*catkin\s*<"
 )

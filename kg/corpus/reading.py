@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder, Source
     from kg.corpus.workspace import Workspace
 
-__all__ = ["DEFAULT_LIMIT_BYTES", "Reader", "digest", "load", "mark"]
-
 DEFAULT_LIMIT_BYTES: Final = 4 << 20
 """Larger than any file that people wrote and smaller than what would stop a build."""
 

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from kg.rules.lsp.symbols import Occurrence, Symbol
     from kg.rules.lsp.terms import Terms
 
-__all__ = ["Knowledge", "Rules"]
-
 _KINDS: Final = {
     "variable": types.CompletionItemKind.Variable,
     "term": types.CompletionItemKind.Property,

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from kg.lint.running import Checked
     from kg.settings import Settings
 
-__all__ = ["Source"]
-
 
 class Source:
     """The store and the rules in force in the working folder.

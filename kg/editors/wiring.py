@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.lint.repairs import Repair
     from kg.lint.running import Checked
 
-__all__ = ["diagnostics", "page_of"]
-
 
 def diagnostics(found: Checked, workspace: Workspace) -> dict[str, list[types.Diagnostic]]:
     """Return the findings whose lines are on this machine, by the address of the file."""

@@ -15,8 +15,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["CPP", "KINDS", "PYTHON", "Site", "line_end", "sites", "statement_end", "without_words"]
-
 CPP: Final = frozenset({".c", ".cc", ".cpp", ".cxx", ".c++", ".h", ".hh", ".hpp", ".hxx", ".ipp"})
 PYTHON: Final = frozenset({".py"})
 _CPP_WORDS: Final = re.compile(

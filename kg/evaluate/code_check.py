@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from kg.evaluate.tables import Cell
     from kg.store.interface import Snapshot
 
-__all__ = ["Checked", "Miss", "check_code", "holds"]
-
 _CALLS: Final = "calls that the graph has"
 _FACTS: Final = "facts that their line holds"
 _ALL: Final = "all, weighed by number"

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.evaluate.tables import Cell
     from kg.store.interface import Snapshot
 
-__all__ = ["completeness", "grounds", "remarks", "share"]
-
 _QUERY: Final = "completeness/reference-entities"
 _ENTITIES: Final = (
     "node",

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.evaluate.tables import Cell, Share
     from kg.store.interface import Snapshot
 
-__all__ = ["correctness"]
-
 _RECALL: Final = "correctness/reference-recall"
 _PRECISION: Final = "correctness/reference-precision"
 _TYPES: Final = "correctness/reference-types"

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from kg.extract.texts.pages import WikiNode
     from kg.store.interface import Snapshot
 
-__all__ = ["PAGES", "Packages", "Spot", "pages_below", "read_page"]
-
 PAGES: Final = frozenset({".md", ".txt", ".wiki", ".moin"})
 """Endings of files that are read as pages."""
 _PACKAGES: Final = """

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.robot.capability import Capabilities
     from kg.settings import Settings
 
-__all__ = ["capabilities_of_robots", "capabilities_table", "exercises_table", "paper_figures", "runs_table"]
-
 PAPER: Final = "onto-ros"
 _FIGURES: Final = ("blocks", "capabilities", "lines", "components", "message types")
 

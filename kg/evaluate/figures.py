@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from kg.evaluate.tables import Cell, Table
 
-__all__ = ["draw"]
-
 _ROW: Final = 22
 _GAP: Final = 10
 _TOP: Final = 76

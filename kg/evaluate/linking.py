@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from kg.evaluate.references import Entry, Reference
     from kg.store.interface import Snapshot
 
-__all__ = ["Ground", "Linked", "Linker"]
-
 _ACTION_TOPIC: Final = re.compile(r"(.+)/(goal|cancel|status|feedback|result)")
 _HEARD: Final = frozenset({"goal", "cancel"})
 _CLASSES: Final = {

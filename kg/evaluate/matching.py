@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.evaluate.judged_needs import Constraints
     from kg.search.documents import Document
 
-__all__ = ["Patterns"]
-
 _ROLES: Final = {
     "subscribes": ("subscribes",),
     "publishes": ("publishes",),

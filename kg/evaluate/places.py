@@ -14,8 +14,6 @@ from kg.query.rows import rows
 if TYPE_CHECKING:
     from kg.store.interface import Snapshot
 
-__all__ = ["Places"]
-
 _REPOSITORY: Final = "SELECT ?name { GRAPH %s { ?repository a rnkg:Repository ; rnkg:name ?name } }"
 _LINES: Final = "SELECT ?part ?class ?path ?line { GRAPH %s { ?part a ?class ; rnkg:path ?path ; rnkg:line ?line } }"
 _CALLS: Final = "SELECT ?class ?via { GRAPH %s { ?part a ?class ; rnkg:via ?via } }"

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.search.documents import Document, PackageDocument
     from kg.search.index import Index
 
-__all__ = ["Embeddings", "FuzzyNames", "Ranker", "Subgraphs", "TfIdf", "library", "text_of_node"]
-
 _PART: Final = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _EXTRA: Final = "evaluate"
 

@@ -17,8 +17,6 @@ from typing import Final
 
 from kg.extract.texts.pages import WikiEntry, WikiNode
 
-__all__ = ["readme_nodes"]
-
 _MOST_LINES: Final = 20_000
 _LONGEST_LINE: Final = 4_000
 _HEADING: Final = re.compile(r"^(#{1,6})\s+(.*?)\s*#*\s*$")

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.evaluate.tables import Cell
     from kg.search.searching import Search
 
-__all__ = ["retrieval"]
-
 _DEPTHS: Final = (1, 5)
 _OURS: Final = "kg search"
 _ROUNDS: Final = 2000

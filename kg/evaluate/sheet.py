@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from kg.evaluate.source_lines import SourceLines
     from kg.evaluate.tables import Cell
 
-__all__ = ["COLUMNS", "as_sheet", "drawn", "score_sheet"]
-
 COLUMNS: Final = (
     "number",
     "relation",

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from kg.evaluate.tables import Cell
 
-__all__ = ["Result", "read", "table"]
-
 _COLUMNS: Final = (
     *("exercise", "robot", "participants", "time", "attempts", "done", "blocks", "capabilities"),
     "onto-ros time",

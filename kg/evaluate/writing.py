@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from kg.evaluate.tables import Table
 
-__all__ = ["write"]
-
 
 def write(table: Table, folder: Path) -> tuple[Path, ...]:
     """Write `NAME.md`, `NAME.csv` and `NAME.svg` into a folder, made where there is none; return their paths.

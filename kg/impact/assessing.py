@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from kg.impact.model import Effect, Subject, World
 
-__all__ = ["impact"]
-
 _EFFECTS: Final[dict[Kind, Callable[[Subject, World], Iterator[Effect]]]] = {
     **dict.fromkeys(CHANNELS, channel_effects),
     Kind.TYPE: type_effects,

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from kg.impact.started import End
     from kg.launch.comparison import Change, Difference
 
-__all__ = ["Broken", "broken", "definition_changes"]
-
 _AWAY: Final = frozenset({Became.GONE, Became.RENAMED})
 _LEFT: Final = {
     Kind.NODE: frozenset({Area.LAUNCH, Area.PARAMETERS, Area.PACKAGES, Area.CODE}),

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.impact.model import Subject, World
     from kg.impact.started import End
 
-__all__ = ["channel_about", "channel_effects"]
-
 
 def channel_effects(subject: Subject, world: World) -> Iterator[Effect]:
     """Yield what depends on the name of a channel."""

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.impact.model import World
     from kg.launch.comparison.changes import Record
 
-__all__ = ["declared_subjects", "file_about", "file_effects", "file_mentions"]
-
 _NAMING: Final = frozenset({FileKind.LAUNCH, FileKind.BUILD, FileKind.CONFIG, FileKind.CPP, FileKind.PYTHON})
 
 

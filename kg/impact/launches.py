@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.facts import LaunchArgument, LaunchConfiguration, System
     from kg.impact.model import Subject, World
 
-__all__ = ["argument_about", "argument_effects", "declaring", "include_effects"]
-
 
 def declaring(subject: Subject, world: World) -> list[tuple[LaunchConfiguration, LaunchArgument]]:
     """Return the launch files that declare an argument."""

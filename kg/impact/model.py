@@ -14,23 +14,6 @@ if TYPE_CHECKING:
     from kg.facts import Dependency, FileKind, InterfaceDefinition, Location, System
     from kg.launch.comparison.changes import Record
 
-__all__ = [
-    "CHANNELS",
-    "GIVING",
-    "VERBS",
-    "Area",
-    "DefinitionRecord",
-    "Effect",
-    "FileRecord",
-    "Grade",
-    "Impact",
-    "Kind",
-    "PackageRecord",
-    "Subject",
-    "World",
-    "merged",
-]
-
 
 class Kind(StrEnum):
     """What can be changed."""

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.impact.model import Subject, World
     from kg.launch.comparison.changes import Record
 
-__all__ = ["node_about", "node_effects", "node_records_of"]
-
 _LISTS: Final = "node_names"
 """The parameter in which a lifecycle manager lists the nodes that it manages."""
 

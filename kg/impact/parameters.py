@@ -19,16 +19,6 @@ if TYPE_CHECKING:
     from kg.impact.model import Subject, World
     from kg.launch.comparison.changes import Record
 
-__all__ = [
-    "declared_settings",
-    "has_parameter",
-    "names_node",
-    "parameter_about",
-    "parameter_effects",
-    "same_parameter",
-    "spellings",
-]
-
 _VERBS: Final = {"read": "reads", "write": "writes", "declare": "declares"}
 _MOST_SIGNS: Final = 8
 """The parts of a name that has more signs between them are all parted by the same sign."""

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.facts import InstanceInterface, NodeInstance, System
     from kg.impact.model import Subject
 
-__all__ = ["End", "end_effect", "ends_of", "partners", "started_effects"]
-
 _FEW_LETTERS: Final = 3
 """A name of which so few letters are known fits too much."""
 

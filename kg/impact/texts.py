@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from kg.impact.model import FileRecord, World
 
-__all__ = ["HOLDING", "absolute_name", "code_of", "mentions", "quoted"]
-
 HOLDING: Final = frozenset({FileKind.CONFIG, FileKind.LAUNCH})
 """Kinds of files whose values name things of a system."""
 _AREAS: Final = {

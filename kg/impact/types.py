@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.impact.model import DefinitionRecord, FileRecord, Subject, World
     from kg.launch.comparison.changes import Record
 
-__all__ = ["affected_types", "field_mentions", "type_about", "type_effects", "type_mentions", "uses_type"]
-
 _CHANNEL_KINDS: Final = {"topic": "msg", "service": "srv", "action": "action"}
 _CODE: Final = frozenset({FileKind.CPP, FileKind.PYTHON})
 _USING: Final = frozenset({*_CODE, FileKind.BUILD, FileKind.LAUNCH, FileKind.CONFIG})

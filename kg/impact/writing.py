@@ -15,18 +15,6 @@ if TYPE_CHECKING:
     from kg.impact.changes import Broken
     from kg.impact.model import Effect, Impact
 
-__all__ = [
-    "Link",
-    "broken_lines",
-    "broken_markdown",
-    "broken_objects",
-    "broken_summary",
-    "impact_lines",
-    "impact_markdown",
-    "impact_object",
-    "summary",
-]
-
 Link: TypeAlias = "Callable[[str, Location], str | None]"
 """Gives the address of a line of a source."""
 _SYSTEMS: Final = 2

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.graph.fields import Properties
     from kg.graph.reading import Queryable
 
-__all__ = ["read_findings"]
-
 _NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})
 _PREFIXES: Final = {"rnkg": v.RNKG, "rdf": v.RDF}
 _FINDINGS: Final = "SELECT ?s ?p ?o WHERE { GRAPH ?g { %s ?s ?p ?o } }"

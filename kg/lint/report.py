@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.lint.baseline import Known
     from kg.lint.finding import Finding
 
-__all__ = ["Choice", "Report", "merged", "report"]
-
 
 @dataclass(frozen=True, slots=True)
 class Choice:

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from kg.render.layered import Rectangle
 
-__all__ = ["Box", "Flow", "draw_flow"]
-
 _MARGIN: Final = 20
 _HEAD: Final = 74
 _FOOT: Final = 40

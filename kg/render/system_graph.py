@@ -21,20 +21,6 @@ if TYPE_CHECKING:
 
     from kg.facts import InstanceInterface, NodeInstance, System
 
-__all__ = [
-    "Bundle",
-    "Channel",
-    "Link",
-    "Member",
-    "State",
-    "SystemGraph",
-    "bundles",
-    "channel_of",
-    "instance_keys",
-    "of_framework",
-    "system_graph",
-]
-
 _PLAIN: Final = frozenset({StartKind.NODE, StartKind.LIFECYCLE_NODE, StartKind.TEST})
 
 

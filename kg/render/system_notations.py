@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from kg.render.system_graph import Channel, Link, Member, SystemGraph
 
-__all__ = ["system_dot", "system_mermaid", "system_object"]
-
 _DOT_STYLES: Final = {"topic": "shape=box, style=rounded", "service": "shape=box", "action": "shape=hexagon"}
 _DOT_LINES: Final = {"topic": "", "service": ", style=dashed", "action": ", penwidth=2"}
 _DOT_COLORS: Final = {State.NEW: "#14743c", State.GONE: "#b3261e", State.CHANGED: "#8a5a00"}

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from kg.render.layered import Rectangle
     from kg.render.system_graph import Bundle, Channel, Member, SystemGraph
 
-__all__ = ["system_svg"]
-
 _MARGIN: Final = 24
 _HEAD: Final = 82
 _LINE: Final = 15

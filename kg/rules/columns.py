@@ -30,21 +30,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Rule, Term
 
-__all__ = [
-    "EVERYTHING",
-    "Tables",
-    "Wanted",
-    "by_predicate",
-    "only",
-    "patched",
-    "read",
-    "read_columns",
-    "rows_of",
-    "stated",
-    "union_of",
-    "wanted",
-]
-
 _THREADS: Final = 2
 _SMALL: Final = 20_000
 """A graph that gives fewer rows than this is read by one query: most are, and there are hundreds of predicates."""

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Rule
     from kg.rules.stratify import Stratum
 
-__all__ = ["Packed", "load", "pack", "save", "write"]
-
 _NAME: Final = "compiled"
 _UNCUT: Final = "uncut"
 _BYTES: Final = 16

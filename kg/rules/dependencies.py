@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Pattern, Rule
 
-__all__ = ["Read", "depends", "expressions_of", "mints", "reads", "volatile", "writes"]
-
 
 @dataclass(frozen=True, slots=True)
 class Read:

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Triple
 
-__all__ = ["Statement", "place_of", "statements"]
-
 _SUBJECT: Final = re.compile(r"^(?:([\w.-]*):([\w.-]+)|<([^>\s]+)>)(?=\s)")
 
 

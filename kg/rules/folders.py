@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from kg.settings import Settings
 
-__all__ = ["families_in_force", "known_families", "own_folder", "user_folders"]
-
 _NAME: Final = "rules"
 
 

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.facts import Keys
     from kg.rules.engine.terms import Dictionary
 
-__all__ = ["lines", "stored"]
-
 _ROWS: Final = 1 << 17
 """How many lines are made at once."""
 

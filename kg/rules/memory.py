@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
     from kg.rules.engine.facts import Keys
 
-__all__ = ["Memory", "load", "save"]
-
 _FOLDER: Final = "columns"
 _DIGEST_BYTES: Final = 16
 _FORM: Final = b"kg columns 3"

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Atom, Pattern, Rule
 
-__all__ = ["Parts", "Verdict", "parts_of", "verdicts"]
-
 _TYPE: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type"
 _Key = tuple[str, str]
 """A property, and for `rdf:type` the class; the other half is empty."""

@@ -23,18 +23,6 @@ if TYPE_CHECKING:
     from kg.rules.files import Documentation
     from kg.rules.form import Rule
 
-__all__ = [
-    "ENTRY_POINTS",
-    "OPTIONAL",
-    "Pack",
-    "discover",
-    "packs",
-    "read",
-    "read_text",
-    "rival",
-    "rule_files",
-]
-
 ENTRY_POINTS: Final = "kg.rules"
 """The group of entry points that name packs of rules."""
 

@@ -60,8 +60,6 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["Outcome", "Reasoner", "Runner", "rdf_format", "run_files"]
-
 _FEW: Final = 2500
 """So many triples are added one by one; a bulk load costs as much before it begins."""
 

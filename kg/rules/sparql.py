@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Column, Element, Pattern, Rule, Term
 
-__all__ = ["Placed", "brief", "construct", "group", "indented", "select", "spelling", "substitutions", "term", "triple"]
-
 _MADE: Final = "_·"
 """What the spelling of a variable begins with whose name begins with `.`."""
 

@@ -30,16 +30,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Pattern, Rule, Term
 
-__all__ = [
-    "SCHEMA_CLASSES",
-    "SCHEMA_PREDICATES",
-    "is_schema",
-    "schema_pattern",
-    "schema_query",
-    "specialise",
-    "specialised",
-]
-
 _OWL: Final = "http://www.w3.org/2002/07/owl#"
 _RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
 _RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Atom, Rule
 
-__all__ = ["Failure", "Heads", "Stratum", "edges", "failures", "stratify"]
-
 _FEW: Final = 5
 """So many rules of a cycle are named where it is enough to see that there is one."""
 

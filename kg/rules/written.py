@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from pyoxigraph import NamedNode
 
-__all__ = ["Written"]
-
 _BATCH_BYTES: Final = 4 << 20
 
 

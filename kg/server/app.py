@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from kg.server.options import Options
     from kg.settings import Settings
 
-__all__ = ["create_app"]
-
 
 def create_app(settings: Settings, options: Options) -> Starlette:
     """Return the application that serves the store of the settings.

@@ -11,8 +11,6 @@ from starlette.staticfiles import StaticFiles
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
 
-__all__ = ["ROUTES"]
-
 _FOLDER: Final = Path(__file__).parent
 
 ROUTES: Final[list[BaseRoute]] = [

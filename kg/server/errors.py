@@ -29,19 +29,6 @@ if TYPE_CHECKING:
 
     from kg.errors import Place
 
-__all__ = [
-    "HANDLERS",
-    "PROBLEM",
-    "ROUTES",
-    "STATUS",
-    "DefectError",
-    "RequestError",
-    "answer",
-    "as_error",
-    "handled",
-    "problem",
-]
-
 STATUS: Final[Mapping[str, int]] = {
     "KG001": 404,
     "KG226": 404,

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["ROUTES"]
-
 
 async def _health(request: Request) -> Response:
     """Answer 200 with the snapshot in force, its age in seconds and the readers; 503 when there is no store.

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from starlette.responses import Response
     from starlette.routing import BaseRoute
 
-__all__ = ["ROUTES", "describe"]
-
 _VIEWS: Final = "/api/{name}"
 _LEFT_OUT: Final = {"HEAD", "OPTIONS"}
 _PLACEHOLDER: Final = re.compile(r"\{(\w+)(?::\w+)?\}")

@@ -10,8 +10,6 @@ from kg.server.negotiation import GRAPH, RESULTS
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["OPERATIONS", "Operation"]
-
 _TEXT: Final = {"type": "string"}
 _WHOLE: Final = {"type": "integer", "minimum": 0}
 _IRI: Final = {"type": "string", "format": "iri"}

@@ -7,7 +7,5 @@ from typing import Final
 from kg.server import errors, health, metrics, openapi
 from kg.server.safety import login
 
-__all__ = ["ROUTES"]
-
 ROUTES: Final = [*health.ROUTES, *metrics.ROUTES, *openapi.ROUTES, *login.ROUTES, *errors.ROUTES]
 """All of them."""

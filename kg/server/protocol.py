@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from starlette.responses import Response
     from starlette.types import ASGIApp, Receive, Scope, Send
 
-__all__ = ["ROUTES", "Endpoint"]
-
 _PATHS: Final = ("/sparql", "/sparql/")
 _METHODS: Final = frozenset({"GET", "HEAD", "POST", "QUERY"})
 

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from kg.query.readers.pool import Answer
     from kg.server.protocol_question import Asked
 
-__all__ = ["Held", "answer"]
-
 _IN_MEMORY: Final = 8 << 20
 _PIECE: Final = 256 << 10
 

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
     from kg.server.negotiation import Choice
 
-__all__ = ["QUERY", "Asked", "asked", "digest"]
-
 QUERY: Final = "application/sparql-query"
 """The media type of a query."""
 

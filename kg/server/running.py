@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.server.options import Options
     from kg.settings import Settings
 
-__all__ = ["serve"]
-
 
 def serve(settings: Settings, options: Options, announce: Callable[[str], None] = lambda _address: None) -> None:
     """Serve the store of the settings until a signal ends it; `announce` is told the address.

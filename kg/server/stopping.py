@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
     from types import FrameType
 
-__all__ = ["Server", "notify"]
-
 _LAST_WORDS: Final = 2.0
 """Seconds to tell clients whose work was ended."""
 

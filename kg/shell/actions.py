@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from textual.binding import BindingType
 
-__all__ = ["ACTIONS", "CONTEXTS", "TOGETHER", "Action", "actions_of", "bindings", "key_named", "key_table", "key_words"]
-
 CONTEXTS: Final = {
     "everywhere": "Everywhere",
     "main": "Main screen",

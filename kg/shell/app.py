@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from kg.shell.actions import Action
     from kg.store.layout import Layout
 
-__all__ = ["Shell"]
-
 _THEME: Final = "textual-dark"
 _MOST_FAILURES: Final = 50
 """Unexpected errors after which the shell ends: one in what draws the screen would come again with every notice."""

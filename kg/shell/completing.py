@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.shell.editor import QueryEditor
     from kg.shell.link import Link
 
-__all__ = ["Completions", "begins_word"]
-
 _MOST: Final = 100
 _WORD_BEGINS: Final = "?$:_"
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from kg.shell.highlighting import Span
 
-__all__ = ["Problem", "QueryEditor"]
-
 _COMPLETING: Final = ("up", "down", "enter", "tab", "escape", "pageup", "pagedown")
 """Keys that belong to the list of completions while it is open."""
 _COMMENT: Final = "# "

@@ -11,8 +11,6 @@ from kg.syntax.lexer import Kind, tokens
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["CLASSES", "Span", "line_spans", "line_starts", "spans"]
-
 CLASSES: Final = ("comment", "iri", "string", "variable", "name", "keyword", "number")
 """Kinds of spans; `sparql--KIND` is the class of the style."""
 

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
     from kg.shell.actions import Action
 
-__all__ = ["chosen_actions", "keys_file"]
-
 _TYPING: Final = frozenset({"everywhere", "main", "editor", "find", "list"})
 """Contexts in which text is typed, so that a character alone is none of their keys."""
 _MODIFIERS: Final = frozenset({"ctrl", "alt", "shift", "super", "hyper", "meta"})

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.layout import Layout
 
-__all__ = ["Link"]
-
 _FORMATS: Final = {"rows": "json", "boolean": "json", "graph": "ntriples"}
 _PROCESSES: Final = 2
 _CACHE_BYTES: Final = 16 << 20

@@ -10,8 +10,6 @@ from typing import Final
 
 from kg.errors import UsageError
 
-__all__ = ["command_for", "editor_words"]
-
 _LINE_BEHIND: Final = {"code", "code-insiders", "codium", "cursor", "windsurf"}
 """Editors that take `-g FILE:LINE`."""
 _LINE_AFTER_COLON: Final = {"hx", "helix", "subl", "zed", "zeditor"}

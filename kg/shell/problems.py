@@ -11,8 +11,6 @@ from kg.shell.editor import Problem
 if TYPE_CHECKING:
     from kg.shell.link import Link
 
-__all__ = ["diagnosed"]
-
 
 async def diagnosed(link: Link, text: str) -> list[Problem]:
     """Return the problems of each query in a buffer; KgError when the store cannot be asked."""

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from kg.query.result import Result
     from kg.store.terms import Term
 
-__all__ = ["PAGE_ROWS", "AnswerTable", "ResultView", "columns_of", "rows_of"]
-
 PAGE_ROWS: Final = 200
 """Rows that are widgets at a time."""
 _CELL: Final = 48

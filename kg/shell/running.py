@@ -11,8 +11,6 @@ from kg.store.opening import layout_of
 if TYPE_CHECKING:
     from kg.settings import Settings
 
-__all__ = ["run"]
-
 
 def run(settings: Settings) -> int:
     """Run the shell until the person leaves; return the exit code.

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from kg.shell.screens.main import MainScreen
     from kg.shell.state import State
 
-__all__ = ["Runs"]
-
 
 class Runs:
     """Starts and ends the queries of the buffers of a screen."""

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from kg.query.readers.pool import Job
 
-__all__ = ["Status"]
-
 
 class Status(Static):
     """Says what is worked on."""

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from kg.query.result import Result
 
-__all__ = ["copied", "file_formats_of", "format_of_name", "formats_of", "is_taken", "to_file"]
-
 _ENDINGS = {
     "tsv": ".tsv",
     "csv": ".csv",

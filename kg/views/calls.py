@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["CALLS", "MODULES", "View"]
-
 _NAMES: Final = {
     "Any": Any,
     "EmbeddedSnapshot": Any,

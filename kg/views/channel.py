@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
     from kg.views.evidence import Places
 
-__all__ = ["channel", "channels_meant"]
-
 _KINDS: Final = ("topic", "service", "action")
 _MISMATCHES: Final = frozenset({"KG403", "KG405", "KG410"})
 """Findings that say of two ends of one name that nothing passes between them: their types or QoS do not fit."""

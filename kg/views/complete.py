@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.interface import Snapshot
 
-__all__ = ["complete", "kept_of"]
-
 _LAST: Final[dict[str, Kept]] = {}
 """What is kept of the snapshot that was asked last, by its store and its identity."""
 

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.interface import Snapshot
 
-__all__ = ["diagnose"]
-
 
 def diagnose(snapshot: Snapshot, settings: Settings, text: str = "") -> dict[str, Any]:
     """Return the `problems` of the query `text` (see `kg.query.diagnosis.problems.diagnose`), and the `snapshot`."""

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from kg.graph.source_states import SourceState
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["Places", "places"]
-
 Quoted: TypeAlias = "Callable[[str, str], Mapping[int, str]]"
 
 _FORGES: Final = {

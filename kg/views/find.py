@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
     from kg.views.evidence import Places
 
-__all__ = ["choices", "find", "search_over"]
-
 _MOST: Final = 100
 
 

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["impact", "impact_of", "subjects"]
-
 _SHOWN: Final = 8
 _SECTIONS: Final = frozenset({"msg", "srv", "action"})
 

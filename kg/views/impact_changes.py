@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["broken_between", "compared_finding"]
-
 
 def broken_between(before: EmbeddedStore, after: EmbeddedStore, settings: Settings) -> list[Broken]:
     """Return the changes from one store to another with what they break; both were built from the same sources."""

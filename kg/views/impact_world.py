@@ -46,8 +46,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["StoredWorld"]
-
 _LARGEST: Final = 4 << 20
 _OWN: Final = (".rq", ".srl", ".ttl", ".kgp")
 """Endings of files of the user that name things: queries, rules and programs."""

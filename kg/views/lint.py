@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
     from kg.views.evidence import Places
 
-__all__ = ["finding_objects", "lint", "system_report"]
-
 _TYPE: Final = v.bare(v.TYPE)
 _FINDING: Final = f"{v.RNKG}Finding"
 

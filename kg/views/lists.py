@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     Row = dict[str, Any]
     Rows = Sequence[Row]
 
-__all__ = ["LISTS", "List", "listing", "totals"]
-
 _VALUES: Final = 200
 """At most so many values of a facet are offered, those of most rows."""
 

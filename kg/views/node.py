@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
     from kg.views.evidence import Places
 
-__all__ = ["node"]
-
 _MOST: Final = 6
 """So many neighbours of a channel are named; of all, how many there are."""
 _MOST_USERS: Final = 100

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord
     from kg.views.evidence import Places
 
-__all__ = ["DIRECT", "TYPES", "fact", "interface_rows", "parameter_rows", "slot_rows"]
-
 DIRECT: Final = {
     Role.PUBLISHES: "publishes",
     Role.SUBSCRIBES: "subscribes",

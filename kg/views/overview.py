@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["QUESTIONS", "overview"]
-
 QUESTIONS: Final = {
     "explore/who-publishes": "Who publishes this topic?",
     "explore/who-subscribes": "Who subscribes to this topic?",

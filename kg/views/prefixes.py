@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["prefixes"]
-
 
 def prefixes(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, str]:  # noqa: ARG001 - every view is given settings
     """Return prefix to namespace: those predefined in queries, and those that the store declares (`sh:declare`)."""

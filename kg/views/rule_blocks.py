@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["blocks_check", "blocks_open", "blocks_try"]
-
 _SECONDS: Final = 3.0
 """How long the store is asked whether a rule matches anything."""
 _MOST: Final = 200

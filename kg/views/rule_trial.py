@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 
 Solution: TypeAlias = "dict[str, Term]"
 
-__all__ = ["Found", "Tried", "examples", "trial"]
-
 _SECONDS: Final = 5.0
 """How long matches are looked for."""
 _PAGES: Final = 5

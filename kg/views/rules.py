@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["rule", "rules"]
-
 _SAMPLE: Final = 20
 _HEADS: Final = 12
 """So many kinds of triples that a rule derives are looked up."""

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.interface import Snapshot
 
-__all__ = ["query_object", "stored"]
-
 
 def query_object(query: StoredQuery) -> dict[str, Any]:
     """Return a query as plain values: `query` (its name), `title`, `description`, `file`, `parameters`, `text`.

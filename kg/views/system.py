@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
     from kg.views.evidence import Places
 
-__all__ = ["system"]
-
 _TRANSFORMS: Final = frozenset({"/tf", "/tf_static"})
 _NAMED: Final = 12
 """So many channels of a bundle are named."""

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.render.system_graph import SystemGraph
     from kg.views.evidence import Places
 
-__all__ = ["instance_rows", "set_at", "setting_row"]
-
 
 def instance_rows(  # noqa: PLR0913 - a system, and what is known of it
     system: System, keys: Mapping[str, NodeInstance], graph: SystemGraph, where: Places, iris: Iris, *, every: bool

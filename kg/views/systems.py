@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["chosen_systems", "included_names", "known_names", "known_systems", "system_named", "systems"]
-
 _MOST: Final = 1000
 _STARTED: Final = """SELECT ?system (COUNT(?instance) AS ?count) {
   GRAPH ?g { ?system rnkg:hasInstance ?instance }

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
     from kg.store.terms import Term
 
-__all__ = ["called", "given_term", "labels", "listing", "named_node", "node_parts", "role_of"]
-
 _ROLES: Final = {shape.component: role for role, shape in SHAPES.items()}
 
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleSet
     from kg.rules.form import Rule, Term
 
-__all__ = ["Telling"]
-
 _DEEPEST: Final = 40
 """So many levels of a proof are told: programs that read JSON, and people, do not follow thousands."""
 

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
 
     from kg.facts import Interface, Parameter, PluginSlot, Qos
 
-__all__ = ["LANGUAGES", "TITLES", "accesses", "how", "how_loaded", "parameter_groups", "quality", "quoted"]
-
 TITLES: Final = {
     Role.PUBLISHES: "publishes",
     Role.SUBSCRIBES: "subscribes",

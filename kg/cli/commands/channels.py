@@ -13,8 +13,6 @@ from kg.cli.session import session
 from kg.render.text import count
 from kg.store.opening import reading
 
-__all__ = ["All", "Via", "action", "service", "topic"]
-
 _MOST = 5
 """So many names are listed in a note."""
 _HELP = "Name in a system (`/{0}`), name in the code (`{0}` or `~/{0}`), or a part of either."

@@ -16,8 +16,6 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from kg.errors import KgError
 
-__all__ = ["check"]
-
 Files = Annotated[
     list[str] | None,
     typer.Argument(metavar="FILE", help="Files of descriptions; by default those of the setting `calls`."),

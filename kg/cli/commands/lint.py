@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from kg.lint.running import Checked
     from kg.settings import Settings
 
-__all__ = ["lint"]
-
 _OTHER_FORMATS: Final = dict.fromkeys(("xunit", "junit"), "Use `--xunit-file FILE`.")
 
 Paths = Annotated[

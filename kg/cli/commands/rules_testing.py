@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.rules.authoring.library import Entry
     from kg.rules.authoring.testing import Result
 
-__all__ = ["show_results", "summary", "try_rules"]
-
 _FEW = 3
 """So many rules without examples are named; of more, how many there are."""
 

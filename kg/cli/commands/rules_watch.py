@@ -17,8 +17,6 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from kg.pipeline.watching import Glance
 
-__all__ = ["watch"]
-
 _CLEAR: Final = "\x1b[2J\x1b[H"
 """Clears the screen; what was scrolled out of it stays."""
 _CHANGES: Final = 20

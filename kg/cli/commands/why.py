@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["why", "why_not"]
-
 _FORMATS = ("text", "json", "mermaid", "svg")
 _FACT = "For example `kg why patrol subscribes scan_filtered`; quote names that have blanks in them."
 

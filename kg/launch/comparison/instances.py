@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.facts import InstanceInterface, LaunchParameter, Location, NodeInstance, Remap, System
     from kg.launch.comparison.renaming import Renames
 
-__all__ = ["Instances", "Told"]
-
 Told: TypeAlias = frozenset[tuple[str | Kind | None, ...]]
 """Changes of interfaces of node types: node type, kind, role, and the name at both sides."""
 _Ends: TypeAlias = "tuple[InstanceInterface | None, InstanceInterface | None]"

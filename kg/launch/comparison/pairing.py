@@ -10,8 +10,6 @@ from kg.holes import anonymous
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 
-__all__ = ["paired", "relabelled"]
-
 _Thing = TypeVar("_Thing")
 
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from kg.launch.comparison.changes import Change, Difference, Side
 
-__all__ = ["Link", "changed_keys", "changed_systems", "difference_lines", "difference_markdown", "difference_objects"]
-
 _BELOW_NODES: Final = frozenset({Level.END, Level.SETTING, Level.REMAP})
 
 Link: TypeAlias = "Callable[[Side, bool], str | None]"

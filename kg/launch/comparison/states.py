@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.facts import Interface, NodeType, Parameter
     from kg.launch.comparison.changes import Finding, Record, Sources
 
-__all__ = ["compare"]
-
 
 def compare(before: Sources, after: Sources, *, every: bool = False) -> Difference:
     """Return the differences; without `every`, interfaces that frameworks create by themselves are left out."""

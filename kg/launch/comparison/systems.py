@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.facts import InstanceInterface, LaunchArgument, NodeInstance, Role, System
     from kg.launch.comparison.instances import Told
 
-__all__ = ["Connection", "Wiring", "came_apart", "joined"]
-
 Connection: TypeAlias = tuple[str, str, str, str]
 """The node that gives, the kind of channel, its name, the node that takes."""
 _Joined: TypeAlias = "dict[Connection, set[tuple[Hashable, Hashable]]]"

@@ -10,8 +10,6 @@ import yaml
 
 from kg.yamltext import load_yaml
 
-__all__ = ["canonical"]
-
 _EXPONENT: Final = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
 """A number for C++ and for ROS, a text for YAML 1.1 where it lacks the point or the sign."""
 _LONGEST: Final = 10_000

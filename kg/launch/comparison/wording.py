@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from kg.facts import Qos
     from kg.launch.comparison.changes import Change, Difference, Side
 
-__all__ = ["change_words", "qos_words", "sign", "summary"]
-
 _ROLES: Final = {
     "publishes": "publishes",
     "subscribes": "subscribes",

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.facts import StartedNode
 
-__all__ = ["MOST", "SCHEME", "Budget", "Files", "Found"]
-
 SCHEME: Final = "package://"
 """What the folder of a package begins with in texts; it stands for what `$(find NAME)` gives when it runs."""
 

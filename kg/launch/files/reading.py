@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
 
-__all__ = ["read_configuration", "read_launches"]
-
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 _ROS2: Final = 2
 _TEMPLATES: Final = frozenset({"template", "templates"})

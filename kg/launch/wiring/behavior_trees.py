@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.facts import DataFile
     from kg.launch.wiring.types import NodeTypes, Typed
 
-__all__ = ["TreeNode", "is_tree", "nodes_of"]
-
 _TYPED: Final = ("Action", "Condition", "Control", "Decorator")
 """Elements that have the name of the node as `ID`."""
 _SUBTREES: Final = ("SubTree", "SubTreePlus")

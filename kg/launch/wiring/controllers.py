@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.launch.wiring.types import NodeTypes
     from kg.launch.wiring.values import Server
 
-__all__ = ["attach", "with_controllers"]
-
 _TYPE: Final = "/type"
 
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.launch.wiring.place import Place
     from kg.launch.wiring.values import Settings
 
-__all__ = ["meant", "members", "switched_on"]
-
 _EACH: Final = "[]"
 _KEY: Final = "[key]"
 _STEP: Final = re.compile(r"\[(?:key)?\]|\.[^.\[\]]+")

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.launch.wiring.place import Place
     from kg.launch.wiring.types import Typed
 
-__all__ = ["Inner", "Spelling", "addressed", "filled_defaults", "inner_nodes", "started_inner", "without_inner"]
-
 
 @dataclass(frozen=True, slots=True)
 class Inner:

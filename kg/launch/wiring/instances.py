@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from kg.launch.wiring.inner_nodes import Inner
     from kg.launch.wiring.types import NodeTypes, Typed
 
-__all__ = ["Draft", "draft_of", "finished", "loads"]
-
 _HOSTS: Final = (StartKind.NODELET_MANAGER, StartKind.CONTAINER)
 _HOST_PACKAGES: Final = ("nodelet", "rclcpp_components")
 """Whose programs load others and have no topics of their own."""

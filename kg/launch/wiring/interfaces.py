@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from kg.launch.wiring.remapping import Remapping
     from kg.launch.wiring.values import Settings
 
-__all__ = ["Ends"]
-
 _CAMERA_INFO: Final = "camera_info"
 _PORT: Final = re.compile(r"port\[(\w+)\]")
 """What stands for a parameter where a name is a port of a node of behavior trees."""

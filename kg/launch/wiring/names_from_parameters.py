@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from kg.facts import Interface, LaunchParameter, NodeType
 
-__all__ = ["Named", "named"]
-
 _MEMBER: Final = re.compile(r"\[(['\"])\w+\1\]|\.get\([^()]*\)")
 _PARENT: Final = f"{{{PARENT}}}/"
 _HANDLE_UNKNOWN: Final = "the namespace of the node handle is not known"

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from kg.facts import InstanceInterface, NodeInstance
 
-__all__ = ["near_misses"]
-
 _ENDS: Final = {
     Role.PUBLISHES: ("topic", 0),
     Role.SUBSCRIBES: ("topic", 1),

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.launch.wiring.plugins import Loaded
     from kg.launch.wiring.remapping import Remapping
 
-__all__ = ["Asked"]
-
 _Owned: TypeAlias = "tuple[Parameter, NodeReference]"
 
 

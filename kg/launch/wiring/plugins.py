@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.facts import Interface, PluginSlot
     from kg.launch.wiring.types import NodeTypes, Typed
 
-__all__ = ["Framework", "Loaded", "below_id", "framework_of", "loaded_plugins", "table"]
-
 _CLASS: Final = re.compile(r"[A-Za-z]\w*(?:(?:::|/)[A-Za-z]\w*)+")
 _CLASS_KEYS: Final = ("type", "plugin")
 _LISTS: Final = ("plugins", "_ids", "filters", "navigators")

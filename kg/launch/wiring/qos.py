@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from kg.facts import LaunchParameter
 
-__all__ = ["Overrides"]
-
 _PREFIX: Final = "qos_overrides."
 _ENTITIES: Final = {"publisher": Role.PUBLISHES, "subscription": Role.SUBSCRIBES}
 _WORDS: Final = ("reliability", "durability", "history", "liveliness")

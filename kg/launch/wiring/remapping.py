@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.facts import Remap
     from kg.launch.wiring.place import Place
 
-__all__ = ["ACTIONS", "Remapping", "Rule", "rules_of"]
-
 ACTIONS: Final = (Role.ACTION_SERVERS, Role.ACTION_CLIENTS)
 _SERVICES: Final = (Role.SERVICES, Role.CLIENTS)
 _SCHEMES: Final = {"rostopic://": "topic", "rosservice://": "service"}

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.launch.wiring.instances import Draft
     from kg.launch.wiring.simulation_table import Device, Simulator, Spawner
 
-__all__ = ["ORIGIN", "Simulated", "own_ends", "simulate"]
-
 ORIGIN: Final = "gazebo plugin"
 """The origin of interfaces that the table tells."""
 _DESCRIPTION: Final = "robot_description"

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.launch.wiring.instances import Draft
     from kg.launch.wiring.types import NodeTypes
 
-__all__ = ["wire"]
-
 
 def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
     """Return the instances that a configuration starts, with resolved names, in the order of its nodes.

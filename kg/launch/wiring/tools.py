@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.launch.wiring.interfaces import Ends
     from kg.launch.wiring.values import Settings
 
-__all__ = ["TOOL", "Tool", "tool_ends"]
-
 TOOL: Final = "command line"
 """The origin of interfaces that a command line names."""
 _EACH: Final = "{each}"

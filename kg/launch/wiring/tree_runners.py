@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.facts import DataFile, Interface, NodeType, StartedNode
     from kg.launch.wiring.types import NodeTypes
 
-__all__ = ["run_trees"]
-
 _SCHEME: Final = "package:"
 """Begins the names of installed files; most values need not be parsed."""
 _UNKNOWN: Final = "no parameter names a behavior tree that is in the sources"

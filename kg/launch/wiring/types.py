@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from kg.facts import DataFile, NodeName, NodeReference, NodeType, StartedNode
 
-__all__ = ["NodeTypes", "Typed", "class_name", "own_name"]
-
 Typed: TypeAlias = "tuple[NodeReference, NodeType]"
 
 _SCRIPT_ENDS: Final = (".py", ".sh", ".pl", ".rb")

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.launch.wiring.place import Place
     from kg.launch.wiring.remapping import Remapping
 
-__all__ = ["ARGUMENT", "COMMAND_LINE", "OPTION", "Server", "Settings", "is_text", "parsed", "shown"]
-
 ARGUMENT: Final = re.compile(r"argv\[(\d+)\]")
 """What stands for a parameter where a name is an argument of the command line, the first of which is `argv[1]`."""
 

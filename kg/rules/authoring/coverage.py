@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Rule
 
-__all__ = ["Coverage", "Gap", "RuleCoverage", "cover", "coverage_objects"]
-
 
 @dataclass(frozen=True, slots=True)
 class Gap:

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Rule
 
-__all__ = ["Changed", "Difference", "difference", "difference_objects"]
-
 
 @dataclass(frozen=True, slots=True)
 class Changed:

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-__all__ = ["EXAMPLE_NAMESPACE", "Example", "Expectation", "WhyLine", "parse_examples", "read_examples"]
-
 EXAMPLE_NAMESPACE: Final = "https://example.org/"
 """What the prefix `ex:` and the empty one stand for in examples."""
 

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Element, Rule
 
-__all__ = ["Firing", "Passage", "fire", "holds"]
-
 
 @dataclass(slots=True)
 class Passage:

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Atom, Rule
 
-__all__ = ["RuleGraph", "RuleNode", "graph_objects", "graph_picture", "mermaid", "rule_graph", "spell_atom"]
-
 _TYPE: Final = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
 _ANY_PROPERTY: Final = "any property"
 _ANY_CLASS: Final = "any class"

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.rules.reading import Pack
     from kg.settings import Settings
 
-__all__ = ["Entry", "Library"]
-
 
 @dataclass(frozen=True, slots=True)
 class Entry:

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from kg.rules.files import Documentation, RuleFile
     from kg.rules.form import Atom
 
-__all__ = ["Manual", "documentation", "entry_object", "manual", "manual_object"]
-
 
 @dataclass(frozen=True, slots=True)
 class Manual:

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Term
     from kg.store.snapshot import MemorySnapshot
 
-__all__ = ["Difference", "compare"]
-
 _WAYS: Final = 1000
 """How many ways to read the blank nodes of a block are tried."""
 

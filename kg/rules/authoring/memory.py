@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.facts import Facts
     from kg.rules.engine.limits import Limits
 
-__all__ = ["VOCABULARY", "infer", "triples_of", "world_of"]
-
 VOCABULARY: Final = Vocabulary(NamedNode("urn:kg:inferred"))
 """The graph of the inferred triples of a world."""
 

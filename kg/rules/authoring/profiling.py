@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.limits import Limits
     from kg.rules.files import RuleFile
 
-__all__ = ["ElementProfile", "Profile", "RuleProfile", "profile", "profile_objects"]
-
 
 @dataclass(frozen=True, slots=True)
 class ElementProfile:

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.rules.remote.running import RemoteReport, StratumReport
     from kg.rules.reports import RunReport
 
-__all__ = ["RuleRun", "Share", "remote_objects", "remote_strata", "rule_runs", "run_objects", "shares"]
-
 
 @dataclass(frozen=True, slots=True)
 class RuleRun:

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Element, Pattern, Term
 
-__all__ = ["common_prefixes", "spell_element", "spell_head", "spell_term", "spell_triple"]
-
-
 _LONGEST: Final = 100
 
 

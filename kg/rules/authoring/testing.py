@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Rule
     from kg.store.snapshot import MemorySnapshot
 
-__all__ = ["Result", "failure", "parted", "result_object", "run_example", "run_examples"]
-
 _LIMITS: Final = Limits(deadline=30.0, max_triples=1_000_000)
 """An example is a few triples: a rule that does not end on it never ends."""
 _EMPTY_PREFIX: Final = re.compile(r"(?<![\w:]):(?=\w)")

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.rules.recording import Names
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["Try", "Workbench"]
-
 _NOTHING: Final = Wanted(frozenset())
 _KEPT: Final = 3
 """How many answers are kept: all rules, all but those that are being written, and one more."""

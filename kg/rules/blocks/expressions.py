@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from kg.rules.blocks.tree import Test, Value
     from kg.syntax.lexer import Token
 
-__all__ = ["formula", "test_of", "value_of"]
-
 _LEVELS: Final = (("||",), ("&&",), ("=", "!=", "<", "<=", ">", ">="), ("+", "-"), ("*", "/"))
 """Operators, from those that bind least."""
 _WORDS: Final = {"||": "or", "&&": "and"}

@@ -44,8 +44,6 @@ if TYPE_CHECKING:
 
     from kg.rules.blocks.tree import Conclusion, Condition, Term
 
-__all__ = ["read"]
-
 _XSD: Final = PREFIXES["xsd"]
 _TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
 _NUMBERS: Final = {

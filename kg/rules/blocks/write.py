@@ -43,8 +43,6 @@ if TYPE_CHECKING:
 
     from kg.rules.blocks.tree import Condition, Rule, Test, Value
 
-__all__ = ["SECTIONS", "Written", "inferred", "known_prefixes", "namespace", "write"]
-
 SECTIONS: Final = dict(zip(("infers", "why", "mend", "limits", "references"), HEADINGS, strict=True))
 """The member of a rule to the heading of its documentation."""
 

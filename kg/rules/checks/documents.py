@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.rules.checks.finding import Context
     from kg.rules.files import Documentation, RuleFile
 
-__all__ = ["SCAFFOLD", "documentation_missing", "examples_malformed", "examples_missing", "no_rule", "orphan"]
-
 _RULES: Final = {
     ".rq": "A rule derives triples: CONSTRUCT { ... } WHERE { ... }, with filters that can hold.",
     ".srl": "A rule derives triples: RULE { ... } WHERE { ... }.",

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Element, Rule
 
-__all__ = ["StoreOf", "always_fires", "never_fires", "nothing"]
-
 
 @dataclass(frozen=True, slots=True)
 class StoreOf:

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.reading import Pack
 
-__all__ = ["CHECKS", "Read", "beside", "check", "check_file", "read_all"]
-
 CHECKS: Final[Mapping[str, Callable[[RuleFile, Context], Iterator[Finding]]]] = {
     "KG201": no_rule,
     "KG211": unknown_terms,

@@ -11,8 +11,6 @@ from typing import Final
 
 from kg.syntax.names import PREFIXES
 
-__all__ = ["STANDARD", "is_standard", "namespace_of"]
-
 _TERMS: Final = {
     "rdf": """
         type subject predicate object first rest nil value reifies language direction

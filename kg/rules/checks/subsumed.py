@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Element, Pattern, Rule
 
-__all__ = ["STEPS", "subsumed", "subsumes"]
-
 STEPS: Final = 20_000
 """How many comparisons of two parts a pair of rules may take; those that people write take less than a hundred."""
 

@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.syntax.lexer import Token
 
-__all__ = ["names", "place_of_name", "variables"]
-
-
 _DECLARING: Final = {"PREFIX": 2, "@PREFIX": 2, "BASE": 1, "@BASE": 1, "IMPORTS": 1, "VERSION": 1, "@VERSION": 1}
 """How many tokens belong to a declaration that begins with these."""
 

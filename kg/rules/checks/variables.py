@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Rule
 
-__all__ = ["cartesian_product", "variable_used_once"]
-
 
 def cartesian_product(file: RuleFile, _context: Context) -> Iterator[Finding]:
     """Yield one finding for a file in which a body falls into parts without a common variable."""

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Rule
 
-__all__ = ["head_never_read", "unknown_terms"]
-
 _TYPE: Final = PREFIXES["rdf"] + "type"
 _ELSEWHERE: Final = ("xsd", "sh", "skos", "prov", "dcterms", "schema")
 _BUILT_IN: Final = tuple(PREFIXES[name] for name in _ELSEWHERE)

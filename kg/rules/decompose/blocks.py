@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from kg.errors import Place
     from kg.syntax.tree import Expression, Node, Path
 
-__all__ = ["block", "is_monotone", "pattern_text", "reads"]
-
 _ANY: Final = None
 """Stands among predicates for all of them."""
 

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from kg.rules.decompose.work import AuxiliaryRules
     from kg.rules.form import Pattern
 
-__all__ = ["Walk"]
-
 _START: Final = Variable(".from")
 _MIDDLE: Final = Variable(".between")
 _END: Final = Variable(".to")

@@ -17,19 +17,6 @@ if TYPE_CHECKING:
     from kg.errors import Place
     from kg.syntax.lexer import Token
 
-__all__ = [
-    "bare",
-    "can_fail",
-    "conjuncts",
-    "existence",
-    "expression",
-    "fails",
-    "is_strict",
-    "resolved",
-    "simplified",
-    "variables",
-]
-
 UNBOUND: Final = "(!<urn:kg:unbound>)"
 """An expression that is always in error, as an unbound variable is: an IRI has no effective boolean value."""
 

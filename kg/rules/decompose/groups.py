@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from kg.rules.decompose.work import Work
     from kg.rules.form import Element, Term
 
-__all__ = ["MOST_PARTS", "Groups"]
-
 MOST_PARTS: Final = 64
 """With more parts than this, the store's engine evaluates the rule as written."""
 

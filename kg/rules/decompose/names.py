@@ -9,8 +9,6 @@ from kg.rules.form import Variable
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["Names"]
-
 
 class Names:
     """Gives new variables; `taken` are the names that the rule has, blank nodes' with their `.`."""

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.rules.decompose.names import Names
     from kg.rules.form import Element, Expression
 
-__all__ = ["EMPTY", "IndivisibleError", "Part", "Scope", "attached", "joined", "placed", "same"]
-
 
 class IndivisibleError(Exception):
     """A group has no exact decomposition; the store's engine evaluates a group around it."""

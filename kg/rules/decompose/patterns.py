@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Pattern
     from kg.syntax.tree import TriplePattern
 
-__all__ = ["basic"]
-
 
 def basic(work: Work, patterns: list[TriplePattern], part: Part, scope: Scope) -> list[Part]:
     """Return the parts of `part` joined with patterns."""

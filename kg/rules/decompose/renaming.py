@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element
 
-__all__ = ["everywhere", "renamed", "renamed_expression"]
-
 
 def renamed(body: Iterable[Element], names: Mapping[Variable, Variable]) -> tuple[Element, ...]:
     """Return elements with other variables, those inside EXISTS, aggregates and text too."""

@@ -36,9 +36,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Element
     from kg.syntax.tree import RuleText, TriplePattern
 
-__all__ = ["decompose"]
-
-
 Statement = tuple[tuple[Atom, ...], tuple["Element", ...]]
 """A head and a body."""
 

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
     Decompose = Callable[[tree.Group, Scope], list[Part]]
 
-__all__ = ["selected"]
-
 _NEVER_FAIL_ON_TERMS = frozenset({"MIN", "MAX", "SAMPLE"})
 
 

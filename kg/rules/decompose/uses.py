@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Pattern
     from kg.syntax.tree import Expression, Node, Path
 
-__all__ = ["Uses", "certain", "possible", "uses"]
-
 Uses: TypeAlias = "Counter[str]"
 """The names of variables with how often they occur."""
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Atom, Element
     from kg.syntax.tree import Node, RuleText, Span, TriplePattern
 
-__all__ = ["AuxiliaryRules", "Work", "head_variables"]
-
 AuxiliaryRules = dict[str, list[tuple["tuple[Atom]", "tuple[Element, ...]"]]]
 """The IRI of a predicate to the heads and bodies that derive it."""
 

@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Rule
     from kg.rules.recording import Names
 
-__all__ = ["Base", "Derived", "derive"]
-
 
 @dataclass(frozen=True, slots=True)
 class Derived:

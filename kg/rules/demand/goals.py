@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from kg.rules.demand.magic import Goal
     from kg.rules.form import Pattern, Term
 
-__all__ = ["goals_of", "open_ended"]
-
 _EVERYTHING: Final[Goal] = (Atom(Variable("s"), Variable("p"), Variable("o")),)
 
 

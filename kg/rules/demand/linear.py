@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Rule
 
-__all__ = ["Recursion", "Step", "exit_of", "recursion_of", "stored_of", "via_of"]
-
 _DOUBLE: Final = 2
 """How many atoms a double rule has."""
 

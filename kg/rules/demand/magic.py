@@ -46,8 +46,6 @@ if TYPE_CHECKING:
     from kg.rules.demand.linear import Recursion
     from kg.rules.form import Element, Pattern
 
-__all__ = ["Goal", "Rewritten", "demanded"]
-
 Goal: TypeAlias = tuple[Atom | Values, ...]
 """Patterns and rows that a query joins: each pattern is asked for as far as the others bind it."""
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.plan import Block
     from kg.rules.engine.terms import Dictionary
 
-__all__ = ["Blocks"]
-
 _REMEMBERED: Final = 64
 
 

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Rule
 
-__all__ = ["Closure", "Equality", "equalities"]
-
 _SUBJECT, _PREDICATE, _OBJECT = range(3)
 _ATOMS: Final = 2
 

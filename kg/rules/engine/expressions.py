@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Expression
 
-__all__ = ["ERROR", "Expressions"]
-
 ERROR: Final = 0
 """What stands for the value of an expression in error."""
 

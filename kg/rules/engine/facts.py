@@ -14,25 +14,6 @@ if TYPE_CHECKING:
 
     Keys: TypeAlias = NDArray[np.int64]
 
-__all__ = [
-    "EMPTY",
-    "Facts",
-    "absorb",
-    "common",
-    "difference",
-    "distinct",
-    "flipped",
-    "intersection",
-    "lacking",
-    "merged",
-    "pack",
-    "parted",
-    "starts",
-    "take_out",
-    "union",
-    "unpack",
-]
-
 _LOW: Final = 0xFFFFFFFF
 _FEW: Final = 8
 _SAMPLE: Final = 256

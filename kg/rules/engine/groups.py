@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Column
 
-__all__ = ["grouped"]
-
 _BATCH: Final = 50_000
 _ON_INTEGERS: Final = {"SUM": np.add, "MIN": np.minimum, "MAX": np.maximum}
 _WHOLE: Final = re.compile(rb'"(0|-?[1-9][0-9]{0,8})"\^\^<http://www\.w3\.org/2001/XMLSchema#integer>')

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Rule, Term
 
-__all__ = ["Collector", "made_node"]
-
 _SUBJECTS: Final = np.array([False, True, True, False, False])
 """By kind: IRIs and blank nodes may be subjects."""
 

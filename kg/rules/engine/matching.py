@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.facts import Facts, Keys
     from kg.rules.engine.plan import Match, Node
 
-__all__ = ["Reading", "joined", "match", "spread"]
-
 _LOW: Final = 0xFFFFFFFF
 _MANY: Final = 512
 _DENSE: Final = 8

@@ -16,24 +16,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Column, Expression, Rule
 
-__all__ = [
-    "Assign",
-    "Block",
-    "Body",
-    "Fresh",
-    "Grouped",
-    "Head",
-    "Match",
-    "Nested",
-    "Node",
-    "Rows",
-    "RulePlan",
-    "Source",
-    "Step",
-    "Structure",
-    "Test",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class Fresh:

@@ -49,8 +49,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Element, Expression, Pattern, Rule
 
-__all__ = ["plan"]
-
 
 def plan(rule: Rule, dictionary: Dictionary) -> RulePlan:
     """Prepare a rule; interns its constants."""

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
     Mask = NDArray[np.bool_]
 
-__all__ = ["bare", "has_shortcut", "shortcut"]
-
 _IRI: Final = r"<[^<>\"{}|^`\\\s]*>"
 _OPERAND: Final = rf"(\?\w+|{_IRI})"
 _COMPARISON: Final = re.compile(rf"\s*{_OPERAND}\s*(!?=)\s*{_OPERAND}\s*")

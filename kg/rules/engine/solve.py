@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.plan import Body, Step
     from kg.rules.engine.terms import Dictionary
 
-__all__ = ["Solver", "View", "Workshop"]
-
 _DEDUPLICATE: Final = 2048
 """Smaller tables are not searched for rows that are twice in it."""
 

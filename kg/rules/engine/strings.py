@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["OPEN", "TextTest", "text_test"]
-
 OPEN: Final = -1
 """The filter is left to the engine for that term."""
 

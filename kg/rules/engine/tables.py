@@ -16,20 +16,6 @@ if TYPE_CHECKING:
 
     from kg.rules.engine.facts import Keys
 
-__all__ = [
-    "CHUNK",
-    "UNIT",
-    "Table",
-    "TooManyRowsError",
-    "among",
-    "concatenate",
-    "distinct_rows",
-    "join",
-    "positions",
-    "ranks",
-]
-
-
 CHUNK: Final = 1 << 21
 """Rows that a join gives at once, about: one that would give over twice as many is to be done in pieces."""
 

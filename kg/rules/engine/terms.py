@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from kg.store.terms import Term
 
-__all__ = ["BLANK", "IRI", "LITERAL", "MAX_TERMS", "TRIPLE", "Dictionary", "Kept"]
-
 MAX_TERMS = 1 << 31
 """Two identifiers share one signed integer of 64 bits."""
 

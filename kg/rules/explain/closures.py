@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     Bodies = Mapping[str, tuple[tuple[Element, ...], ...]]
     Stepper = Callable[[tuple[Element, ...], Term], Iterable[tuple[Term, tuple[Triple, ...]]]]
 
-__all__ = ["Closures"]
-
 _FROM: Final = Variable(".from")
 _MOST_STEPS: Final = 20_000
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.rules.explain.view import View
     from kg.rules.form import Element, Rule, Term
 
-__all__ = ["bound_by", "derivation_of", "derivations"]
-
 _SAMPLE = 5
 _BREADTH = 1000
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.rules.explain.view import View
     from kg.rules.form import Term
 
-__all__ = ["mermaid", "proof_object", "why_not_object"]
-
 
 def proof_object(proof: Proof, view: View) -> dict[str, object]:
     """Return a proof as `{"fact": N, "facts": [...]}`: each fact once, its premises by their number in the list.

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from kg.rules.explain.text import Line
     from kg.rules.explain.view import View
 
-__all__ = ["picture"]
-
 _ROW: Final = 22
 _CHAR: Final = 7.9
 _STEP: Final = 22

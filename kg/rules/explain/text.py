@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.rules.explain.view import View
     from kg.rules.form import Term
 
-__all__ = ["Line", "proof_lines", "why_not_lines"]
-
 
 @dataclass(frozen=True, slots=True)
 class Line:

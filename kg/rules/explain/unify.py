@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Pattern, Rule, Term
 
-__all__ = ["filled", "heads", "instance", "instances", "unify"]
-
 
 def unify(atom: Atom, fact: Triple) -> dict[str, Term] | None:
     """Return the bindings of the head `atom` when it derives `fact`, None if it cannot.

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Rule, Term
 
-__all__ = ["Queryable", "View", "Vocabulary"]
-
 _LABEL: Final = "http://www.w3.org/2000/01/rdf-schema#label"
 _STRING: Final = "http://www.w3.org/2001/XMLSchema#string"
 _GRAPHS: Final = "SELECT ?g ?s ?p ?o WHERE { GRAPH ?g { ?s ?p ?o } } ORDER BY ?g"

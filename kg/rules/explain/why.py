@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     _Step: TypeAlias = tuple[int, int, Triple, Derivation | None]
 
-__all__ = ["why", "why_all"]
-
 _WIDTHS: Final = (4, 64, 4096)
 """How many applications of one rule are looked at for one fact; the next where these give no proof."""
 

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.rules.explain.view import View
     from kg.rules.form import Element, Pattern, Rule, Term
 
-__all__ = ["why_not"]
-
 _FEW: Final = 3
 _CANDIDATES: Final = 500
 _NO_VALUE: Final = 0.1

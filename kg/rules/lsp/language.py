@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.rules.checks.finding import Context, Finding
     from kg.rules.lsp.terms import DefinedTerm, Terms
 
-__all__ = ["Suggestion", "complete", "diagnose", "hover", "prefixes_of", "term_at", "width"]
-
 _WORD: Final = re.compile(r"[?$]?[\w.-]*(?::[\w.-]*)?$")
 _KEYWORDS: Final = {
     ".rq": ("CONSTRUCT", "WHERE", "FILTER", "OPTIONAL", "UNION", "MINUS", "BIND", "VALUES", "NOT EXISTS", "PREFIX"),

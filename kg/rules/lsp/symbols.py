@@ -23,8 +23,6 @@ from kg.syntax.prologue import declared
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
-__all__ = ["Occurrence", "Symbol", "occurrences", "renamed", "symbol_at"]
-
 _LOCAL: Final = re.compile(r"[^#/]*\Z")
 _BLOCK: Final = re.compile(r"^```turtle[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 _QUOTED: Final = re.compile(r"""(["'])(.*?)\1""")

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
-__all__ = ["DefinedTerm", "Terms"]
-
 _KINDS: Final = {
     PREFIXES["owl"] + "Class": "class",
     PREFIXES["rdfs"] + "Class": "class",

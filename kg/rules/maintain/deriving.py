@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from kg.rules.maintain.pivots import Pivot, Reading
     from kg.rules.maintain.worlds import Delta, World
 
-__all__ = ["MaintainedRule"]
-
 
 class MaintainedRule:
     """A rule with its pivots; `before` and `after` are the worlds that it is solved in.

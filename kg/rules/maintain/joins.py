@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Element, Pattern
     from kg.rules.maintain.worlds import Delta, World
 
-__all__ = ["Join"]
-
 _FEW: Final = 32
 """Larger changes are not checked triple by triple."""
 

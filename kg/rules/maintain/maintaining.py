@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.terms import Dictionary
     from kg.rules.stratify import Stratum
 
-__all__ = ["Change", "Maintained"]
-
 
 @dataclass(frozen=True, slots=True)
 class Change:

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from kg.rules.engine.facts import Facts
 
-__all__ = ["ANY", "Patterns", "pattern"]
-
 ANY: Final = 0
 _LOW: Final = 0xFFFFFFFF
 

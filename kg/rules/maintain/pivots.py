@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.plan import RulePlan, Step
     from kg.rules.engine.terms import Dictionary
 
-__all__ = ["Link", "Pivot", "Reading", "pivots"]
-
 _Inner: TypeAlias = Nested | Grouped
 
 Reading: TypeAlias = tuple[bool, ...]

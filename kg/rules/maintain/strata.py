@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from kg.rules.maintain.deriving import MaintainedRule
     from kg.rules.stratify import Stratum
 
-__all__ = ["LargeChangeError", "Progress", "Strata"]
-
 _ROWS_PER_TRIPLE: Final = 4
 """Joins of more rows than this, relative to all triples, cost more than evaluating everything again."""
 

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from kg.rules.engine.facts import Facts
 
-__all__ = ["Delta", "World"]
-
 
 @dataclass(slots=True)
 class World:

@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Element, Pattern, Term
     from kg.syntax.tree import Expression, Group, Node, RuleText, RuleUnit, Span, TriplePattern
 
-__all__ = ["data", "imported", "rules"]
-
 _DIGITS: Final = 20
 
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Rule
 
-__all__ = ["to_form"]
-
 
 def to_form(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES, strata: Sequence[int] = ()) -> str:
     """Return the rules as text; `strata` are the numbers of those that they run in, where they are known."""

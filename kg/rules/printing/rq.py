@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Rule
 
-__all__ = ["construct", "to_rq"]
-
 
 def to_rq(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:
     """Return a CONSTRUCT query for each rule, behind a comment with its name where there are several.

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Expression, Rule
 
-__all__ = ["to_srl"]
-
 _MISSING = {
     Aggregate: "aggregates",
     EngineBlock: "more of SPARQL than patterns and filters, which was left to the store's engine",

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Pattern, Rule
 
-__all__ = ["to_turtle"]
-
 _SH = "http://www.w3.org/ns/shacl#"
 
 

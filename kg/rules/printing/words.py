@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Atom, Rule
     from kg.syntax.lexer import Token
 
-__all__ = ["head", "refusal", "shortened", "with_prefixes"]
-
 
 def shortened(text: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, tuple[str, ...]]:
     """Return text in the terminals of SPARQL with prefixed names where a prefix fits, and the prefixes used."""

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.rules.remote.graphs import Graphs
     from kg.store.remote import RemoteSnapshot, RemoteStore
 
-__all__ = ["Sources", "gather", "predicates_of"]
-
 _ANY: Final = "?s ?p ?o"
 _OF_VIRTUOSO: Final = (
     "<http://www.openlinksw.com/schemas/virtrdf#>",

@@ -21,8 +21,6 @@ from pyoxigraph import NamedNode
 
 from kg.rules.form import Pattern, is_auxiliary
 
-__all__ = ["Channel", "Graphs"]
-
 
 @dataclass(frozen=True, slots=True)
 class Channel:

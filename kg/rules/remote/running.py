@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from kg.rules.stratify import Stratum
     from kg.store.remote import RemoteStore
 
-__all__ = ["RemoteReport", "StratumReport", "run"]
-
 _GRACE_SECONDS: Final = 2.0
 """How long a server has behind the deadline for the update that it is at, which else might come after the clean-up."""
 

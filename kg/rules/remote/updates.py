@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from kg.rules.remote.graphs import Graphs
     from kg.rules.stratify import Stratum
 
-__all__ = ["first_update", "next_update"]
-
 
 def first_update(rule: Rule, graphs: Graphs) -> str:
     """Return the update that applies a rule to all data."""

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["ROUTES"]
-
 _OWN: Final = frozenset({"query", "name", "snapshot", "limit", "timeout"})
 _ROWS: Final = {"json": "JSON", "csv": "CSV", "tsv": "TSV", "xml": "XML", "markdown": "Markdown"}
 """Format of the endpoint for rows to its name."""

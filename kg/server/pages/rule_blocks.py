@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["ROUTES"]
-
 
 async def _rule_blocks(request: Request) -> Response:
     name = request.query_params.get("name", "")

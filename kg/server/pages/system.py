@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["ROUTES"]
-
 _SEE_OTHER: Final = 303
 _LONG: Final = 100
 """A table of more rows has a page of its own, which that of the system loads where somebody opens it."""

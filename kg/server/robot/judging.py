@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.robot.programs.events import Problem
     from kg.robot.programs.places import Places
 
-__all__ = ["LONGEST", "Robot", "hint_of", "identified", "judged", "told"]
-
 LONGEST: Final = 1 << 18
 """How many bytes a program may have, as text or as JSON."""
 

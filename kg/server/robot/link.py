@@ -34,9 +34,6 @@ if TYPE_CHECKING:
     from kg.robot.programs.places import Places
     from kg.settings import Settings
 
-__all__ = ["LARGEST", "TOPIC", "Link", "Picture", "Proofs", "has_picture"]
-
-
 TOPIC: Final = "/simulator/view"
 """Where `kg.robot.simulation` publishes it, which is not imported here because it loads the physics."""
 _KIND: Final = "std_msgs/String"

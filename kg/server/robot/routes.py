@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from kg.server.robot.listeners import Listener
     from kg.server.robot.session import Session
 
-__all__ = ["ROUTES"]
-
 _Body = TypeVar("_Body")
 _PICTURE: Final = "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'"
 """The policy of a picture that comes from the robot: it may have colours, and do nothing."""

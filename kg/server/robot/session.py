@@ -29,9 +29,6 @@ if TYPE_CHECKING:
     from kg.server.robot.listeners import Listener
     from kg.settings import Settings
 
-__all__ = ["Session", "described"]
-
-
 _WORDS: Final = {
     ("topic", "write"): "Its node `{node}` subscribes to `{name}` (`{type}`).",
     ("topic", "read"): "Its node `{node}` publishes it to `{name}` (`{type}`).",

@@ -28,9 +28,6 @@ if TYPE_CHECKING:
     from kg.robot.programs.tree import Program
     from kg.server.robot.listeners import Listener, Listeners
 
-__all__ = ["SILENT", "Hands", "Readings", "Running", "plain"]
-
-
 _VALUES_EVERY: Final = 0.1
 """Seconds between two values of a capability that are told; the newest is never left out."""
 

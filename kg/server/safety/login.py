@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["ROUTES"]
-
 _LOCAL: Final = re.compile(r"/(?![/\\])[^\x00-\x20\\]*")
 """A path on this server: nothing that a browser could take for another host."""
 _PAUSE: Final = 0.3

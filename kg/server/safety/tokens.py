@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
     from kg.server.options import Options
 
-__all__ = ["CHANGING", "LEAST", "MOVING", "Doors", "Tokens", "client", "cookie_name", "is_trusted"]
-
 LEAST: Final = 16
 """How many characters a token has at least."""
 CHANGING: Final = ("/update", "/store")

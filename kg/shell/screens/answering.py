@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.shell.results import ResultView
     from kg.shell.runs import Runs
 
-__all__ = ["Answering"]
-
 
 class Answering(Screen[None]):
     """The actions of the context `results`, for the main screen."""

@@ -13,8 +13,6 @@ from kg.syntax.names import shorten
 if TYPE_CHECKING:
     from kg.shell.link import Link
 
-__all__ = ["Browsing"]
-
 
 class Browsing(Screen[None]):
     """The actions of the context `tree`, for the main screen."""

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from textual.app import ComposeResult
     from textual.binding import BindingType
 
-__all__ = ["ChoiceScreen"]
-
 
 class ChoiceScreen(ModalScreen[str | None], UpperScreen[str]):
     """Asks for one of `choices`; its answer is None when the person chose nothing."""

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from kg.shell.actions import Action
 
-__all__ = ["HelpScreen"]
-
 
 class HelpScreen(ModalScreen[None], UpperScreen[None]):
     """The registry of actions as a page."""

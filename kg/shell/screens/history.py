@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from kg.shell.state import Entry
 
-__all__ = ["HistoryScreen"]
-
 
 class HistoryScreen(ListScreen):
     """Searches the history; its answer is the text of a query."""

@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from kg.shell.link import Link
     from kg.shell.state import State
 
-__all__ = ["MainScreen"]
-
 _FOLLOW_SECONDS: Final = 2.0
 """How often the pointer of the store is looked at."""
 _RUNNING_SECONDS: Final = 0.2

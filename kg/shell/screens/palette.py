@@ -8,8 +8,6 @@ from textual.command import CommandList, CommandPalette
 
 from kg.shell.screens.base import UpperScreen
 
-__all__ = ["Palette"]
-
 
 class Palette(CommandPalette, UpperScreen[Any]):
     """Finds what it offers by parts of words."""

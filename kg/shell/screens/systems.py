@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
     from kg.shell.pages import Line
 
-__all__ = ["SystemsScreen"]
-
-
 _PART = 500
 """So many configurations are asked for at a time."""
 

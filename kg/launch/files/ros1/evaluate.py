@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from kg.launch.files.access import Files
     from kg.launch.files.ros1.document import Element
 
-__all__ = ["evaluate"]
-
 _MOST_DEPTH: Final = 100
 _MOST_LEVELS: Final = 150
 """Of groups and includes in one another, each of which takes frames of the interpreter's stack."""

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros1.document import Element
     from kg.launch.files.ros1.state import Scope, State
 
-__all__ = ["read_environment", "read_node", "read_remap"]
-
 _MAPPING: Final = re.compile(rf"(?:[~/A-Za-z]|__?)[\w/{HOLE}]*:=.*|{HOLE}[\w/{HOLE}]*:=.*", re.DOTALL)
 _SETTINGS: Final = ("machine", "respawn", "respawn_delay", "required", "output", "cwd", "launch-prefix", "clear_params")
 _TEST_SETTINGS: Final = ("test-name", "time-limit", "retry")

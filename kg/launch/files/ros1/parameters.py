@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros1.document import Element
     from kg.launch.files.ros1.state import Scope, State
 
-__all__ = ["read_param", "read_rosparam"]
-
 _SOURCES: Final = ("value", "textfile", "binfile", "command")
 _TYPES: Final = {
     "int": "int",

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros1.parameterfile import Leaf
     from kg.launch.files.ros1.substitute import Note
 
-__all__ = ["Given", "Place", "Private", "Scope", "State"]
-
 
 @dataclass(frozen=True, slots=True)
 class Place:

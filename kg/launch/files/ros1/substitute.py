@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
     from kg.launch.files.access import Files
 
-__all__ = ["Note", "Substituter", "Surroundings"]
-
 _PACKAGE: Final = re.compile(r"[\w.+-]{1,200}")
 _COMMAND: Final = re.compile(r"\$\(([^$()]*)([$()]?)")
 _EVAL: Final = "$(eval "

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros2.parameters import Entry
     from kg.launch.files.ros2.substitute import Generated
 
-__all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "find", "place", "read", "unreadable"]
-
 HOLE: Final = ANONYMOUS
 """Stands in a text for a part that cannot be known."""
 

@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from kg.launch.files.access import Files
     from kg.launch.files.ros2.actions import Action, Include
 
-__all__ = ["dialect_by_ending", "evaluate", "include"]
-
 Tree = tuple["Sequence[Action]", "tuple[LaunchProblem, ...]"]
 
 _MOST_TREES: Final = 4_000

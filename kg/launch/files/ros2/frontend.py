@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from kg.launch.files.access import Files
     from kg.launch.files.ros2.actions import Action, Part, Text
 
-__all__ = ["read_xml", "read_yaml"]
-
 Attribute = str | list[str]
 
 

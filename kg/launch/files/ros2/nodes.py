@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros2.actions import Executable, LoadComponents, NodeAction, Text
     from kg.launch.files.ros2.context import Context
 
-__all__ = ["execute_process", "load_components", "start_node"]
-
 _REMAP: Final = {"-r", "--remap"}
 _PARAMETER: Final = {"-p", "--param"}
 _FILE: Final = {"--params-file", "--param-file"}

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros2.actions import ParameterSource
     from kg.launch.files.ros2.context import Context
 
-__all__ = ["Asked", "Entry", "Rewriting", "given_parameter", "node_parameters", "read_parameters", "without_others"]
-
 _PARAMETERS: Final = "ros__parameters"
 
 

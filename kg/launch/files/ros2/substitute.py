@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros2.context import Context, Found
     from kg.launch.files.ros2.parameters import Entry
 
-__all__ = ["Generated", "described", "holds", "perform"]
-
 
 def describe(context: Context, words: Sequence[str]) -> None:
     """Keep the plugins of the description that a command line prints, for the parameter that is given it."""

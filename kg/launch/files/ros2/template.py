@@ -15,8 +15,6 @@ from kg.launch.files.ros2.actions import Substitution
 if TYPE_CHECKING:
     from kg.launch.files.ros2.actions import Part, Text
 
-__all__ = ["TemplateError", "parse_template"]
-
 _MOST_DEPTH: Final = 40
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _QUOTES: Final = "'\""

@@ -15,8 +15,6 @@ import yaml
 from kg.launch.files.ros2.context import HOLE
 from kg.yamltext import Walk, compose_yaml, load_yaml
 
-__all__ = ["Performed", "of_object", "of_text", "of_yaml", "quoted", "truth"]
-
 _TEXT: Final = "string"
 _TYPES: Final = {
     "tag:yaml.org,2002:bool": "bool",

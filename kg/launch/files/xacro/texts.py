@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from kg.launch.files.access import Files
     from kg.launch.files.ros1.substitute import Note, Substituter
 
-__all__ = ["Around", "Loading", "Texts"]
-
 
 class Loading:
     """Finds and reads files; `read` are those that were read, in their order."""

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Rule
     from kg.rules.notations.shacl.statements import Statement
 
-__all__ = ["rules"]
-
 
 def rules(text: str, name: str, path: Path | str) -> tuple[Rule, ...]:
     """Return the rules of a shapes graph in Turtle, their parts numbered from one through the file.

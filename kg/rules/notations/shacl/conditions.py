@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from kg.rules.notations.shacl.paths import Names
     from kg.rules.notations.shacl.query import Words
 
-__all__ = ["Conditions"]
-
 _FEW: Final = 4
 """Up to here, different values are written out; more are counted by a sub-SELECT."""
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.rules.notations.shacl.graph import ShapesGraph
     from kg.rules.notations.shacl.paths import Names
 
-__all__ = ["Expressions"]
-
 _BOOLEAN: Final = {
     True: '"true"^^<http://www.w3.org/2001/XMLSchema#boolean>',
     False: '"false"^^<http://www.w3.org/2001/XMLSchema#boolean>',

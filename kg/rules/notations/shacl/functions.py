@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.rules.notations.shacl.graph import ShapesGraph
     from kg.rules.notations.shacl.query import Query, Word, Words
 
-__all__ = ["Function", "Functions"]
-
 _ERROR: Final = "(1/0)"
 """An expression that is always in error: what an optional parameter without an argument is."""
 

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Term
     from kg.syntax.lexer import Token
 
-__all__ = ["Places", "ShapesGraph", "StringToken", "prefixes"]
-
 _ESCAPE: Final = re.compile(r"\\(?:u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8}|.)", re.DOTALL)
 
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.rules.notations.shacl.graph import ShapesGraph
     from kg.rules.notations.shacl.query import Words
 
-__all__ = ["bind_inside"]
-
 _THIS: Final = "this"
 
 

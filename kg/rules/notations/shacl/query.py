@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.rules.notations.shacl.graph import ShapesGraph
     from kg.syntax.lexer import Token
 
-__all__ = ["Query", "Word", "Words", "closing", "plain", "query_of", "rename", "spell", "top_level", "variables"]
-
 
 @dataclass(frozen=True, slots=True)
 class Word:

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.rules.notations.shacl.logic import Cases
     from kg.rules.notations.shacl.paths import Branch, Names
 
-__all__ = ["RELATIONS", "Comparison", "closed", "has_value", "property_name", "unique_languages"]
-
 
 def _among(values: list[Branch], term: str, *, wanted: bool) -> Cases:
     """Return that a term is one of the values, or that it is none."""

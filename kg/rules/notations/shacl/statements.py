@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.rules.notations.shacl.graph import ShapesGraph
     from kg.rules.notations.shacl.query import Query, Words
 
-__all__ = ["Statement", "statements"]
-
 _REGIME: Final = "http://www.w3.org/ns/entailment/"
 _PROPERTY: Final = f"<{RDFS}subPropertyOf>"
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.rules.notations.shacl.graph import ShapesGraph
     from kg.rules.notations.shacl.logic import Cases
 
-__all__ = ["VALUE_TESTS", "constant", "same_as_one"]
-
 _KINDS: Final = {
     "IRI": ("isIRI",),
     "BlankNode": ("isBlank",),

@@ -51,8 +51,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros2.actions import Text as LaunchText
     from kg.launch.files.ros2.python.reading import Reading
 
-__all__ = ["ENTITIES", "NODES"]
-
 _MAX_DEPTH: Final = 20
 _MAX_ENTRIES: Final = 20_000
 

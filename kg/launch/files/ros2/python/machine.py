@@ -57,8 +57,6 @@ if TYPE_CHECKING:
     from kg.symbolic.state import Frame, Slot, Written
     from kg.symbolic.values import Way
 
-__all__ = ["EXIT", "Halt", "LaunchMachine"]
-
 EXIT: Final = Object(Kind(("sys", "exit")))
 """What a call gives that ends the program."""
 _MOST_STEPS: Final = 60_000

@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros2.context import Context
     from kg.symbolic.values import Value, Way
 
-__all__ = ["Reading", "read_python"]
-
 _MAX_DEPTH: Final = 100
 _TOO_MUCH: Final = "the file needs more steps to be read than are allowed"
 

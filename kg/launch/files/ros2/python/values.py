@@ -39,31 +39,6 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Expression, Unit
     from kg.symbolic.state import Arguments
 
-__all__ = [
-    "CONDITIONS",
-    "MARK",
-    "PLAIN",
-    "SUBSTITUTIONS",
-    "Fork",
-    "Later",
-    "Made",
-    "condition",
-    "condition_of",
-    "condition_on",
-    "entries_of",
-    "file_of",
-    "guarded",
-    "is_substitution",
-    "later",
-    "launch_text",
-    "options",
-    "pair_of",
-    "reason_of",
-    "terms_of_way",
-    "text_of",
-    "words",
-]
-
 _MOST_PARTS: Final = 2_000
 _LONGEST: Final = 200
 _PLACED: Final = (
