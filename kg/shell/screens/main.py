@@ -3,32 +3,35 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from textual import on
 from textual.containers import Horizontal
-from textual.widgets import Footer, TabbedContent, TextArea
+from textual.widgets import Footer, Static, TabbedContent, TextArea
 
+from kg.query.statements import statements
+from kg.render.text import count, printable
 from kg.shell.actions import bindings
 from kg.shell.buffers import Buffer, Buffers
 from kg.shell.completing import Completions, begins_word
 from kg.shell.delivery import deliver, is_open
-from kg.shell.editor import QueryEditor
-from kg.shell.problems import diagnosed
+from kg.shell.editor import Problem, QueryEditor
 from kg.shell.results import AnswerTable
 from kg.shell.runs import Runs
 from kg.shell.screens.answering import Answering
 from kg.shell.screens.browsing import Browsing
-from kg.shell.status import Status
 from kg.shell.tree import KnowledgeTree
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from textual.app import ComposeResult
     from textual.binding import BindingType
     from textual.timer import Timer
 
     from kg.errors import KgError
-    from kg.shell.editor import Problem
+    from kg.query.readers.pool import Job
     from kg.shell.link import Link
     from kg.shell.state import State
 
@@ -38,6 +41,61 @@ _RUNNING_SECONDS: Final = 0.2
 _TYPING_SECONDS: Final = 0.15
 """How long a pause in typing is before the store is asked what fits."""
 _CHECK_SECONDS: Final = 0.4
+
+
+class Status(Static):
+    """Says what is worked on."""
+
+    def __init__(self, store: Path) -> None:
+        super().__init__(markup=False)
+        self._store = _short(store)
+        self._snapshot: int | None = None
+        self._work = ""
+        self._note = ""
+
+    def tell(self, snapshot: int | None, note: str = "") -> None:
+        """Say which generation of the store is in force, None when it is not there, and what became of it."""
+        self._snapshot, self._note = snapshot, note
+        self._draw()
+
+    def run(self, job: Job | None, rows: int = 0) -> None:
+        """Say what runs; None when nothing does."""
+        if job is None:
+            self._work = ""
+        else:
+            found = f", {count(rows, 'row')} so far" if rows else ""
+            self._work = f"running {job.elapsed:.1f} s{found} (Esc stops)"
+        self._draw()
+
+    def _draw(self) -> None:
+        state = "store is gone" if self._snapshot is None else f"snapshot {self._snapshot}"
+        parts = [self._work, self._note, state, self._store]
+        self.update(printable("  ·  ".join(part for part in parts if part)))
+
+
+def _short(path: Path) -> str:
+    """Return the path of a store, below the home folder with a tilde."""
+    home = path.home()
+    folder = path.parent if path.name == ".kg" else path
+    return f"~/{folder.relative_to(home)}" if folder.is_relative_to(home) else str(folder)
+
+
+async def diagnosed(link: Link, text: str) -> list[Problem]:
+    """Return the problems of each query in a buffer; KgError when the store cannot be asked."""
+    found = []
+    starts = [one.start for one in statements(text)]
+    for begin, end in pairwise([*starts, len(text)]):
+        answer = await link.call("diagnose", text=text[begin:end].rstrip())
+        found += [_problem(one, begin) for one in answer["problems"]]
+    return found
+
+
+def _problem(found: dict[str, Any], begin: int) -> Problem:
+    words = ". ".join(str(found[key]).rstrip(".") for key in ("message", "hint") if found.get(key))
+    fix = next(iter(found["fixes"]), None)
+    edits = tuple((begin + one["start"], begin + one["end"], one["text"]) for one in fix["edits"]) if fix else ()
+    place = (begin + found["start"], begin + found["end"])
+    return Problem(*place, found["severity"], words, fix["title"] if fix else "", edits)
 
 
 class MainScreen(Answering, Browsing):
