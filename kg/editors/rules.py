@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from kg.errors import Fix
     from kg.rules.checks.finding import Context, Finding
     from kg.rules.lsp.language import Suggestion
-    from kg.rules.lsp.symbols import Occurrence, Symbol
-    from kg.rules.lsp.terms import Terms
+    from kg.rules.lsp.symbols import Occurrence, Symbol, Terms
 
 _KINDS: Final = {
     "variable": types.CompletionItemKind.Variable,

@@ -19,7 +19,7 @@ from kg.pipeline.reasoning import check_context, rule_folders, term_uses
 from kg.query.stored import discover
 from kg.rules.checks.run import beside, read_all
 from kg.rules.folders import families_in_force, user_folders
-from kg.rules.lsp.terms import Terms
+from kg.rules.lsp.symbols import Terms
 from kg.rules.reading import packs
 from kg.settings import load_table
 from kg.store.opening import layout_of, reading

@@ -12,7 +12,7 @@ from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Filter, Vari
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.rules.decompose.names import Names
+    from kg.rules.decompose.work import Names
     from kg.rules.form import Element, Expression
 
 

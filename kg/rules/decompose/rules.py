@@ -32,7 +32,7 @@ from kg.rules.form import (
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.rules.decompose.names import Names
+    from kg.rules.decompose.work import Names
     from kg.rules.form import Element
     from kg.syntax.tree import RuleText, TriplePattern
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kg.rules.checks.finding import Context, Finding
-    from kg.rules.lsp.terms import DefinedTerm, Terms
+    from kg.rules.lsp.symbols import DefinedTerm, Terms
 
 _WORD: Final = re.compile(r"[?$]?[\w.-]*(?::[\w.-]*)?$")
 _KEYWORDS: Final = {

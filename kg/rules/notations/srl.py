@@ -15,9 +15,9 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
 from kg.errors import Fix, RuleError
 from kg.rules.decompose.expressions import expression
-from kg.rules.decompose.names import Names
 from kg.rules.decompose.paths import Link, normal
 from kg.rules.decompose.uses import uses
+from kg.rules.decompose.work import Names
 from kg.rules.form import Assignment, Atom, Exists, Filter, Rule, TripleTerm, Variable
 from kg.similar import asked, similar
 from kg.syntax import tree
