@@ -77,7 +77,7 @@ def save(cache: Path, memory: Memory) -> None:
     graphs = ["" if graph is None else graph.value for graph in memory.graphs]
     header = {
         "digest": memory.digest,
-        "names": _written(memory.names),
+        "names": [memory.names.inferred.value, memory.names.builds.value, memory.names.base, memory.names.vocabulary],
         "graphs": graphs,
         "sections": sections,
         "keys": size,
@@ -142,10 +142,6 @@ def _read(content: memoryview, generation: int, digest: str | None) -> Memory | 
     own, builds, base, vocabulary = header["names"]
     names = Names(NamedNode(own), NamedNode(builds), base, vocabulary)
     return Memory(generation, header["digest"], names, dictionary, graphs, asserted, inferred, written)
-
-
-def _written(names: Names) -> list[str]:
-    return [names.inferred.value, names.builds.value, names.base, names.vocabulary]
 
 
 def _digest(content: bytes | memoryview) -> bytes:

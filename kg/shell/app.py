@@ -103,7 +103,8 @@ class Shell(App[None]):
     def __init__(
         self, settings: Settings, layout: Layout, state: State | None = None, actions: tuple[Action, ...] = ACTIONS
     ) -> None:
-        colourless = _colourless(settings)
+        # NO_COLOR: https://no-color.org
+        colourless = settings.color == "never" or (settings.color == "auto" and bool(os.environ.get("NO_COLOR")))
         super().__init__()
         self.no_color = colourless
         self.settings = settings
@@ -283,8 +284,3 @@ def _runner(app: Shell, screen: Screen[Any], target: str) -> Any:
         await app.run_action(target, screen.focused or screen)
 
     return run
-
-
-def _colourless(settings: Settings) -> bool:
-    """Tell whether no colour is wanted, by the setting or by NO_COLOR (https://no-color.org)."""
-    return settings.color == "never" or (settings.color == "auto" and bool(os.environ.get("NO_COLOR")))

@@ -200,8 +200,8 @@ class QueryEditor(TextArea):
         for start, end, text in sorted(problem.edits if problem else (), reverse=True):
             self.replace(text, self.location_at(start), self.location_at(end))
 
-    def scroll_cursor_visible(self, center: bool = False, animate: bool = False) -> Offset:  # noqa: FBT001, FBT002 - the signature of textual's
-        """Bring the cursor into view, if its line exists: undoing edits fits the scroll bars before it moves the cursor."""  # noqa: FBT001, FBT002 - as in textual
+    def scroll_cursor_visible(self, center: bool = False, animate: bool = False) -> Offset:  # noqa: FBT001, FBT002 - as in textual
+        """Bring the cursor into view, if its line exists: undo fits the scroll bars before it moves the cursor."""
         if self.cursor_location[0] >= self.document.line_count:
             return Offset()
         return super().scroll_cursor_visible(center, animate)

@@ -99,17 +99,12 @@ class Runs:
 
     async def _prefixes(self, text: str, result: Result) -> dict[str, str]:
         """Return the prefixes that shorten an answer: those of its query come first, and stand in place of others."""
-        declared = _declared(text)
+        declared = {name: iri for name, iri in re.findall(r"(?i)\bPREFIX\s+([\w-]*):\s*<([^>]*)>", text) if iri}
         try:
             known = await self._link.prefixes(result.snapshot)
         except KgError:
             known = PREFIXES
         return {**declared, **known, **declared}
-
-
-def _declared(text: str) -> dict[str, str]:
-    """Return the prefixes that a query declares."""
-    return {name: iri for name, iri in re.findall(r"(?i)\bPREFIX\s+([\w-]*):\s*<([^>]*)>", text) if iri}
 
 
 def _place(buffer: Buffer) -> tuple[str, object]:

@@ -185,7 +185,7 @@ def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, 
     written = started
     if ros != 1:
         given = addressed(written.parameters, place.full, alone=made_by is None)
-        started = replace(started, parameters=tuple(_last_each(given)))
+        started = replace(started, parameters=tuple({parameter.name: parameter for parameter in given}.values()))
     draft = Draft(started, place, ros, typed, missing, reason, rules_of(started.remaps, place, ros))
     draft.makes, draft.made_by, draft.repository = makes, made_by, repository
     if missing is MissingType.UNKNOWN_PACKAGE and started.package:
@@ -202,10 +202,6 @@ def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, 
     if ros != 1:
         draft.set_here = [(f"{place.full}/{given.name.lstrip('~/')}", given) for given in started.parameters]
     return draft
-
-
-def _last_each(parameters: Iterable[LaunchParameter]) -> list[LaunchParameter]:
-    return list({parameter.name: parameter for parameter in parameters}.values())
 
 
 def loads(draft: Draft, types: NodeTypes, repository: str) -> None:

@@ -45,7 +45,7 @@ def run_trees(drafts: Sequence[Draft], types: NodeTypes) -> Iterator[Draft]:
     lines = {draft.place.full: draft.started for draft in drafts}
     for draft in drafts:
         yield draft
-        for node in _owners(draft):
+        for node in [one[1] for one in (draft.typed, *(plugin.found for plugin in draft.plugins)) if one is not None]:
             files = dict(_files(draft, node, types))
             made = [(row, one) for row in rows("tree", _Runner) if row.ros == draft.ros for one in _actions(row, node)]
             for row, action in made:
@@ -55,11 +55,6 @@ def run_trees(drafts: Sequence[Draft], types: NodeTypes) -> Iterator[Draft]:
                 yield inner
             if not made and (files or any(slot.base_class == TREE_NODE for slot in node.slots)):
                 _give(draft, list(files.values()), types)
-
-
-def _owners(draft: Draft) -> list[NodeType]:
-    """Return the node type of an instance, and those of its plugins."""
-    return [one[1] for one in (draft.typed, *(plugin.found for plugin in draft.plugins)) if one is not None]
 
 
 def _actions(row: _Runner, node: NodeType) -> Iterator[Interface]:

@@ -97,7 +97,7 @@ class Solver:
                 return
             ((table, step),) = ways
             first = None
-            rest = _without(steps, step)
+            rest = tuple(other for other in steps if other is not step)
             self.shop.clock.check()
             try:
                 table = self._after(table, step, rest, outputs, bag=bag)
@@ -323,10 +323,6 @@ def _binding(steps: Iterable[Step]) -> frozenset[str]:
     return frozenset().union(
         *(step.names for step in steps if isinstance(step, Match | Structure | Rows | Grouped | Block))
     )
-
-
-def _without(steps: tuple[Step, ...], step: Step) -> tuple[Step, ...]:
-    return tuple(other for other in steps if other is not step)
 
 
 def _reads(step: Step) -> frozenset[str]:

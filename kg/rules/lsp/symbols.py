@@ -293,13 +293,8 @@ def _words(text: str, path: Path) -> Iterator[_Word]:
     for token in found:
         depth += (token.text == "{") - (token.text == "}")
         if path.suffix == ".srl" and depth == 0 and token.kind is Kind.WORD and token.text.upper() in {"RULE", "DATA"}:
-            number += not _follows_where(text, token.start)
+            number += text[: token.start].rstrip()[-5:].upper() != "WHERE"  # `WHERE DATA` begins no statement
         yield _Word(token, f"rule {number}", "", prefixes)
-
-
-def _follows_where(text: str, start: int) -> bool:
-    """Return whether the word before an offset is WHERE: `WHERE DATA` begins no statement."""
-    return text[:start].rstrip()[-5:].upper() == "WHERE"
 
 
 def _turtle(found: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[_Word]:
