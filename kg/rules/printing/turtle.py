@@ -16,8 +16,7 @@ from pyoxigraph import BlankNode, Literal, NamedNode
 
 from kg.rules import sparql
 from kg.rules.form import Atom, Variable
-from kg.rules.printing.rq import construct
-from kg.rules.printing.words import shortened, with_prefixes
+from kg.rules.printing.words import construct, shortened, with_prefixes
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
