@@ -82,7 +82,7 @@ def kg_memory(data: Path, output: Path) -> Figures:
 
     from kg.rules.columns import read_columns, wanted  # noqa: PLC0415 - each engine loads its own
     from kg.rules.engine.evaluate import Program, evaluate  # noqa: PLC0415 - each engine loads its own
-    from kg.rules.lines import lines  # noqa: PLC0415 - each engine loads its own
+    from kg.rules.columns import lines  # noqa: PLC0415 - each engine loads its own
     from kg.store import bulk  # noqa: PLC0415 - each engine loads its own
 
     db, rules = ox.Store(), rule_sets.seventeen()

@@ -29,12 +29,22 @@ from pyoxigraph import RdfFormat, parse
 
 from kg.errors import GraphError, Place, SourceError, UsageError
 from kg.rules import memory as memories
-from kg.rules.columns import EVERYTHING, by_predicate, patched, read, read_columns, rows_of, stated, union_of
+from kg.rules.columns import (
+    EVERYTHING,
+    by_predicate,
+    lines,
+    patched,
+    read,
+    read_columns,
+    rows_of,
+    stated,
+    stored,
+    union_of,
+)
 from kg.rules.dependencies import volatile
 from kg.rules.engine.evaluate import Limits, Program, evaluate
 from kg.rules.engine.facts import Facts, absorb, distinct, lacking
 from kg.rules.engine.terms import Dictionary
-from kg.rules.lines import lines, stored
 from kg.rules.maintain import Maintained
 from kg.rules.memory import Memory
 from kg.rules.recording import activity

@@ -72,7 +72,7 @@ CALLS: Final[dict[str, View]] = {
     "diagnose": View("complete", "diagnose"),
     "find": View("find", "find"),
     "impact": View("impact", "impact"),
-    "lint": View("lint", "lint"),
+    "lint": View("system", "lint"),
     "list": View("lists", "listing"),
     "node": View("node", "node"),
     "overview": View("overview", "overview"),

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.holes import anonymous
 from kg.launch.comparison.changes import Change, Kind, Level, Side
-from kg.launch.comparison.pairing import paired, relabelled
-from kg.launch.comparison.values import canonical
+from kg.launch.comparison.pairing import canonical, paired, relabelled
 from kg.launch.comparison.wording import qos_words
 
 if TYPE_CHECKING:

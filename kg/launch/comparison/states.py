@@ -16,9 +16,8 @@ from kg.facts import Location
 from kg.holes import is_known
 from kg.launch.comparison.changes import Change, Difference, Kind, Level, Side
 from kg.launch.comparison.instances import Instances
-from kg.launch.comparison.pairing import paired, relabelled
+from kg.launch.comparison.pairing import canonical, paired, relabelled
 from kg.launch.comparison.renaming import Renames, instance_pairs
-from kg.launch.comparison.values import canonical
 from kg.launch.comparison.wording import qos_words
 from kg.render.text import count
 

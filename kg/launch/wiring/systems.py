@@ -6,12 +6,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kg.facts import System
+from kg.launch.wiring.behavior_trees import run_trees
 from kg.launch.wiring.controllers import attach, with_controllers
 from kg.launch.wiring.inner_nodes import started_inner
 from kg.launch.wiring.instances import draft_of, finished, loads
 from kg.launch.wiring.near_misses import near_misses
 from kg.launch.wiring.simulation import simulate
-from kg.launch.wiring.tree_runners import run_trees
 from kg.launch.wiring.values import Server
 
 if TYPE_CHECKING:

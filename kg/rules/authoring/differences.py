@@ -11,11 +11,10 @@ from pyoxigraph import NamedNode
 from kg.rules.authoring.firing import fire
 from kg.rules.authoring.memory import triples_of
 from kg.rules.authoring.spelling import common_prefixes, spell_term
-from kg.rules.columns import union_of
+from kg.rules.columns import stored, union_of
 from kg.rules.dependencies import depends
 from kg.rules.engine.facts import Facts, intersection, lacking
 from kg.rules.form import Atom
-from kg.rules.lines import stored
 from kg.rules.stratify import edges
 
 if TYPE_CHECKING:

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode, Quad, RdfFormat, Store, parse
 
-from kg.rules.columns import stated
+from kg.rules.columns import lines, stated, stored
 from kg.rules.engine.evaluate import evaluate
 from kg.rules.engine.terms import Dictionary
 from kg.rules.explain.view import Vocabulary
-from kg.rules.lines import lines, stored
 from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:

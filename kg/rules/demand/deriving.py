@@ -16,13 +16,12 @@ from pyoxigraph import NamedNode, Store
 
 from kg.errors import RuleError
 from kg.rules import memory
-from kg.rules.columns import Wanted, read_columns, stated, wanted
+from kg.rules.columns import Wanted, lines, read_columns, stated, stored, wanted
 from kg.rules.demand.magic import demanded
 from kg.rules.engine.evaluate import Program, evaluate
 from kg.rules.engine.facts import EMPTY, Facts, absorb, distinct, lacking, union
 from kg.rules.engine.terms import Dictionary
 from kg.rules.form import Atom, TripleTerm, Values, Variable
-from kg.rules.lines import lines, stored
 from kg.rules.memory import Memory
 from kg.syntax import tree
 from kg.syntax.names import PREFIXES

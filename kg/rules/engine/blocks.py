@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import pyoxigraph as ox
 
+from kg.rules.columns import lines
 from kg.rules.engine.tables import Table
-from kg.rules.lines import lines
 from kg.rules.sparql import spelling
 from kg.store.terms import spell
 

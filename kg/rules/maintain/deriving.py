@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from kg.rules.engine.solve import Workshop
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Element, Pattern, Rule
+    from kg.rules.maintain.patterns import Delta, World
     from kg.rules.maintain.pivots import Pivot, Reading
-    from kg.rules.maintain.worlds import Delta, World
 
 _FEW: Final = 32
 """Larger changes are not checked triple by triple."""

@@ -21,8 +21,7 @@ from kg.rules.engine.equality import equalities
 from kg.rules.engine.evaluate import Limits, evaluate
 from kg.rules.engine.facts import Facts, absorb, common, difference, lacking, merged, take_out, union, unpack
 from kg.rules.maintain.deriving import MaintainedRule
-from kg.rules.maintain.patterns import Patterns
-from kg.rules.maintain.worlds import Delta, World
+from kg.rules.maintain.patterns import Delta, Patterns, World
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -7,6 +7,7 @@ strata a small change reaches few. Disjoint sets of patterns exclude the others 
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -21,6 +22,27 @@ if TYPE_CHECKING:
 
 ANY: Final = 0
 _LOW: Final = 0xFFFFFFFF
+
+
+@dataclass(slots=True)
+class World:
+    """The data at one moment: the asserted triples, and all triples."""
+
+    asserted: Facts
+    known: Facts
+
+    def copy(self) -> World:
+        """Return a world that can be changed by itself."""
+        return World(self.asserted.copy(), self.known.copy())
+
+
+@dataclass(slots=True)
+class Delta:
+    """Triples added or removed: among the asserted ones, and among all; `patterns` has those of all."""
+
+    asserted: Facts
+    known: Facts
+    patterns: set[int]
 
 
 def pattern(predicate: object, value: object) -> int:
