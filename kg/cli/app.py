@@ -84,7 +84,7 @@ RULE_COMMANDS: Final = (
     Later("Try", "test", "rules_testing:try_rules", "Run the examples of rules and show what differs."),
     Later("Try", "diff", "rules_diff:diff", "Show what the rules on disk would add to and remove from the store."),
     Later(
-        "Try", "watch", "rules_watch:watch", "Check and test rules on every save, and show their effect on the store."
+        "Try", "watch", "rules_testing:watch", "Check and test rules on every save, and show their effect on the store."
     ),
     Later("Run", "run", "rules_run:run", "Run the active rules and write what they infer into the store."),
     Later(

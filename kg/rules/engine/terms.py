@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 
     from kg.store.terms import Term
 
-MAX_TERMS = 1 << 31
-"""Two identifiers share one signed integer of 64 bits."""
-
 IRI, BLANK, LITERAL, TRIPLE = range(1, 5)
 """The kinds of terms; 0 is that of "unbound"."""
 

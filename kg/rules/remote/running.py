@@ -10,6 +10,7 @@ import time
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
+from uuid import uuid4
 
 from pyoxigraph import DefaultGraph, NamedNode, RdfFormat, serialize
 
@@ -23,6 +24,7 @@ from kg.rules.form import (
     EngineBlock,
     Exists,
     Filter,
+    Pattern,
     Rule,
     binds,
     bound_in,
@@ -31,7 +33,6 @@ from kg.rules.form import (
     mentions,
     readers_of,
 )
-from kg.rules.remote.graphs import Graphs
 from kg.rules.sparql import Placed, group, spelling, triple
 from kg.rules.stratify import stratify
 
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
 
     from kg.rules.files import RuleSet
     from kg.rules.form import Element
-    from kg.rules.remote.graphs import Channel
     from kg.rules.stratify import Stratum
     from kg.store.remote import RemoteSnapshot, RemoteStore
 
@@ -54,6 +54,54 @@ _OF_VIRTUOSO: Final = (
     "<http://www.w3.org/ns/ldp#>",
 )
 """Graphs of each of its databases, where its settings and vocabularies stand."""
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """Where triples of one kind go: all that were derived, those of this round, and the new ones of the last."""
+
+    derived: NamedNode
+    new: NamedNode
+    delta: NamedNode
+
+
+@dataclass(frozen=True, slots=True)
+class Graphs:
+    """The graphs of one run; `asserted` is one of the server's own where it has a single one."""
+
+    prefix: str
+    asserted: NamedNode
+    stated: NamedNode
+    plain: Channel
+    auxiliary: Channel
+
+    @classmethod
+    def below(cls, inferred: NamedNode) -> Graphs:
+        """Return names that no other run has."""
+        prefix = f"{inferred.value}/delta-{uuid4().hex[:8]}/"
+
+        def named(name: str) -> NamedNode:
+            return NamedNode(prefix + name)
+
+        def channel(start: str) -> Channel:
+            return Channel(named(f"{start}derived"), named(f"{start}new"), named(f"{start}delta"))
+
+        return cls(prefix, named("asserted"), named("stated"), channel(""), channel("auxiliary-"))
+
+    @property
+    def channels(self) -> tuple[Channel, Channel]:
+        """That of plain triples and that of auxiliary ones."""
+        return self.plain, self.auxiliary
+
+    def channel(self, predicate: Pattern) -> Channel:
+        """Return where triples of a predicate go."""
+        return self.auxiliary if is_auxiliary(predicate) else self.plain
+
+    @property
+    def temporary(self) -> list[NamedNode]:
+        """All graphs that the run makes."""
+        made = [graph for each in self.channels for graph in (each.derived, each.new, each.delta)]
+        return [*made, self.stated, NamedNode(self.prefix + "asserted")]
 
 
 def first_update(rule: Rule, graphs: Graphs) -> str:

@@ -1,4 +1,7 @@
-"""`/rules`, `/rule?name=`: rules by family with their documentation, who feeds whom, what the last run did."""
+"""`/rules`, `/rule?name=`: rules by family with their documentation, who feeds whom, what the last run did.
+
+`/rule-blocks` composes rules of blocks.
+"""
 
 from __future__ import annotations
 
@@ -36,4 +39,10 @@ async def _rule(request: Request) -> Response:
     return page(request, "rule.html", title=f"Rule {rule['rule']}", twin=url("/api/rule", name=rule["rule"]), rule=rule)
 
 
-ROUTES = [Route("/rules", _rules), Route("/rule", _rule)]
+async def _rule_blocks(request: Request) -> Response:
+    # The script of the page asks views for the rest; a rule of a shared link is behind the `#`, unseen by the server.
+    name = request.query_params.get("name", "")
+    return page(request, "rule_blocks.html", title="Rule made of blocks", twin=url("/api/blocks"), rule=name)
+
+
+ROUTES = [Route("/rules", _rules), Route("/rule", _rule), Route("/rule-blocks", _rule_blocks)]
