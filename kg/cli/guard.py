@@ -1,4 +1,7 @@
-"""The boundary between commands and the shell: every ending becomes an exit code and at most a few lines of words."""
+"""The boundary between commands and the shell: every ending becomes an exit code and at most a few lines of words.
+
+A command line that does not fit the commands becomes an error like all others, with the nearest name that does.
+"""
 
 from __future__ import annotations
 

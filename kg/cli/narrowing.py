@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from kg.render.text import count, printable
-from kg.search.narrowing import question
+from kg.search.narrowing import Question, question
 
 if TYPE_CHECKING:
-    from kg.search.narrowing import Question
     from kg.search.searching import Search
 
 _LOOKED_AT: Final = 30

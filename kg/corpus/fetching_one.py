@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.fetching_branches import branches_to_try
-from kg.corpus.fetching_git import FetchingError, Watch, folder_bytes
-from kg.corpus.fetching_list import protocols
+from kg.corpus.fetching_git import FetchingError, Limits, Watch, folder_bytes
+from kg.corpus.fetching_list import Wanted, protocols
 from kg.corpus.fetching_lock import FETCHED, Entry
 from kg.corpus.git import run_git
 
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from threading import Event
 
-    from kg.corpus.fetching_git import Limits
-    from kg.corpus.fetching_list import Wanted
 
 _MOST_TRIED: Final = 3
 _MOVED: Final = re.compile(r"^warning: redirecting to (\S+)$", re.MULTILINE)

@@ -1,7 +1,15 @@
 """Table 9: the graph against the code. Are calls in the code in the graph, and do lines hold what facts say of them?
 
-Calls come from a reader of their own (`kg.evaluate.code_check`), facts from the graph. Both are sampled by kind, each
+Calls come from a reader of their own (`sites`), facts from the graph. Both are sampled by kind, each
 kind as often as any other, and the last row weighs kinds with how many there are.
+
+Calls of ROS's interfaces in C++ and Python, found by words alone.
+
+This is a second, independent reader, against which the graph is counted: regular expressions over text without
+comments and strings, which know nothing of types, templates, reachability or what a receiver is. So some of what it
+finds is no call of ROS, and what only types tell (members that a constructor's list makes) it does not find.
+
+Where the graph has ends and parameters: by file and line, and where they call the framework.
 """
 
 from __future__ import annotations
@@ -17,11 +25,11 @@ from typing import TYPE_CHECKING, Final
 
 from kg.corpus.reading import digest
 from kg.evaluate.completeness import share
-from kg.evaluate.facts import STATED, Facts
+from kg.evaluate.facts import STATED, Fact, Facts
 from kg.evaluate.paper import beside
 from kg.evaluate.sheet import drawn
 from kg.evaluate.strata import shares_of, weighed
-from kg.evaluate.tables import Share, Table
+from kg.evaluate.tables import Cell, Share, Table
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.iris import is_source_graph
@@ -30,9 +38,7 @@ from kg.query.rows import rows
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.evaluate.facts import Fact
     from kg.evaluate.source_lines import SourceLines
-    from kg.evaluate.tables import Cell
     from kg.store.interface import Snapshot
 
 _CALLS: Final = "calls that the graph has"

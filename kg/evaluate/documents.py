@@ -1,6 +1,16 @@
 """Pages of documentation as references: the ROS wiki's markup, and tables and lists of READMEs.
 
 A page speaks of the package in whose folder it stands, in a source of the store, or of the one that is named with it.
+
+Interfaces that READMEs document: tables and lists under headings such as Input, Subscribed topics, Parameters.
+
+    ### Input
+    | Name           | Type                         | Description |
+    | -------------- | ---------------------------- | ----------- |
+    | `~/input/scan` | `sensor_msgs::msg::LaserScan`| ...         |
+
+Lists say the same as `* **/scan** ([sensor_msgs/LaserScan])`. What is returned has the shape of what wiki pages give.
+Under a heading for both directions a name that has `input` or `output` in it tells which; others are passed over.
 """
 
 from __future__ import annotations

@@ -1,4 +1,17 @@
-"""Table 11: how well nodes are found for needs, by the search of `kg` and by other ways to rank them."""
+"""Table 11: how well nodes are found for needs, by the search of `kg` and by other ways to rank them.
+
+What the search is compared with: well-known ways to rank nodes for a need, untuned, over the same nodes.
+
+Each takes the documents that the search knows and gives a score for every node; nodes with none are not found. The
+libraries are those of the extra `evaluate`, loaded when they are needed.
+
+Nodes whose interface contains the one that is asked for, by subgraph monomorphism.
+
+The pattern of a need is a graph: the node, a vertex for each end that it must have, labelled with its role, and a
+vertex for the type of that end. A node's own graph has the same shape for all its ends. A node matches when the
+pattern occurs in its graph (a monomorphism: the graph may have more edges). networkx does that with VF2
+(`GraphMatcher`); its VF2++ tests only whether two graphs as wholes are isomorphic.
+"""
 
 from __future__ import annotations
 
@@ -12,22 +25,19 @@ import numpy as np
 
 from kg.errors import UsageError
 from kg.evaluate.intervals import bootstrap, bounds
-from kg.evaluate.judged_needs import Ranked, ndcg
+from kg.evaluate.judged_needs import Constraints, Need, Ranked, ndcg
 from kg.evaluate.paper import beside
-from kg.evaluate.tables import Score, Table
+from kg.evaluate.tables import Cell, Score, Table
 from kg.render.text import count
 from kg.search.encoding import FolderModel
-from kg.search.searching import Hit
+from kg.search.searching import Hit, Search
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
     from pathlib import Path
 
-    from kg.evaluate.judged_needs import Constraints, Need
-    from kg.evaluate.tables import Cell
     from kg.search.documents import Document, PackageDocument
     from kg.search.index import Index
-    from kg.search.searching import Search
 
 _DEPTHS: Final = (1, 5)
 _OURS: Final = "kg search"

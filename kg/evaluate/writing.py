@@ -1,4 +1,10 @@
-"""A table as files: Markdown, CSV, and a figure as SVG."""
+"""A table as files: Markdown, CSV, and a figure as SVG.
+
+The figure of a table: a bar for each share and score, with its interval, as SVG.
+
+Series are told apart by their names at each bar, not by colour alone. The same table always gives the same bytes.
+Colours follow `prefers-color-scheme`; `title` and `desc` say the same in words.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, UsageError
-from kg.evaluate.tables import Score, Share, as_csv, as_markdown, spelled
+from kg.evaluate.tables import Cell, Score, Share, Table, as_csv, as_markdown, spelled
 from kg.render.svg import ROLE, dimensions, escaped, label, short
 from kg.render.text import width
 
@@ -14,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from kg.evaluate.tables import Cell, Table
 
 _ROW: Final = 22
 _GAP: Final = 10

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Location, NodeReference
+from kg.facts import InstanceInterface, Location, NodeInstance, NodeReference, System
 from kg.holes import is_known
-from kg.impact.model import GIVING, Area, Effect, Grade
+from kg.impact.model import GIVING, Area, Effect, Grade, Subject, World
 from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of, elements
 from kg.render.text import count
@@ -15,8 +15,6 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.facts import InstanceInterface, NodeInstance, System
-    from kg.impact.model import Subject, World
     from kg.launch.comparison.changes import Record
 
 _LISTS: Final = "node_names"

@@ -7,7 +7,7 @@ from collections import defaultdict
 from itertools import product
 from typing import TYPE_CHECKING, Final
 
-from kg.impact.model import VERBS, Area, Effect, Grade
+from kg.impact.model import VERBS, Area, Effect, Grade, Subject, World
 from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of
 from kg.names import normalise
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.facts import InstanceParameter, Location, NodeInstance, System
-    from kg.impact.model import Subject, World
     from kg.launch.comparison.changes import Record
 
 _VERBS: Final = {"read": "reads", "write": "writes", "declare": "declares"}

@@ -3,6 +3,8 @@
 Only what the rules read, or might infer, is read: for `?x :p ?y` the triples of a predicate, for `?x a :Node` those of
 a predicate with one object. Reading takes far longer than evaluation, so it is
 done in two threads, while a third interns what they give.
+
+Columns as lines of N-Triples.
 """
 
 from __future__ import annotations
@@ -15,21 +17,18 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
-from pyoxigraph import Literal, NamedNode, RdfFormat, parse
+from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Triple, parse
 
-from kg.rules.engine.facts import Facts, distinct, pack, unpack
+from kg.rules.engine.facts import Facts, Keys, distinct, pack, unpack
 from kg.rules.engine.terms import Dictionary
-from kg.rules.form import AUXILIARY, EngineBlock, is_auxiliary, readers_of
+from kg.rules.form import AUXILIARY, EngineBlock, Rule, Term, is_auxiliary, readers_of
 from kg.store.terms import cells, spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from numpy.typing import NDArray
-    from pyoxigraph import Quad, Triple
 
-    from kg.rules.engine.facts import Keys
-    from kg.rules.form import Rule, Term
 
 _THREADS: Final = 2
 _SMALL: Final = 20_000

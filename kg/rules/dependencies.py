@@ -16,10 +16,13 @@ from kg.rules.form import (
     Aggregate,
     Assignment,
     Atom,
+    Element,
     EngineBlock,
     Exists,
     Expression,
     Filter,
+    Pattern,
+    Rule,
     TripleTerm,
     Variable,
     is_auxiliary,
@@ -29,8 +32,6 @@ from kg.rules.form import (
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from kg.rules.form import Element, Pattern, Rule
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import NamedNode
 
-from kg.rules.engine.facts import Facts
+from kg.rules.engine.facts import Facts, Keys
 from kg.rules.engine.terms import Dictionary, Kept
 from kg.rules.recording import Names
 from kg.store.layout import write_atomically
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import BinaryIO
 
-    from kg.rules.engine.facts import Keys
 
 _FOLDER: Final = "columns"
 _DIGEST_BYTES: Final = 16

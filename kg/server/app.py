@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
-from starlette.routing import Mount, Route
+from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from kg.errors import UsageError
@@ -43,8 +43,6 @@ from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-
-    from starlette.routing import BaseRoute
 
     from kg.server.options import Options
     from kg.settings import Settings

@@ -1,4 +1,7 @@
-"""`/openapi.json`: the server described for programs (OpenAPI 3.1), from its routes and the signatures of its views."""
+"""`/openapi.json`: the server described for programs (OpenAPI 3.1), from its routes and the signatures of its views.
+
+What the description of the server says of each address beyond its route: parameters, bodies, answers.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,8 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from starlette.responses import JSONResponse
-from starlette.routing import Route
+from starlette.responses import JSONResponse, Response
+from starlette.routing import BaseRoute, Route
 
 import kg
 from kg.server.addresses import url
@@ -21,8 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from starlette.requests import Request
-    from starlette.responses import Response
-    from starlette.routing import BaseRoute
 
 _VIEWS: Final = "/api/{name}"
 _LEFT_OUT: Final = {"HEAD", "OPTIONS"}

@@ -1,4 +1,13 @@
-"""Running the server until it is told to stop."""
+"""Running the server until it is told to stop.
+
+A server that stops gracefully, and tells who started it when it is ready and when it stops.
+
+The first SIGTERM or Ctrl-C: nothing new is taken, and what runs has its grace; then its readers are killed, so that it
+is answered with an error. The second: now. A terminal that is closed (SIGHUP) counts as the first, unless the process
+was started to outlive it (nohup). Either way the process ends as one that did what it was told: exit code 0.
+
+Ctrl-Z (SIGTSTP) suspends it, after what must not go on meanwhile was stopped: a robot.
+"""
 
 from __future__ import annotations
 

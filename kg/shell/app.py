@@ -1,4 +1,7 @@
-"""The application: one link to the store, screens above each other, actions of the registry."""
+"""The application: one link to the store, screens above each other, actions of the registry.
+
+A line of code in the editor of the person: `$VISUAL`, `$EDITOR`, or what there is.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +15,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from textual.app import App, SuspendNotSupported, SystemCommand
 from textual.command import CommandList, CommandPalette
-from textual.filter import NoColor
+from textual.filter import LineFilter, NoColor
 from textual.theme import ThemeProvider
 from textual.widget import Widget
 from textual.worker import WorkerFailed, get_current_worker
 
 from kg.errors import KgError, UsageError
 from kg.render.text import printable
-from kg.shell.actions import ACTIONS, bindings, key_words
+from kg.shell.actions import ACTIONS, Action, bindings, key_words
 from kg.shell.delivery import guard, is_late, is_open
 from kg.shell.link import Link
 from kg.shell.screens.base import UpperScreen
@@ -31,11 +34,9 @@ if TYPE_CHECKING:
 
     from textual.binding import Binding, BindingType
     from textual.dom import DOMNode
-    from textual.filter import LineFilter
     from textual.screen import Screen
 
     from kg.settings import Settings
-    from kg.shell.actions import Action
     from kg.store.layout import Layout
 
 _THEME: Final = "textual-dark"

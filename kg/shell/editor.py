@@ -1,4 +1,7 @@
-"""The editor of a query: colours, marks of problems under the right characters, and keys of its own."""
+"""The editor of a query: colours, marks of problems under the right characters, and keys of its own.
+
+Colours of a query: spans of its text with the class of their style, from the same tokens that guards see.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple
 
 from rich.style import Style
-from textual.geometry import Offset
+from textual.geometry import Offset, Region
 from textual.message import Message
 from textual.widgets import TextArea
 from textual.widgets.text_area import TextAreaTheme
@@ -22,7 +25,6 @@ if TYPE_CHECKING:
     from rich.text import Text
     from textual.binding import BindingType
     from textual.events import Key
-    from textual.geometry import Region
     from textual.strip import Strip
 
 _COMPLETING: Final = ("up", "down", "enter", "tab", "escape", "pageup", "pagedown")

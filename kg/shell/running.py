@@ -1,4 +1,15 @@
-"""Where `kg shell` starts: a terminal and a store are checked first, so that what is missing is said in plain lines."""
+"""Where `kg shell` starts: a terminal and a store are checked first, so that what is missing is said in plain lines.
+
+Keys that a person has chosen: the file keys.toml, a table for each context of the registry of actions.
+
+    [main]
+    run = "F5 Ctrl+Enter"
+
+    [results]
+    export = "x"
+
+The keys of an action take the place of those of the registry (`kg.shell.actions`).
+"""
 
 from __future__ import annotations
 
@@ -14,7 +25,7 @@ from typing import TYPE_CHECKING, Any, Final
 from textual.keys import Keys
 
 from kg.errors import Place, StoreError, UsageError
-from kg.shell.actions import ACTIONS, CONTEXTS, TOGETHER, key_named, key_words
+from kg.shell.actions import ACTIONS, CONTEXTS, TOGETHER, Action, key_named, key_words
 from kg.similar import did_you_mean
 from kg.store.opening import layout_of
 
@@ -22,7 +33,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from kg.settings import Settings
-    from kg.shell.actions import Action
 
 _TYPING: Final = frozenset({"everywhere", "main", "editor", "find", "list"})
 """Contexts in which text is typed, so that a character alone is none of their keys."""

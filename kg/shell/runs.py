@@ -8,20 +8,18 @@ import time
 from typing import TYPE_CHECKING
 
 from kg.errors import KgError
-from kg.query.result import Boolean
+from kg.query.result import Boolean, Result
 from kg.query.statements import statement_at
 from kg.shell.delivery import is_open
 from kg.shell.editor import Problem
 from kg.shell.results import rows_of
-from kg.shell.state import Entry
+from kg.shell.state import Entry, State
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from kg.query.result import Result
     from kg.shell.buffers import Buffer
     from kg.shell.link import Link
     from kg.shell.screens.main import MainScreen
-    from kg.shell.state import State
 
 
 class Runs:

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 
 from kg.errors import Place, UsageError
 from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, write
-from kg.query.result import Boolean, Graph, Solutions
+from kg.query.result import Boolean, Graph, Result, Solutions
 from kg.query.writing import parquet
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.query.result import Result
 
 _ENDINGS = {
     "tsv": ".tsv",

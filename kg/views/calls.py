@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from inspect import Parameter, signature
+from inspect import BoundArguments, Parameter, signature
 from typing import TYPE_CHECKING, Any, Final, get_type_hints
 
 import msgspec
@@ -12,7 +12,6 @@ from kg.errors import QueryError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from inspect import BoundArguments
 
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot

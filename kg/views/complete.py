@@ -1,4 +1,4 @@
-"""Completions at a position of a query."""
+"""What editors of queries ask: completions at a position, problems, and prefixes that shorten IRIs."""
 
 from __future__ import annotations
 

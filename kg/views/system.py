@@ -1,4 +1,4 @@
-"""One launch configuration, wired: the view `system`."""
+"""One launch configuration, wired, and findings on the wiring of all: the views `system` and `lint`."""
 
 from __future__ import annotations
 
@@ -8,21 +8,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.codes import CATALOGUE
-from kg.facts import Location
+from kg.facts import LaunchArgument, LaunchInclude, LaunchProblem, Location, NodeInstance, System
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
+from kg.graph.systems_reading import SystemName
 from kg.graph.systems_reading import systems as read_systems
 from kg.holes import is_known
 from kg.lint.allowing import Comments, allowances
 from kg.lint.objects import as_object
 from kg.lint.question import Question
 from kg.lint.reading import read_findings
-from kg.lint.report import Choice, report
+from kg.lint.report import Choice, Report, report
 from kg.lint.running import check
-from kg.render.system_graph import bundles, instance_keys, of_framework, system_graph
+from kg.render.system_graph import Bundle, Member, SystemGraph, bundles, instance_keys, of_framework, system_graph
 from kg.render.text import count
-from kg.settings import table
-from kg.views.evidence import places
+from kg.settings import Settings, table
+from kg.views.evidence import Places, places
 from kg.views.names import known_package
 from kg.views.node_rows import fact
 from kg.views.remembered import while_last
@@ -32,14 +33,8 @@ from kg.views.systems import included_names, known_names, system_named
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
 
-    from kg.facts import LaunchArgument, LaunchInclude, LaunchProblem, NodeInstance, System
-    from kg.graph.systems_reading import SystemName
     from kg.lint.finding import Evidence, Finding
-    from kg.lint.report import Report
-    from kg.render.system_graph import Bundle, Member, SystemGraph
-    from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-    from kg.views.evidence import Places
 
 _TRANSFORMS: Final = frozenset({"/tf", "/tf_static"})
 _NAMED: Final = 12

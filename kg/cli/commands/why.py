@@ -10,14 +10,13 @@ from kg.cli.options import Families, Json, Rules, Store
 from kg.cli.output import json_lines, write
 from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
-from kg.errors import Exit, UsageError
+from kg.errors import Exit, RuleError, UsageError
 from kg.store.opening import existing, reading_with_cache
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
-    from kg.errors import RuleError
     from kg.rules.explain.proof import Proof
     from kg.rules.explain.view import View
     from kg.rules.form import Rule, Term

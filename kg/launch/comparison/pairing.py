@@ -1,4 +1,7 @@
-"""The pairing of things with the same name at both sides, or names that differ in the labels of their holes."""
+"""The pairing of things with the same name at both sides, or names that differ in the labels of their holes.
+
+Canonical values of parameters and arguments: `30.` and `30.0` are one number.
+"""
 
 from __future__ import annotations
 

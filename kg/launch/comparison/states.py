@@ -12,10 +12,20 @@ from collections import defaultdict
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.facts import Location
+from kg.facts import (
+    InstanceInterface,
+    Interface,
+    LaunchArgument,
+    Location,
+    NodeInstance,
+    NodeType,
+    Parameter,
+    Role,
+    System,
+)
 from kg.holes import is_known
-from kg.launch.comparison.changes import Change, Difference, Kind, Level, Side
-from kg.launch.comparison.instances import Instances
+from kg.launch.comparison.changes import Change, Difference, Finding, Kind, Level, Record, Side, Sources
+from kg.launch.comparison.instances import Instances, Told
 from kg.launch.comparison.pairing import canonical, paired, relabelled
 from kg.launch.comparison.renaming import Renames, instance_pairs
 from kg.launch.comparison.wording import qos_words
@@ -24,9 +34,6 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 
-    from kg.facts import InstanceInterface, Interface, LaunchArgument, NodeInstance, NodeType, Parameter, Role, System
-    from kg.launch.comparison.changes import Finding, Record, Sources
-    from kg.launch.comparison.instances import Told
 
 Connection: TypeAlias = tuple[str, str, str, str]
 """The node that gives, the kind of channel, its name, the node that takes."""

@@ -6,12 +6,11 @@ from collections import Counter
 from dataclasses import fields
 from typing import TYPE_CHECKING, Final
 
-from kg.launch.comparison.changes import Kind, Level
+from kg.launch.comparison.changes import Change, Difference, Kind, Level
 from kg.render.text import count
 
 if TYPE_CHECKING:
     from kg.facts import Qos
-    from kg.launch.comparison.changes import Change, Difference
 
 _ROLES: Final = {
     "publishes": "publishes",

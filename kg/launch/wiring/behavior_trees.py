@@ -3,6 +3,10 @@
 A file that includes others, and subtrees in them or in other files of its folder, are followed (BehaviorTree.CPP 3
 and 4). The nodes of a tree are plugins of `BT::TreeNode`, by the names under which C++ registers them; a port has the
 value that the XML gives it, which in a subtree can be one of the subtree's own ports.
+
+Nodes that run behavior trees: those with a parameter that names a file of trees, or nodes that these make for it.
+
+Rows `tree` of `ontology/plugins.toml` list them; its head explains them.
 """
 
 from __future__ import annotations
@@ -14,7 +18,7 @@ from functools import lru_cache
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import TREE_NODE, LaunchParameter, Location, Role, StartKind
+from kg.facts import TREE_NODE, DataFile, Interface, LaunchParameter, Location, NodeType, Role, StartedNode, StartKind
 from kg.holes import is_known
 from kg.launch.wiring.instances import Draft
 from kg.launch.wiring.place import Place
@@ -28,7 +32,6 @@ if TYPE_CHECKING:
 
     from lxml.etree import _Element
 
-    from kg.facts import DataFile, Interface, NodeType, StartedNode
     from kg.launch.wiring.types import NodeTypes, Typed
 
 _TYPED: Final = ("Action", "Condition", "Control", "Decorator")

@@ -1,4 +1,9 @@
-"""One started node as an instance: its type, what it loads, and its interfaces, parameters and remappings resolved."""
+"""One started node as an instance: its type, what it loads, and its interfaces, parameters and remappings resolved.
+
+Command line tools that a configuration starts as nodes: their arguments name what they publish and subscribe to.
+
+`ontology/tools.toml` defines the words; its head explains it.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +18,20 @@ from kg.facts import (
     InstanceInterface,
     InstanceRemap,
     Interface,
+    LaunchParameter,
     MissingType,
     NodeInstance,
     NodeReference,
+    NodeType,
+    Remap,
     Resolution,
     Role,
+    StartedNode,
     StartKind,
 )
 from kg.holes import ANONYMOUS, is_known, is_partial
 from kg.launch.wiring.families import switched_on
-from kg.launch.wiring.inner_nodes import Spelling, addressed, filled_defaults, inner_nodes, without_inner
+from kg.launch.wiring.inner_nodes import Inner, Spelling, addressed, filled_defaults, inner_nodes, without_inner
 from kg.launch.wiring.interfaces import Ends
 from kg.launch.wiring.parameters import Asked
 from kg.launch.wiring.place import Place, place_of
@@ -33,17 +42,14 @@ from kg.launch.wiring.remapping import Remapping, Rule, rules_of
 from kg.launch.wiring.similar_names import Alike, alike_when_short
 from kg.launch.wiring.simulation import Simulated, own_ends
 from kg.launch.wiring.simulation_table import filled
-from kg.launch.wiring.types import own_name
+from kg.launch.wiring.types import NodeTypes, Typed, own_name
 from kg.launch.wiring.values import Server, Settings, parsed, shown
 from kg.resources import folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from kg.facts import LaunchParameter, NodeType, Remap, StartedNode
     from kg.launch.wiring.behavior_trees import TreeNode
-    from kg.launch.wiring.inner_nodes import Inner
-    from kg.launch.wiring.types import NodeTypes, Typed
 
 _HOSTS: Final = (StartKind.NODELET_MANAGER, StartKind.CONTAINER)
 _HOST_PACKAGES: Final = ("nodelet", "rclcpp_components")

@@ -1,4 +1,11 @@
-"""The interfaces of an instance: what its node type and its plugins declare, with the names that they have in it."""
+"""The interfaces of an instance: what its node type and its plugins declare, with the names that they have in it.
+
+Names of interfaces whose text comes from a parameter: the part that the parameter gives, and its value.
+
+A fact has the name with the parameter's default in it (`~/front/scan`, of the parameter `~/topic` with the default
+`scan`), or a hole with its label where it has none. Where the default is in the name tells which part is the
+parameter's.
+"""
 
 from __future__ import annotations
 
@@ -6,24 +13,21 @@ import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import InstanceInterface, Resolution
+from kg.facts import InstanceInterface, Interface, LaunchParameter, Location, NodeReference, NodeType, Resolution
 from kg.holes import ANONYMOUS, PARENT, hole_of, is_known, is_partial, partition
 from kg.launch.wiring.families import meant, members, switched_on
-from kg.launch.wiring.plugins import below_id
-from kg.launch.wiring.values import parsed, shown
+from kg.launch.wiring.plugins import Framework, Loaded, below_id
+from kg.launch.wiring.values import Settings, parsed, shown
 from kg.names import join, normalise
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.facts import Interface, LaunchParameter, Location, NodeReference, NodeType
     from kg.launch.wiring.behavior_trees import TreeNode
     from kg.launch.wiring.inner_nodes import Spelling
     from kg.launch.wiring.place import Place
-    from kg.launch.wiring.plugins import Framework, Loaded
     from kg.launch.wiring.qos import Overrides
     from kg.launch.wiring.remapping import Remapping
-    from kg.launch.wiring.values import Settings
 
 _CAMERA_INFO: Final = "camera_info"
 _PORT: Final = re.compile(r"port\[(\w+)\]")

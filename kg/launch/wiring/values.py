@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import yaml
 
-from kg.facts import LaunchParameter
+from kg.facts import LaunchParameter, StartedNode
 from kg.names import normalise
 from kg.yamltext import load_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.facts import StartedNode
     from kg.launch.wiring.place import Place
     from kg.launch.wiring.remapping import Remapping
 

@@ -2,6 +2,8 @@
 
 An example is data (`given`), what the rule infers from it (`expect`, `expect exactly`), what it does not
 (`expect-not`), and what is in the proofs (`why`).
+
+The headings and fenced blocks of a Markdown page, with their lines: as much of CommonMark as examples need.
 """
 
 from __future__ import annotations

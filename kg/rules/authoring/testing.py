@@ -1,4 +1,7 @@
-"""Runs the examples of rules: only the rules of the file and those that an example names, in memory."""
+"""Runs the examples of rules: only the rules of the file and those that an example names, in memory.
+
+Compare inferred triples with those of an example; an expected blank node matches any term.
+"""
 
 from __future__ import annotations
 
@@ -8,27 +11,23 @@ from dataclasses import dataclass
 from itertools import chain, islice
 from typing import TYPE_CHECKING, Any, Final, cast
 
-from pyoxigraph import BlankNode, Triple
+from pyoxigraph import BlankNode, QuerySolutions, Triple
 
 from kg.errors import KgError, Place, RuleError, UnknownNameError
-from kg.rules.authoring.examples import read_examples
+from kg.rules.authoring.examples import Example, WhyLine, read_examples
 from kg.rules.authoring.memory import VOCABULARY, infer, world_of
 from kg.rules.authoring.naming import find_rule
 from kg.rules.authoring.spelling import spell_term, spell_triple
 from kg.rules.engine.evaluate import Program
 from kg.rules.engine.limits import Limits
-from kg.rules.explain.proof import Proof
+from kg.rules.explain.proof import Premise, Proof
 from kg.rules.explain.view import View
 from kg.rules.explain.why import why, why_all
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from pyoxigraph import QuerySolutions
-
-    from kg.rules.authoring.examples import Example, WhyLine
     from kg.rules.authoring.library import Entry, Library
-    from kg.rules.explain.proof import Premise
     from kg.rules.files import RuleFile
     from kg.rules.form import Rule, Term
     from kg.store.snapshot import MemorySnapshot

@@ -1,4 +1,9 @@
-"""From the text of a `.rq` to blocks."""
+"""From the text of a `.rq` to blocks.
+
+Expressions of SPARQL as blocks; an expression without a block stays text, as a whole.
+
+The grammar is that of SPARQL 1.1, productions from Expression on; the text was checked by the parser of rules before.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +19,8 @@ from kg.errors import RuleError
 from kg.rules.blocks.tree import (
     Absent,
     Compare,
+    Conclusion,
+    Condition,
     Either,
     Fact,
     Formula,
@@ -34,16 +41,19 @@ from kg.rules.blocks.tree import (
     Reckon,
     Rule,
     Says,
+    Term,
+    Test,
     Text,
     Thing,
     Truth,
+    Value,
 )
 from kg.rules.blocks.write import SECTIONS, inferred, namespace
 from kg.rules.decompose.expressions import bare
 from kg.rules.form import Variable
 from kg.rules.header import parse_header
 from kg.syntax import tree
-from kg.syntax.lexer import END, Kind, as_operator, normalise, quoted, token_at, tokens_of, unescape
+from kg.syntax.lexer import END, Kind, Token, as_operator, normalise, quoted, token_at, tokens_of, unescape
 from kg.syntax.names import PREFIXES, shorten
 from kg.syntax.parser import parse_rq
 from kg.syntax.printer import path_text, renamed
@@ -51,8 +61,6 @@ from kg.syntax.printer import path_text, renamed
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from kg.rules.blocks.tree import Conclusion, Condition, Term, Test, Value
-    from kg.syntax.lexer import Token
 
 _XSD: Final = PREFIXES["xsd"]
 _TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")

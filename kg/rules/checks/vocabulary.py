@@ -1,4 +1,10 @@
-"""Checks of classes and properties: unknown ones (KG211), and derived ones that nothing reads (KG215)."""
+"""Checks of classes and properties: unknown ones (KG211), and derived ones that nothing reads (KG215).
+
+The terms of RDF, RDFS and OWL: closed vocabularies, so an unknown name is misspelt.
+
+Sources: RDF 1.2 Schema, sections 2 to 5; OWL 2 Mapping to RDF Graphs, tables 1 and 2; RDF 1.2 Concepts for rdf:reifies
+and the types of strings.
+"""
 
 from __future__ import annotations
 
@@ -8,19 +14,17 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.errors import Fix
-from kg.rules.checks.finding import Finding
+from kg.rules.checks.finding import Context, Finding
 from kg.rules.checks.tokens import names, place_of_name
 from kg.rules.dependencies import depends, reads
-from kg.rules.form import AUXILIARY, Atom, Variable, atoms_of, is_auxiliary
+from kg.rules.form import AUXILIARY, Atom, Rule, Variable, atoms_of, is_auxiliary
 from kg.similar import asked, similar
 from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.rules.checks.finding import Context
     from kg.rules.files import RuleFile
-    from kg.rules.form import Rule
 
 _TYPE: Final = PREFIXES["rdf"] + "type"
 _ELSEWHERE: Final = ("xsd", "sh", "skos", "prov", "dcterms", "schema")

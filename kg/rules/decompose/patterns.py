@@ -3,6 +3,14 @@
 A path of length zero joins two ends that are the same term. Exact only where one end is a constant, which matches
 itself, or bound to a subject or object of the graph by what is before (SPARQL 1.1, section 18.4, ZeroLengthPath);
 a path between two open ends is left to the store's engine.
+
+Paths as atoms: each step one, and "one or more" an auxiliary predicate that two or more rules derive.
+
+    aux(x, y)  when  x step y
+    aux(x, z)  when  aux(x, y) and y step z
+
+The least fixpoint of these rules is the transitive closure, which is what `+` means (SPARQL 1.1, section 18.4, ALP).
+The predicate is named after the steps, so that equal paths of all rules share it.
 """
 
 from __future__ import annotations
@@ -17,18 +25,25 @@ from pyoxigraph import Literal, NamedNode, Triple
 from kg.rules import sparql
 from kg.rules.decompose import expressions
 from kg.rules.decompose.blocks import pattern_text, reads
-from kg.rules.decompose.parts import EMPTY, IndivisibleError, Part, same
+from kg.rules.decompose.parts import EMPTY, IndivisibleError, Part, Scope, same
 from kg.rules.decompose.paths import Avoid, Closure, Link, Step, Steps, inverse, is_plain, key, normal
-from kg.rules.decompose.work import Names
-from kg.rules.form import AUXILIARY, Assignment, Atom, EngineBlock, Filter, TripleTerm, Values, Variable, variables_of
-from kg.syntax.tree import Repeat, Sequence
+from kg.rules.decompose.work import AuxiliaryRules, Names, Work
+from kg.rules.form import (
+    AUXILIARY,
+    Assignment,
+    Atom,
+    EngineBlock,
+    Filter,
+    Pattern,
+    TripleTerm,
+    Values,
+    Variable,
+    variables_of,
+)
+from kg.syntax.tree import Repeat, Sequence, TriplePattern
 
 if TYPE_CHECKING:
     from kg.errors import Place
-    from kg.rules.decompose.parts import Scope
-    from kg.rules.decompose.work import AuxiliaryRules, Work
-    from kg.rules.form import Pattern
-    from kg.syntax.tree import TriplePattern
 
 _START: Final = Variable(".from")
 _MIDDLE: Final = Variable(".between")

@@ -11,6 +11,7 @@ from kg.rules.form import (
     Aggregate,
     Assignment,
     Atom,
+    Element,
     EngineBlock,
     Exists,
     Expression,
@@ -23,8 +24,6 @@ from kg.syntax import printer
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
-
-    from kg.rules.form import Element
 
 
 def renamed(body: Iterable[Element], names: Mapping[Variable, Variable]) -> tuple[Element, ...]:

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from kg.rules.decompose.uses import uses
-from kg.rules.form import Variable, has_blank, variables_of
+from kg.rules.decompose.uses import Uses, uses
+from kg.rules.form import Atom, Element, Variable, has_blank, variables_of
 from kg.syntax.lexer import normalise
 from kg.syntax.position import place_at
 
@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.errors import Place
-    from kg.rules.decompose.uses import Uses
-    from kg.rules.form import Atom, Element
     from kg.syntax.tree import Node, RuleText, Span, TriplePattern
 
 AuxiliaryRules = dict[str, list[tuple["tuple[Atom]", "tuple[Element, ...]"]]]

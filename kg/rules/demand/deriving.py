@@ -1,6 +1,15 @@
 """Derive the triples that one query needs from those of a store.
 
 Reading these takes far longer than evaluation if a query needs little: they are cached for the next query.
+
+The patterns of a SPARQL query as goals: what it may read of what rules derive.
+
+A goal is a group's triple patterns with those that restrict them: rows of VALUES, and patterns of groups around it
+that each solution has to match. A group behind OPTIONAL, MINUS or EXISTS is restricted by what is before it in the
+group around it, and by nothing further out: it may be evaluated before that is joined. A sub-SELECT is not restricted.
+
+A path that repeats, such as `:p+`, asks for all of its predicates. A query that this grammar lacks, such as DESCRIBE,
+asks for everything.
 """
 
 from __future__ import annotations
@@ -16,12 +25,12 @@ from pyoxigraph import NamedNode, Store
 
 from kg.errors import RuleError
 from kg.rules import memory
-from kg.rules.columns import Wanted, lines, read_columns, stated, stored, wanted
-from kg.rules.demand.magic import demanded
+from kg.rules.columns import Tables, Wanted, lines, read_columns, stated, stored, wanted
+from kg.rules.demand.magic import Goal, demanded
 from kg.rules.engine.evaluate import Program, evaluate
-from kg.rules.engine.facts import EMPTY, Facts, absorb, distinct, lacking, union
+from kg.rules.engine.facts import EMPTY, Facts, Keys, absorb, distinct, lacking, union
 from kg.rules.engine.terms import Dictionary
-from kg.rules.form import Atom, TripleTerm, Values, Variable
+from kg.rules.form import Atom, Pattern, Rule, Term, TripleTerm, Values, Variable
 from kg.rules.memory import Memory
 from kg.syntax import tree
 from kg.syntax.names import PREFIXES
@@ -32,12 +41,8 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import Self
 
-    from kg.rules.columns import Tables
-    from kg.rules.demand.magic import Goal
-    from kg.rules.engine.facts import Keys
     from kg.rules.engine.limits import Limits
     from kg.rules.files import RuleSet
-    from kg.rules.form import Pattern, Rule, Term
     from kg.rules.recording import Names
 
 _EVERYTHING: Final[Goal] = (Atom(Variable("s"), Variable("p"), Variable("o")),)

@@ -12,6 +12,17 @@ of auxiliary predicates, so the semi-naive engine evaluates them like any others
 A rule is evaluated whole, as it is written, where its answers cannot be restricted: it feeds a negation, an aggregate,
 a block of SPARQL or a pattern with a variable as predicate; it counts, makes terms, or derives any predicate. The same
 holds for the rules that it reads. Such rules read no demand, so rules that can be stratified still can.
+
+Recursions that a demand for one end follows without answering every node on its way (Naughton et al. 1989).
+
+    right   p(x, z) from  S(x, y), p(y, z)        composes what S relates before p
+    left    p(x, z) from  p(x, y), S(y, z)        after it
+    double  p(x, z) from  p(x, y), p(y, z)
+    exit    any rule of p that does not recur
+
+With demand for the subject, plain magic sets turn the right form into demand for every y that x reaches, so that all
+pairs along a chain are derived where one end was asked for. Here the nodes reached are carried with x instead, and a
+double rule becomes a left one: p(x, z) from p(x, y), exit(y, z). With demand for the object it is the other way round.
 """
 
 from __future__ import annotations
@@ -27,8 +38,10 @@ from kg.rules.form import (
     AUXILIARY,
     Aggregate,
     Atom,
+    Element,
     EngineBlock,
     Exists,
+    Pattern,
     Rule,
     TripleTerm,
     Values,
@@ -42,7 +55,6 @@ from kg.rules.stratify import Heads, edges
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from kg.rules.form import Element, Pattern
 
 Goal: TypeAlias = tuple[Atom | Values, ...]
 """Patterns and rows that a query joins: each pattern is asked for as far as the others bind it."""

@@ -8,13 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.rules.form import Atom, EngineBlock
+from kg.rules.form import Atom, Column, EngineBlock, Expression, Rule
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-    from kg.rules.form import Column, Expression, Rule
 
 
 @dataclass(frozen=True, slots=True)

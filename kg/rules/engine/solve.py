@@ -10,10 +10,10 @@ import numpy as np
 
 from kg.rules.engine.groups import grouped
 from kg.rules.engine.matching import Reading, joined, match, spread
-from kg.rules.engine.plan import Assign, Block, Grouped, Match, Nested, Rows, Structure, Test
+from kg.rules.engine.plan import Assign, Block, Body, Grouped, Match, Nested, Rows, Step, Structure, Test
 from kg.rules.engine.shortcuts import has_shortcut
 from kg.rules.engine.tables import CHUNK, UNIT, Table, TooManyRowsError, concatenate, distinct_rows, join
-from kg.rules.engine.terms import TRIPLE
+from kg.rules.engine.terms import TRIPLE, Dictionary
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.expressions import Expressions
     from kg.rules.engine.facts import Facts
     from kg.rules.engine.limits import Clock
-    from kg.rules.engine.plan import Body, Step
-    from kg.rules.engine.terms import Dictionary
 
 _DEDUPLICATE: Final = 2048
 """Smaller tables are not searched for rows that are twice in it."""

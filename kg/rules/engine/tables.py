@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from kg.rules.engine.facts import EMPTY, distinct, pack
+from kg.rules.engine.facts import EMPTY, Keys, distinct, pack
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from kg.rules.engine.facts import Keys
 
 CHUNK: Final = 1 << 21
 """Rows that a join gives at once, about: one that would give over twice as many is to be done in pieces."""

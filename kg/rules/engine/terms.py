@@ -10,14 +10,13 @@ from zlib import crc32
 import numpy as np
 from pyoxigraph import Triple
 
-from kg.store.terms import of_spelling, spell
+from kg.store.terms import Term, of_spelling, spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
-    from kg.store.terms import Term
 
 IRI, BLANK, LITERAL, TRIPLE = range(1, 5)
 """The kinds of terms; 0 is that of "unbound"."""

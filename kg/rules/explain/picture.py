@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 from xml.sax.saxutils import escape
 
-from kg.rules.explain.text import proof_lines
+from kg.rules.explain.text import Line, proof_lines
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kg.rules.explain.proof import Proof
-    from kg.rules.explain.text import Line
     from kg.rules.explain.view import View
 
 _ROW: Final = 22

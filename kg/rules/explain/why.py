@@ -14,12 +14,11 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.errors import RuleError
 from kg.rules.explain.derivations import derivations
-from kg.rules.explain.proof import Derivation, Proof
+from kg.rules.explain.proof import Derivation, Premise, Proof
 
 if TYPE_CHECKING:
     from pyoxigraph import Triple
 
-    from kg.rules.explain.proof import Premise
     from kg.rules.explain.view import View
     from kg.rules.form import Rule
 

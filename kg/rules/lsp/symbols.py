@@ -2,6 +2,8 @@
 
 Offsets count characters of the text as it is. A file is a rule in one of the three notations, an ontology or a stored
 query (`.ttl`, `.rq`), a page of examples (`.md`), or `kg.toml`.
+
+The terms that ontologies define, with where they do, for editors.
 """
 
 from __future__ import annotations

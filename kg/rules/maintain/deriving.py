@@ -1,4 +1,10 @@
-"""Consequences of a change by one rule, in the data before it or after it."""
+"""Consequences of a change by one rule, in the data before it or after it.
+
+Whether a small change can give a rule any solution, decided from the text of the rule before it is planned.
+
+Most rules that a small change reaches have no solution with it: another atom of the body finds no triple for the terms
+that changed. Planning such a rule costs more than this check.
+"""
 
 from __future__ import annotations
 
@@ -10,22 +16,17 @@ from pyoxigraph import BlankNode, NamedNode
 from kg.rules.engine import matching
 from kg.rules.engine.facts import Facts, absorb, unpack
 from kg.rules.engine.heads import Collector
-from kg.rules.engine.plan import Assign, Block, Grouped, Match, Rows, Structure
-from kg.rules.engine.solve import Solver, View
+from kg.rules.engine.plan import Assign, Block, Grouped, Head, Match, Rows, RulePlan, Structure
+from kg.rules.engine.solve import Solver, View, Workshop
 from kg.rules.engine.tables import UNIT, Table, concatenate, distinct_rows
-from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, TripleTerm, Variable
-from kg.rules.maintain.patterns import pattern
-from kg.rules.maintain.pivots import pivots
+from kg.rules.form import Aggregate, Atom, Element, EngineBlock, Exists, Pattern, Rule, TripleTerm, Variable
+from kg.rules.maintain.patterns import Delta, World, pattern
+from kg.rules.maintain.pivots import Pivot, Reading, pivots
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from kg.rules.engine.plan import Head, RulePlan
-    from kg.rules.engine.solve import Workshop
     from kg.rules.engine.terms import Dictionary
-    from kg.rules.form import Element, Pattern, Rule
-    from kg.rules.maintain.patterns import Delta, World
-    from kg.rules.maintain.pivots import Pivot, Reading
 
 _FEW: Final = 32
 """Larger changes are not checked triple by triple."""

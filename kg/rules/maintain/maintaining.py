@@ -6,6 +6,16 @@
 `inferred` is what `kg.rules.engine.evaluate` gave for `asserted`, auxiliary triples included. What rules infer after
 each change is what evaluation from scratch would give, triple for triple; blank nodes too, which are made from the
 solutions that they stand for. Rules with volatile functions (`RAND`, `NOW`) keep what they inferred first.
+
+One stratum after a change: delete and rederive, then insert (Gupta, Mumick and Subrahmanian 1993, section 7).
+
+1. Remove what was derived, in the data before, from a removed triple (unless it is asserted), repeatedly where the
+   stratum is recursive. This removes too much, since a triple may have other derivations. Triples that follow in one
+   step from data that certainly stays are therefore kept, which bounds the effect of one triple.
+2. Put back the removed triples that still follow from the remaining data.
+3. Add what follows from triples that were added or put back, round by round.
+
+Triples under negation and aggregates belong to finished strata; `kg.rules.maintain.pivots` describes their effect.
 """
 
 from __future__ import annotations
@@ -18,7 +28,7 @@ import numpy as np
 
 from kg.rules.dependencies import volatile
 from kg.rules.engine.equality import equalities
-from kg.rules.engine.evaluate import Limits, evaluate
+from kg.rules.engine.evaluate import Limits, Program, evaluate
 from kg.rules.engine.facts import Facts, absorb, common, difference, lacking, merged, take_out, union, unpack
 from kg.rules.maintain.deriving import MaintainedRule
 from kg.rules.maintain.patterns import Delta, Patterns, World
@@ -27,7 +37,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
     from collections.abc import Set as AbstractSet
 
-    from kg.rules.engine.evaluate import Program
     from kg.rules.engine.limits import Clock
     from kg.rules.engine.terms import Dictionary
     from kg.rules.stratify import Stratum

@@ -2,6 +2,8 @@
 
 A pattern is `predicate << 32 | object`, where 0 stands for any object; `ANY` is that of all triples. Of some hundred
 strata a small change reaches few. Disjoint sets of patterns exclude the others without a join.
+
+The data at one moment, and the triples added or removed between two moments.
 """
 
 from __future__ import annotations
@@ -12,13 +14,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from kg.rules.engine.facts import distinct
+from kg.rules.engine.facts import Facts, distinct
 from kg.rules.engine.tables import among
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.rules.engine.facts import Facts
 
 ANY: Final = 0
 _LOW: Final = 0xFFFFFFFF

@@ -1,4 +1,4 @@
-"""Parts shared by the printed notations: short names, heads, and rules that none can express."""
+"""Rules as SPARQL CONSTRUCT (`.rq`), and what all printed notations share: short names, heads, refusals."""
 
 from __future__ import annotations
 
@@ -6,16 +6,13 @@ from typing import TYPE_CHECKING
 
 from kg.errors import RuleError
 from kg.rules import sparql
-from kg.rules.form import atoms_of
-from kg.syntax.lexer import Kind
+from kg.rules.form import Atom, Rule, atoms_of
+from kg.syntax.lexer import Kind, Token
 from kg.syntax.names import PREFIXES, prefixed
 from kg.syntax.printer import respelt
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
-
-    from kg.rules.form import Atom, Rule
-    from kg.syntax.lexer import Token
 
 
 def to_rq(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:

@@ -2,6 +2,23 @@
 
 The graph of inferred triples changes in the last request only: whatever fails before leaves it as it was. Blank nodes
 in heads are made by the server: they differ from run to run, and from those of the embedded engine, in their labels.
+
+The asserted triples in one graph: the only one of the server, or a copy from several of what rules read.
+
+The temporary graphs of one run on a server.
+
+    <inferred>/delta-3f2a/asserted      what rules read as asserted, each triple once
+    <inferred>/delta-3f2a/derived       what was derived so far; becomes <inferred> at the end
+    <inferred>/delta-3f2a/new           what rules gave in this round, known or not
+    <inferred>/delta-3f2a/delta         what was new in the last round
+    <inferred>/delta-3f2a/auxiliary...  the last three for predicates that decomposition introduced
+    <inferred>/delta-3f2a/stated        triples that rule files state and nothing else asserts
+
+`asserted` and `derived` share nothing, so rules that read both meet each triple once: what a server makes of a triple
+that two graphs have differs, and aggregates would count it twice. Auxiliary triples have graphs of their own, for a
+variable in the place of a predicate must not match them.
+
+A rule as an update that adds its derivations to the graph of new triples, from all data or from a delta.
 """
 
 from __future__ import annotations
@@ -21,6 +38,7 @@ from kg.rules.form import (
     Aggregate,
     Assignment,
     Atom,
+    Element,
     EngineBlock,
     Exists,
     Filter,
@@ -34,14 +52,12 @@ from kg.rules.form import (
     readers_of,
 )
 from kg.rules.sparql import Placed, group, spelling, triple
-from kg.rules.stratify import stratify
+from kg.rules.stratify import Stratum, stratify
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kg.rules.files import RuleSet
-    from kg.rules.form import Element
-    from kg.rules.stratify import Stratum
     from kg.store.remote import RemoteSnapshot, RemoteStore
 
 _GRACE_SECONDS: Final = 2.0

@@ -21,7 +21,7 @@ from kg.shell.buffers import Buffer, Buffers
 from kg.shell.completing import Completions, begins_word
 from kg.shell.delivery import deliver, is_open
 from kg.shell.editor import Problem, QueryEditor
-from kg.shell.results import AnswerTable, columns_of
+from kg.shell.results import AnswerTable, ResultView, columns_of
 from kg.shell.runs import Runs
 from kg.shell.tree import KnowledgeTree
 from kg.shell.writing import copied, formats_of
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from kg.query.readers.pool import Job
     from kg.shell.app import Shell
     from kg.shell.link import Link
-    from kg.shell.results import ResultView
     from kg.shell.state import State
 
 _FOLLOW_SECONDS: Final = 2.0

@@ -1,6 +1,8 @@
 """Conformance to a shape (SHACL, section 3.4) as filters on a term: sh:condition and sh:filterShape.
 
 A shape with a path speaks of the values of that path: that all conform is that none has a case in which it does not.
+
+Constraints on all values of a path together: pairs of properties, closed shapes (SHACL, sections 4.4, 4.5, 4.8).
 """
 
 from __future__ import annotations
@@ -13,8 +15,8 @@ from pyoxigraph import Literal, NamedNode
 
 from kg.rules.notations.shacl.expressions import Expressions
 from kg.rules.notations.shacl.logic import FALSE, MAX_CASES, TRUE, Cases, check, every, exists, for_all, none, some
-from kg.rules.notations.shacl.paths import Branch, path_of, steps
-from kg.rules.notations.shacl.query import query_of, rename, spell, variables
+from kg.rules.notations.shacl.paths import Branch, Names, path_of, steps
+from kg.rules.notations.shacl.query import Words, query_of, rename, spell, variables
 from kg.rules.notations.shacl.values import VALUE_TESTS, constant
 from kg.rules.notations.shacl.vocabulary import SH, sh
 from kg.syntax.lexer import Kind
@@ -25,8 +27,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Term
     from kg.rules.notations.shacl.functions import Functions
     from kg.rules.notations.shacl.graph import ShapesGraph
-    from kg.rules.notations.shacl.paths import Names
-    from kg.rules.notations.shacl.query import Words
 
 _FEW: Final = 4
 """Up to here, different values are written out; more are counted by a sub-SELECT."""

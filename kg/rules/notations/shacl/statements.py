@@ -1,4 +1,13 @@
-"""Rules of a shapes graph as CONSTRUCT queries: one for each target of the shape and each case of the conditions."""
+"""Rules of a shapes graph as CONSTRUCT queries: one for each target of the shape and each case of the conditions.
+
+From the text of a file to rules: its queries are parsed and decomposed, their places put back into the file.
+
+Pre-binding (SHACL, appendix A): `$this` has its value everywhere in a query, also inside its groups.
+
+The patterns that bind the focus node are at the beginning of the whole group. SPARQL joins from inside to outside,
+so a group inside it that uses the variable in an expression must bind it too, in a sub-SELECT once for each node,
+since aggregates count solutions.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +25,7 @@ from kg.rules.notations.shacl.expressions import Expressions
 from kg.rules.notations.shacl.functions import Functions
 from kg.rules.notations.shacl.graph import ShapesGraph
 from kg.rules.notations.shacl.paths import Names
-from kg.rules.notations.shacl.query import closing, plain, query_of, variables
+from kg.rules.notations.shacl.query import Query, Words, closing, plain, query_of, variables
 from kg.rules.notations.shacl.targets import targets
 from kg.rules.notations.shacl.vocabulary import RDFS, SUBCLASS, TYPE, sh
 from kg.syntax.lexer import Kind
@@ -28,7 +37,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kg.rules.form import Rule, Term
-    from kg.rules.notations.shacl.query import Query, Words
 
 _REGIME: Final = "http://www.w3.org/ns/entailment/"
 _PROPERTY: Final = f"<{RDFS}subPropertyOf>"
