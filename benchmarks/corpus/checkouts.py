@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 from bugs.workspaces import MissingError, git_folder, unpack
 
 from kg.corpus.fetching_lock import FETCHED, Entry, Lock, read_lock, write_lock
-from kg.corpus.fetching_one import stands_at
-from kg.corpus.fetching_tree import ros_versions
+from kg.corpus.fetching_one import ros_versions, stands_at
 from kg.corpus.git import environment, run_git
 
 if TYPE_CHECKING:

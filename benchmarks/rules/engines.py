@@ -80,9 +80,12 @@ def kg_memory(data: Path, output: Path) -> Figures:
     """`kg`, in a store of the engine in memory."""
     import pyoxigraph as ox  # noqa: PLC0415 - each engine loads its own
 
-    from kg.rules.columns import read_columns, wanted  # noqa: PLC0415 - each engine loads its own
+    from kg.rules.columns import (  # noqa: PLC0415 - each engine loads its own
+        lines,
+        read_columns,
+        wanted,
+    )
     from kg.rules.engine.evaluate import Program, evaluate  # noqa: PLC0415 - each engine loads its own
-    from kg.rules.lines import lines  # noqa: PLC0415 - each engine loads its own
     from kg.store import bulk  # noqa: PLC0415 - each engine loads its own
 
     db, rules = ox.Store(), rule_sets.seventeen()

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import bm25s
 
 from kg.evaluate.judged_needs import Ranked, ndcg, read_needs
-from kg.evaluate.rankers import text_of_node
+from kg.evaluate.retrieval import text_of_node
 from kg.search.lexicon import lexicon
 from kg.search.searching import Hit, Search
 

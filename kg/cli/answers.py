@@ -10,7 +10,7 @@ from kg.cli.places import fitted
 from kg.errors import QueryError
 from kg.query.formats import GRAPH_FORMATS, SOLUTION_FORMATS, display, plain
 from kg.query.formats import write as written
-from kg.query.result import Boolean, Graph, Solutions
+from kg.query.result import Boolean, Graph, Result, Solutions
 from kg.query.writing import parquet
 from kg.render.text import count, width
 from kg.similar import did_you_mean
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.cli.links import Links
-    from kg.query.result import Result
-
-__all__ = ["answer", "format_for", "is_empty", "table"]
 
 _OTHER_NAMES: Final = {
     "md": "markdown",

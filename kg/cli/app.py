@@ -11,8 +11,6 @@ from kg.cli.output import json_lines, write
 from kg.cli.session import Session
 from kg.errors import Exit
 
-__all__ = ["app"]
-
 EPILOGUE: Final = """
 Data goes to standard output, messages go to standard error. Exit codes:
 
@@ -30,12 +28,7 @@ Start with `kg demo`, or with `kg build FOLDER` and then `kg search "what you ne
 """
 
 COMMANDS: Final = (
-    Later(
-        "Start",
-        "demo",
-        "demo:demo",
-        "Try kg on an example workspace: build, ask, prove and lint.",
-    ),
+    Later("Start", "demo", "demo:demo", "Try kg on an example workspace: build, ask, prove and lint."),
     Later("Start", "build", "build:build", "Read ROS packages into the store."),
     Later("Start", "status", "build:status", "List the sources in the store and what has changed since the build."),
     Later("Ask", "nodes", "nodes:nodes", "List all nodes with the number of their interfaces."),
@@ -43,10 +36,7 @@ COMMANDS: Final = (
     Later("Ask", "search", "search:search", "Find nodes by what they do, with the reasons."),
     Later("Ask", "compose", "compose:compose", "Find chains of nodes that convert one message type into another."),
     Later(
-        "Ask",
-        "instances",
-        "instances:instances",
-        "List the nodes that launch files start, with their run-time names.",
+        "Ask", "instances", "instances:instances", "List the nodes that launch files start, with their run-time names."
     ),
     Later("Ask", "graph", "graph:graph", "Show the nodes and connections that a launch file starts."),
     Later("Ask", "diff", "diff:diff", "Show changes in interfaces and wiring between two commits."),
@@ -57,52 +47,17 @@ COMMANDS: Final = (
     Later("Ask", "lint", "lint:lint", "Report problems in the wiring of launch files."),
     Later("Ask", "stats", "stats:stats", "Count entities, triples, neighbours and paths of the graph."),
     Later("Ask", "serve", "serve:serve", "Serve the store as web pages and a SPARQL endpoint."),
-    Later(
-        "Ask",
-        "shell",
-        "shell:shell",
-        "Explore the store in a full-screen terminal interface.",
-    ),
+    Later("Ask", "shell", "shell:shell", "Explore the store in a full-screen terminal interface."),
     Later("Ask", "mcp", "mcp:mcp", "Serve coding assistants over the Model Context Protocol."),
     Later("Ask", "packages", "lists:packages", "List the packages with their nodes, interfaces and problems."),
     Later("Ask", "files", "lists:files", "List the files of packages, sorted into code and text."),
-    Later(
-        "Ask",
-        "topic",
-        "channels:topic",
-        "Show a topic's publishers and subscribers, by launch file and in code.",
-    ),
-    Later(
-        "Ask",
-        "service",
-        "channels:service",
-        "Show a service's servers and clients; works like `kg topic`.",
-    ),
-    Later(
-        "Ask",
-        "action",
-        "channels:action",
-        "Show an action's servers and clients; works like `kg topic`.",
-    ),
-    Later(
-        "Ask",
-        "param",
-        "param:param",
-        "Show the nodes that declare a parameter, and its value per launch file.",
-    ),
+    Later("Ask", "topic", "channels:topic", "Show a topic's publishers and subscribers, by launch file and in code."),
+    Later("Ask", "service", "channels:service", "Show a service's servers and clients; works like `kg topic`."),
+    Later("Ask", "action", "channels:action", "Show an action's servers and clients; works like `kg topic`."),
+    Later("Ask", "param", "param:param", "Show the nodes that declare a parameter, and its value per launch file."),
     Later("Ask", "topics", "lists:topics", "List the topics with their types and numbers of nodes."),
-    Later(
-        "Ask",
-        "services",
-        "lists:services",
-        "List the services with their types and numbers of nodes.",
-    ),
-    Later(
-        "Ask",
-        "actions",
-        "lists:actions",
-        "List the actions with their types and numbers of nodes.",
-    ),
+    Later("Ask", "services", "lists:services", "List the services with their types and numbers of nodes."),
+    Later("Ask", "actions", "lists:actions", "List the actions with their types and numbers of nodes."),
     Later("Maintain", "export", "exchange:export", "Write the graph as RDF."),
     Later("Maintain", "import", "exchange:import_files", "Add RDF files to the store."),
     Later("Maintain", "update", "update:update", "Change the store with SPARQL Update."),
@@ -122,49 +77,18 @@ COMMANDS: Final = (
 )
 RULE_COMMANDS: Final = (
     Later("Write", "new", "rules:new", "Create a rule that runs as it is, with examples that pass."),
-    Later(
-        "Write",
-        "list",
-        "rules:list_rules",
-        "List the active rules: those of kg, of installed packs, and your own.",
-    ),
-    Later(
-        "Write",
-        "show",
-        "rules:show_rule",
-        "Show one rule: documentation, text, inputs, results and dependencies.",
-    ),
-    Later(
-        "Write",
-        "lsp",
-        "rules_lsp:lsp",
-        "Serve editors: rules as you type them, and the findings of `kg lint`.",
-    ),
+    Later("Write", "list", "rules:list_rules", "List the active rules: those of kg, of installed packs, and your own."),
+    Later("Write", "show", "rules:show_rule", "Show one rule: documentation, text, inputs, results and dependencies."),
+    Later("Write", "lsp", "rules_lsp:lsp", "Serve editors: rules as you type them, and the findings of `kg lint`."),
     Later("Try", "check", "rules_check:check", "Check rules: names, safety, strata, dead rules, documentation."),
+    Later("Try", "test", "rules_testing:try_rules", "Run the examples of rules and show what differs."),
+    Later("Try", "diff", "rules_diff:diff", "Show what the rules on disk would add to and remove from the store."),
     Later(
-        "Try",
-        "test",
-        "rules_testing:try_rules",
-        "Run the examples of rules and show what differs.",
-    ),
-    Later(
-        "Try",
-        "diff",
-        "rules_diff:diff",
-        "Show what the rules on disk would add to and remove from the store.",
-    ),
-    Later(
-        "Try",
-        "watch",
-        "rules_watch:watch",
-        "Check and test rules on every save, and show their effect on the store.",
+        "Try", "watch", "rules_testing:watch", "Check and test rules on every save, and show their effect on the store."
     ),
     Later("Run", "run", "rules_run:run", "Run the active rules and write what they infer into the store."),
     Later(
-        "Inspect",
-        "compile",
-        "rules_compile:compile_rule",
-        "Print a rule as it is evaluated, or in another notation.",
+        "Inspect", "compile", "rules_compile:compile_rule", "Print a rule as it is evaluated, or in another notation."
     ),
     Later("Inspect", "plan", "rules_reports:plan", "Show which rules can run on each source alone, and why not."),
     Later("Inspect", "graph", "rules_reports:graph", "Draw which rules feed which, as SVG, Mermaid or JSON."),
@@ -188,26 +112,13 @@ ROBOT_COMMANDS: Final = (
         "robot:capabilities",
         "List a robot's capabilities and the topics, services or actions they use.",
     ),
-    Later(
-        "Look",
-        "topics",
-        "robot_topics:topics",
-        "List a robot's topics with types, publishers and subscribers.",
-    ),
+    Later("Look", "topics", "robot_topics:topics", "List a robot's topics with types, publishers and subscribers."),
     Later("Look", "nodes", "robot_topics:nodes", "List a robot's nodes with the states of managed ones."),
     Later("Look", "params", "robot_params:params", "Show the parameters of running nodes, or set one."),
-    Later(
-        "Look",
-        "watch",
-        "robot:watch",
-        "Mirror a running robot in the store, and report what changes.",
-    ),
+    Later("Look", "watch", "robot:watch", "Mirror a running robot in the store, and report what changes."),
     Later("Look", "record", "robot_topics:record", "Record topics of a robot to a file, until Ctrl-C."),
     Later(
-        "Drive",
-        "read",
-        "robot_driving:read",
-        "Print values sensed or stored by a robot, one per line, until Ctrl-C.",
+        "Drive", "read", "robot_driving:read", "Print values sensed or stored by a robot, one per line, until Ctrl-C."
     ),
     Later("Drive", "do", "robot_driving:do", "Run a capability of a robot and wait until it is done."),
     Later("Program", "run", "robot_programs:run", "Run a program on a robot and print what happens."),
@@ -231,12 +142,7 @@ ROBOT_COMMANDS: Final = (
     ),
 )
 CORPUS_COMMANDS: Final = (
-    Later(
-        "Commands",
-        "select",
-        "corpus:select",
-        "Select projects from a table by criteria, and compare with RNKG's.",
-    ),
+    Later("Commands", "select", "corpus:select", "Select projects from a table by criteria, and compare with RNKG's."),
     Later(
         "Commands",
         "fetch",
@@ -258,12 +164,7 @@ EVALUATIONS: Final = (
         "Compare the relations of nodes with references: precision, recall and F1.",
     ),
     Later("Commands", "sample", "evaluate:sample", "Draw facts to be judged by a person, or score a judged sheet."),
-    Later(
-        "Commands",
-        "search",
-        "evaluate:search",
-        "Compare the search with other methods: NDCG@1 and NDCG@5.",
-    ),
+    Later("Commands", "search", "evaluate:search", "Compare the search with other methods: NDCG@1 and NDCG@5."),
     Later(
         "Commands",
         "exercises",
@@ -278,24 +179,9 @@ EVALUATIONS: Final = (
     ),
 )
 ONTOLOGY_COMMANDS: Final = (
-    Later(
-        "Commands",
-        "check",
-        "ontology:check",
-        "Check ontologies with the reasoner HermiT (OWL 2 DL).",
-    ),
-    Later(
-        "Commands",
-        "classify",
-        "ontology:classify",
-        "Print what follows from ontologies by OWL 2 DL, as Turtle.",
-    ),
-    Later(
-        "Commands",
-        "validate",
-        "ontology:validate",
-        "Validate the data of the store against SHACL shapes.",
-    ),
+    Later("Commands", "check", "ontology:check", "Check ontologies with the reasoner HermiT (OWL 2 DL)."),
+    Later("Commands", "classify", "ontology:classify", "Print what follows from ontologies by OWL 2 DL, as Turtle."),
+    Later("Commands", "validate", "ontology:validate", "Validate the data of the store against SHACL shapes."),
 )
 EXTRACT_COMMANDS: Final = (
     Later(
@@ -370,8 +256,7 @@ def _print_description(context: typer.Context, value: bool) -> None:  # noqa: FB
 
 
 Spec = Annotated[
-    bool,
-    typer.Option("--spec", callback=_print_description, is_eager=True, help="Describe all commands as JSON."),
+    bool, typer.Option("--spec", callback=_print_description, is_eager=True, help="Describe all commands as JSON.")
 ]
 Traceback = Annotated[
     bool, typer.Option("--traceback", help="Show Python tracebacks of errors. [KG_DEBUG=1]", show_default=False)

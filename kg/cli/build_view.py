@@ -18,16 +18,6 @@ if TYPE_CHECKING:
     from kg.pipeline.estimating import Volume
     from kg.pipeline.report import BuildReport, Inferred, SourceReport
 
-__all__ = [
-    "left_out",
-    "near",
-    "report_object",
-    "summary",
-    "volume_object",
-    "volume_row",
-    "volumes_in_words",
-]
-
 _FEW: Final = 10
 _FEW_REASONS: Final = 5
 

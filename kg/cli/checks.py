@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.layout import Layout
 
-__all__ = ["Check", "checks"]
-
 _DISTRIBUTION: Final = "kg-ros"
 _LEAST_FREE: Final = 200 << 20
 
@@ -42,7 +40,7 @@ class Check:
 
 def checks(settings: Settings) -> Iterator[Check]:
     """Yield what every check found, from the ground up."""
-    yield _python()
+    yield Check("Python", "ok", f"{platform.python_version()} at {sys.executable}")
     yield from _dependencies()
     yield _data()
     yield _pages()
@@ -63,10 +61,6 @@ def _language(settings: Settings) -> Check:
         except KgError as error:
             return Check("tagger", "wrong", str(error), error.hint or "")
     return Check("tagger", "ok", describe(settings.nlp_model))
-
-
-def _python() -> Check:
-    return Check("Python", "ok", f"{platform.python_version()} at {sys.executable}")
 
 
 def _dependencies() -> Iterator[Check]:

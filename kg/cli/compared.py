@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
 
-__all__ = ["Known", "Sides", "address", "known", "sides", "stores"]
-
 
 @dataclass(frozen=True, slots=True)
 class Sides:

@@ -2,28 +2,36 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from kg.errors import CATALOGUE, KgError
 from kg.settings import load
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Iterator
 
-__all__ = [
-    "actions",
-    "codes",
-    "features",
-    "launches",
-    "nodes",
-    "packages",
-    "parameters",
-    "queries",
-    "rules",
-    "services",
-    "subjects",
-    "topics",
-]
+    from kg.store.interface import Snapshot
+
+
+def completing(names: Callable[[str], Iterable[str]]) -> Callable[[str], list[str]]:
+    """Let a function return only the names that begin as typed, and none where the names cannot be read."""
+
+    def complete(incomplete: str) -> list[str]:
+        try:
+            return [name for name in names(incomplete) if name.startswith(incomplete)]
+        except KgError:
+            return []
+
+    return complete
+
+
+@contextmanager
+def _snapshot() -> Iterator[Snapshot]:
+    from kg.store.opening import reading  # noqa: PLC0415 - start-up time
+
+    with reading(load()) as snapshot:
+        yield snapshot
 
 
 def codes(incomplete: str) -> list[tuple[str, str]]:
@@ -31,133 +39,90 @@ def codes(incomplete: str) -> list[tuple[str, str]]:
     return [(code, entry.title) for code, entry in CATALOGUE.items() if code.startswith(incomplete.upper())]
 
 
-def nodes(incomplete: str) -> list[str]:
+@completing
+def nodes(_: str) -> Iterable[str]:
     """Return the names of nodes."""
+    from kg.graph.reading import node_names  # noqa: PLC0415 - start-up time
 
-    def names() -> list[str]:
-        from kg.graph.reading import node_names  # noqa: PLC0415 - start-up time
-        from kg.store.opening import reading  # noqa: PLC0415 - start-up time
-
-        with reading(load()) as snapshot:
-            return node_names(snapshot)
-
-    return _beginning(incomplete, names)
+    with _snapshot() as snapshot:
+        return node_names(snapshot)
 
 
-def packages(incomplete: str) -> list[str]:
+@completing
+def packages(_: str) -> Iterable[str]:
     """Return the names of packages."""
+    from kg.graph.overview import package_names  # noqa: PLC0415 - start-up time
 
-    def names() -> list[str]:
-        from kg.graph.overview import package_names  # noqa: PLC0415 - start-up time
-        from kg.store.opening import reading  # noqa: PLC0415 - start-up time
-
-        with reading(load()) as snapshot:
-            return package_names(snapshot)
-
-    return _beginning(incomplete, names)
+    with _snapshot() as snapshot:
+        return package_names(snapshot)
 
 
 def features(kind: str) -> Callable[[str], list[str]]:
     """Return what completes the values of a filter of `kg search`; types also by their last part."""
 
-    def complete(incomplete: str) -> list[str]:
-        def names() -> list[str]:
-            from kg.search.filters import known  # noqa: PLC0415 - start-up time
-            from kg.search.searching import open_search  # noqa: PLC0415 - start-up time
-            from kg.store.opening import existing  # noqa: PLC0415 - start-up time
+    @completing
+    def complete(_: str) -> Iterable[str]:
+        from kg.search.filters import known  # noqa: PLC0415 - start-up time
+        from kg.search.searching import open_search  # noqa: PLC0415 - start-up time
+        from kg.store.opening import existing  # noqa: PLC0415 - start-up time
 
-            whole = known(kind, open_search(existing(load())).names)
-            return sorted({*whole, *(name.rpartition("/")[2] for name in whole)})
-
-        return _beginning(incomplete, names)
+        whole = known(kind, open_search(existing(load())).names)
+        return sorted({*whole, *(name.rpartition("/")[2] for name in whole)})
 
     return complete
 
 
-def queries(incomplete: str) -> list[str]:
+@completing
+def queries(_: str) -> Iterable[str]:
     """Return the names of stored queries."""
+    from kg.query.stored import discover  # noqa: PLC0415 - start-up time
 
-    def names() -> list[str]:
-        from kg.query.stored import discover  # noqa: PLC0415 - start-up time
-
-        return list(discover(load().queries))
-
-    return _beginning(incomplete, names)
+    return discover(load().queries)
 
 
-def rules(incomplete: str) -> list[str]:
+@completing
+def rules(_: str) -> Iterable[str]:
     """Return the names of rules."""
+    from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
 
-    def names() -> list[str]:
-        from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
-
-        return list(Library.of(load()).entries)
-
-    return _beginning(incomplete, names)
+    return Library.of(load()).entries
 
 
-def launches(incomplete: str) -> list[str]:
+@completing
+def launches(_: str) -> Iterable[str]:
     """Return the names of launch files."""
+    from kg.graph.systems_reading import system_names  # noqa: PLC0415 - start-up time
 
-    def names() -> list[str]:
-        from kg.graph.systems_reading import system_names  # noqa: PLC0415 - start-up time
-        from kg.store.opening import reading  # noqa: PLC0415 - start-up time
-
-        with reading(load()) as snapshot:
-            return [one.name for one in system_names(snapshot)]
-
-    return _beginning(incomplete, names)
+    with _snapshot() as snapshot:
+        return [one.name for one in system_names(snapshot)]
 
 
-def topics(incomplete: str) -> list[str]:
-    """Return the names of topics, in launched systems and in code."""
-    return _channels("topic", incomplete)
+def channels(kind: str) -> Callable[[str], list[str]]:
+    """Return what completes names of topics, services or actions, in launched systems and in code.
 
+    Where the slash in front is not typed, they come without it.
+    """
 
-def services(incomplete: str) -> list[str]:
-    """Return the names of services, in launched systems and in code."""
-    return _channels("service", incomplete)
+    @completing
+    def complete(incomplete: str) -> Iterable[str]:
+        from kg.graph.channels_reading import names as known  # noqa: PLC0415 - start-up time
 
+        with _snapshot() as snapshot:
+            found = known(snapshot, kind)
+        return [name.removeprefix("/") for name in found] if incomplete and not incomplete.startswith("/") else found
 
-def actions(incomplete: str) -> list[str]:
-    """Return the names of actions, in launched systems and in code."""
-    return _channels("action", incomplete)
+    return complete
 
 
 def subjects(incomplete: str) -> list[str]:
     """Return the names of topics, services, actions and nodes."""
-    return sorted({name for kind in (topics, services, actions, nodes) for name in kind(incomplete)})
+    return sorted({name for of in (*map(channels, ("topic", "service", "action")), nodes) for name in of(incomplete)})
 
 
-def parameters(incomplete: str) -> list[str]:
+@completing
+def parameters(_: str) -> Iterable[str]:
     """Return the names of parameters, as code declares them and as launch and parameter files set them."""
+    from kg.graph.parameters_reading import declared_names, set_names  # noqa: PLC0415 - start-up time
 
-    def names() -> list[str]:
-        from kg.graph.parameters_reading import declared_names, set_names  # noqa: PLC0415 - start-up time
-        from kg.store.opening import reading  # noqa: PLC0415 - start-up time
-
-        with reading(load()) as snapshot:
-            return sorted({*(name for name in declared_names(snapshot) if "{" not in name), *set_names(snapshot)})
-
-    return _beginning(incomplete, names)
-
-
-def _channels(kind: str, incomplete: str) -> list[str]:
-    """Return names of channels; where the slash in front is not typed, they come without it."""
-
-    def names() -> list[str]:
-        from kg.graph.channels_reading import names as known  # noqa: PLC0415 - start-up time
-        from kg.store.opening import reading  # noqa: PLC0415 - start-up time
-
-        with reading(load()) as snapshot:
-            found = known(snapshot, kind)
-        return [name.removeprefix("/") for name in found] if incomplete and not incomplete.startswith("/") else found
-
-    return _beginning(incomplete, names)
-
-
-def _beginning(incomplete: str, names: Callable[[], list[str]]) -> list[str]:
-    try:
-        return [name for name in names() if name.startswith(incomplete)]
-    except KgError:
-        return []
+    with _snapshot() as snapshot:
+        return sorted({*(name for name in declared_names(snapshot) if "{" not in name), *set_names(snapshot)})

@@ -5,15 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.render.text import printable
-from kg.search.compose.results import grouped
+from kg.search.compose.results import Composed, Node, grouped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.search.compose.network import Port
-    from kg.search.compose.results import Composed, Node
-
-__all__ = ["chain_lines"]
 
 _MOST: Final = 4
 """How many copies, and types that are needed, are named one by one."""

@@ -6,25 +6,13 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.output import Column
-from kg.corpus.selection_figures import STATISTICS, paper_figures
+from kg.corpus.selection_figures import STATISTICS, Figures, paper_figures
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.corpus.selection import Selection
-    from kg.corpus.selection_figures import Figures
     from kg.query.counting import Counted
-
-__all__ = [
-    "FIGURE_COLUMNS",
-    "RNKG_COLUMNS",
-    "STEP_COLUMNS",
-    "compared",
-    "figure_rows",
-    "rnkg_rows",
-    "selection_object",
-    "step_rows",
-]
 
 STEP_COLUMNS: Final = (
     Column("criterion", "name"),

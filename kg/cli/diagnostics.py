@@ -19,31 +19,11 @@ import traceback
 from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Final
+from typing import IO, Final
 
-from kg.errors import CATALOGUE, KgError
+from kg.errors import CATALOGUE, KgError, Place
 from kg.render.marking import marked
 from kg.render.text import printable
-
-if TYPE_CHECKING:
-    from kg.errors import Place
-
-__all__ = [
-    "MODE",
-    "Mode",
-    "colored",
-    "defect",
-    "dim",
-    "excerpt",
-    "head",
-    "helps",
-    "linked",
-    "note",
-    "problem",
-    "render",
-    "report",
-    "say",
-]
 
 REPORT_ADDRESS: Final = "the issue tracker named on the project's page"
 _STYLES: Final = {"error": "1;31", "warning": "1;33", "note": "1;36", "help": "1;32", "dim": "2", "bold": "1"}

@@ -14,8 +14,6 @@ from kg.errors import Place, UsageError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["Dot", "Mermaid", "Output", "Svg", "deliver", "form_of"]
-
 _ENDINGS: Final = {
     ".svg": "svg",
     ".dot": "dot",

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from kg.robot.connection import ComputationGraph, Connection
     from kg.settings import Settings
 
-__all__ = ["Doing", "Reading", "do_capability", "read_capability"]
-
 _FIRST: Final = 5.0
 """Seconds of the wall that the first value may take where reading is to end."""
 _QUEUE: Final = 100

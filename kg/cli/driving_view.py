@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.robot.connection import GraphProblem
     from kg.robot.driving import Outcome, Plan
 
-__all__ = ["show_outcome", "show_plan", "tell", "tell_feedback", "tell_message", "warn"]
-
 _LONGEST: Final = 60
 _WIDEST: Final = 100
 """Columns that a line about a goal on its way may take."""

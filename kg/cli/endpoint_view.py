@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from kg.cli.links import Links
 
-__all__ = ["endpoint_view", "parameter_view", "plain"]
-
 _OF_FACES: Final = frozenset({"accesses", "calls", "evidence", "node_iri", "quality", "title"})
 """What of a row is there for faces; it has the same in other fields."""
 _MOST: Final = 3

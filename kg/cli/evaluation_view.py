@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from kg.evaluate.code_check import Miss
     from kg.evaluate.tables import Table
 
-__all__ = ["deliver", "misses_csv"]
-
 
 def deliver(table: Table, *, json: bool, output: str | None) -> None:
     """Print a table (as JSON Lines with `json`), its notes to standard error, and write its files where asked."""

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final, Self
 
 from kg.cli.diagnostics import note, problem, say
-from kg.corpus.fetching_lock import FETCHED
+from kg.corpus.fetching_lock import FETCHED, Entry, Lock, Standing
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
     from kg.corpus.fetching import Fetched
-    from kg.corpus.fetching_lock import Entry, Lock, Standing
-
-__all__ = ["Bar", "Lines", "code_of", "entry_object", "for_this_stream", "not_as_pinned", "summary"]
 
 _CODES: Final = {"refused": "KG134", "too large": "KG135", "too slow": "KG135", "in the way": "KG137"}
 _LONGEST_NAME: Final = 40

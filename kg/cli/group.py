@@ -16,8 +16,6 @@ from kg.cli.manual import first_paragraph, page, plain
 from kg.errors import UsageError
 from kg.similar import asked, did_you_mean
 
-__all__ = ["CALLED", "KgCommand", "KgGroup", "Later"]
-
 CALLED: Final = {
     "init": ("build",),
     "scan": ("build",),

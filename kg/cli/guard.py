@@ -1,11 +1,14 @@
-"""The boundary between commands and the shell: every ending becomes an exit code and at most a few lines of words."""
+"""The boundary between commands and the shell: every ending becomes an exit code and at most a few lines of words.
+
+A command line that does not fit the commands becomes an error like all others, with the nearest name that does.
+"""
 
 from __future__ import annotations
 
 import errno
 import os
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from typer import Abort
 from typer.exceptions import TyperException
@@ -13,13 +16,25 @@ from typer.exceptions import TyperException
 from kg.cli.diagnostics import defect, report, say
 from kg.cli.main import was_interrupted
 from kg.cli.supervising import MemoryLimitError, is_out_of_memory
-from kg.cli.usage import as_usage_error
-from kg.errors import Exit, KgError, StoreError
+from kg.errors import Exit, KgError, StoreError, UsageError
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["guarded", "hang_up"]
+
+def as_usage_error(error: TyperException) -> UsageError:
+    """Return KG003 for what typer has to say about the arguments."""
+    context: Any = getattr(error, "ctx", None)
+    see = f"See `{context.command_path} --help`." if context else "See `kg --help`."
+    message = error.message if hasattr(error, "option_name") else error.format_message()
+    near = getattr(error, "possibilities", None)
+    hint = did_you_mean(getattr(error, "option_name", ""), near) if near else None
+    return UsageError("KG003", _lower(" ".join(message.split()).rstrip(".")), hint="\n".join(filter(None, (hint, see))))
+
+
+def _lower(sentence: str) -> str:
+    return sentence[:1].lower() + sentence[1:]
 
 
 def guarded(work: Callable[[], object]) -> int:

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.cli.links import Links
     from kg.facts import InstanceInterface, Location, NodeInstance, System
 
-__all__ = ["instance_view"]
-
 _UNKNOWN: Final = "(not known)"
 
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.cli.links import Links
     from kg.facts import Location
 
-__all__ = ["Row", "interface_table", "place_text"]
-
 _GAP: Final = 3
 _LEAST_REMARK: Final = 16
 

@@ -13,8 +13,6 @@ from kg.errors import Exit, RobotError
 if TYPE_CHECKING:
     from collections.abc import Coroutine
 
-__all__ = ["interruptible"]
-
 
 def interruptible(work: Coroutine[Any, Any, None], *, moves: bool = False) -> None:
     """Run something; Ctrl-C, and a polite kill, cancel it, wait until it has cleaned up, and end with 130.

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from kg.graph.source_states import SourceState
 
-__all__ = ["Links"]
-
 
 @dataclass(frozen=True, slots=True)
 class Links:

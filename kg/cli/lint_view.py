@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from kg.lint.report import Report
     from kg.lint.running import Checked
 
-__all__ = ["LintView", "gone_sources", "leftovers", "summary"]
-
 _MOST_EVIDENCE: Final = 4
 """So many lines of evidence, and findings of one kind at one line, are shown; JSON has them all."""
 

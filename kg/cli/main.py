@@ -6,8 +6,6 @@ import os
 import sys
 from contextlib import suppress
 
-__all__ = ["run", "was_interrupted"]
-
 
 def run() -> None:
     """Run the command line of this process; even what happens while modules load ends in a line or two."""

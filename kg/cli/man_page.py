@@ -9,8 +9,6 @@ from kg.cli.manual import Page, page
 from kg.cli.reference import pages
 from kg.settings import DECLARED
 
-__all__ = ["roff"]
-
 _FILES = (
     (".kg/", "The store: the nearest in the working folder or above is used, unless --store names another."),
     ("kg.toml", "Settings, looked for in the working folder and above."),

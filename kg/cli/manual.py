@@ -11,8 +11,6 @@ import textwrap
 from dataclasses import dataclass
 from typing import Any, Final
 
-__all__ = ["Entry", "Page", "first_paragraph", "page", "plain"]
-
 _WIDEST: Final = 100
 _INDENT: Final = "  "
 _LISTS: Final = {"Arguments", "Options"}

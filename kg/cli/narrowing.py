@@ -7,13 +7,10 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from kg.render.text import count, printable
-from kg.search.narrowing import question
+from kg.search.narrowing import Question, question
 
 if TYPE_CHECKING:
-    from kg.search.narrowing import Question
     from kg.search.searching import Search
-
-__all__ = ["narrow"]
 
 _LOOKED_AT: Final = 30
 """So many of the best hits are split by questions."""

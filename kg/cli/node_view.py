@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.interface_table import Row, interface_table, place_text
-from kg.facts import NodeKind
+from kg.facts import Description, Interface, NodeKind, NodeType, Parameter, PluginSlot
 from kg.graph.classes_reading import Classes
 from kg.graph.records import how_to_start
 from kg.render.text import printable
@@ -18,11 +18,8 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from kg.cli.links import Links
-    from kg.facts import Description, Interface, NodeType, Parameter, PluginSlot
     from kg.graph.reading import NodeRecord
     from kg.views.evidence import Places
-
-__all__ = ["left_out", "node_lines", "node_view"]
 
 _MOST_DESCRIPTIONS: Final = 2
 """Texts that are shown unless all are asked for: the best say what a node is for."""

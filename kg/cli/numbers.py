@@ -6,8 +6,6 @@ from typing import Final
 
 from kg.errors import UsageError
 
-__all__ = ["factor", "frequency", "seconds", "size", "whole"]
-
 
 def whole(text: str, option: str, least: int, most: int | None = None) -> int:
     """Return the number that the text behind `option` is; UsageError KG003 when it is none, or out of bounds."""

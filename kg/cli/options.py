@@ -10,36 +10,6 @@ import typer
 from kg.cli.completion import launches, packages
 from kg.settings import DECLARED, Declaration
 
-__all__ = [
-    "Artifacts",
-    "Base",
-    "Calls",
-    "Cluster",
-    "Families",
-    "Format",
-    "Jobs",
-    "Json",
-    "Limit",
-    "MaxFileBytes",
-    "Memory",
-    "NlpModel",
-    "NoRules",
-    "PackageName",
-    "Places",
-    "Queries",
-    "Robot",
-    "Rules",
-    "SearchModel",
-    "Store",
-    "Stores",
-    "System",
-    "Timeout",
-    "from_setting",
-    "takes",
-    "with_options",
-]
-
-
 _Command = TypeVar("_Command", bound=Callable[..., None])
 
 

@@ -18,23 +18,6 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.table import Table
 
-__all__ = [
-    "Column",
-    "Linked",
-    "console",
-    "json_line",
-    "json_lines",
-    "line_width",
-    "listing",
-    "make_table",
-    "print_table",
-    "show",
-    "terminal",
-    "write",
-    "write_bytes",
-    "write_text",
-]
-
 _GAP = 2
 """Spaces between two columns of a table."""
 _UNBOUNDED = 100_000

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.robot.connection import GraphProblem
     from kg.settings import Settings
 
-__all__ = ["set_parameter", "show_parameters"]
-
 _COLUMNS: Final = (
     Column("node", spare=1),
     Column("parameter", "name"),

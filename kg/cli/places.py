@@ -9,8 +9,6 @@ from kg.render.text import width
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["fitted", "shortened"]
-
 
 def shortened(places: Sequence[str]) -> tuple[list[str], ...]:
     """Return places whole, without the folders that all of them share, and as the names of their files alone."""

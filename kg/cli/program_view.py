@@ -14,16 +14,12 @@ from kg.cli.output import json_line, json_lines, write
 from kg.errors import Exit, Place, RobotError
 from kg.render.text import count, printable
 from kg.robot.programs.events import Problem
-from kg.robot.programs.files import load
+from kg.robot.programs.files import Loaded, load
 from kg.robot.programs.tree import statements
 from kg.robot.programs.write import headline
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from kg.robot.programs.files import Loaded
-
-__all__ = ["Log", "error_at", "read", "show_problems"]
 
 
 def read(path: str, *, json: bool) -> Loaded:

@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING, Final, Self
 
 from kg.cli.diagnostics import say
-from kg.pipeline.report import Silent
+from kg.pipeline.report import PackageResult, Silent
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
     from kg.facts import Problem, Repository
-    from kg.pipeline.report import PackageResult
-
-__all__ = ["Bar", "Lines", "for_people", "for_this_stream", "waiting"]
 
 _LONGEST_NAME: Final = 32
 

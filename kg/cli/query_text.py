@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from kg.query.stored import StoredQuery
     from kg.settings import Settings
 
-__all__ = ["pairs", "query_meant"]
-
 _NAME: Final = re.compile(r"[\w.-]+(/[\w.-]+)*")
 
 

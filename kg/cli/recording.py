@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from kg.robot.connection import ComputationGraph
     from kg.settings import Settings
 
-__all__ = ["list_nodes", "list_topics", "record_topics"]
-
 _NODES: Final = (
     Column("node", "name"),
     Column("state"),

@@ -7,16 +7,13 @@ from typing import TYPE_CHECKING, Any, Final
 import typer
 from typer.main import get_command
 
-from kg.cli.manual import page
+from kg.cli.manual import Page, page
 from kg.errors import Exit
 from kg.settings import DECLARED
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.cli.manual import Page
-
-__all__ = ["description", "markdown", "pages"]
 
 _HEAD: Final = """\
 # The command line

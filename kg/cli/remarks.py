@@ -12,8 +12,6 @@ from kg.errors import UsageError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["Form", "Level", "require_known"]
-
 _FORMATS: Final = ("text", "json", "sarif", "github")
 
 Form = Annotated[str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]

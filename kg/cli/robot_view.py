@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.robot.live import Event, Watching
     from kg.robot.live.asking import Subject
 
-__all__ = ["capability_object", "follow", "show_added", "show_capabilities", "show_proofs", "tell_problems"]
-
 _COLUMNS: Final = (
     Column("kind", spare=3),
     Column("capability", "name"),

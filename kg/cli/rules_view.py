@@ -32,24 +32,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Term
     from kg.rules.reports import RunReport
 
-__all__ = [
-    "change_lines",
-    "changed_line",
-    "coverage_lines",
-    "difference_words",
-    "element_table",
-    "gap_words",
-    "here",
-    "list_columns",
-    "list_row",
-    "manual_lines",
-    "paragraphs",
-    "result_lines",
-    "run_words",
-    "share_rows",
-    "work_words",
-]
-
 _ITEM: Final = re.compile(r"(?:[-*]|\d+[.)]) ")
 COLUMNS: Final = (
     Column("rule", "name"),

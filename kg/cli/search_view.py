@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.cli.links import Links
     from kg.search.searching import Answer, Hit
 
-__all__ = ["row", "show_hits", "tell"]
-
 _REASONS: Final = 3
 _MOST: Final = 4
 """How many copies and variants of a hit are named."""

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from kg.server.options import Options
     from kg.settings import Settings
 
-__all__ = ["announce", "options"]
-
 
 def options(given: Mapping[str, object]) -> Options:
     """Return the options of a server: flags by names of fields, then variables and `kg.toml`; the token is `$KG_TOKEN`.

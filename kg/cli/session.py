@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
-from kg.settings import load
+from kg.settings import Settings, load
 from kg.store.opening import remote_refusal
-
-if TYPE_CHECKING:
-    from kg.settings import Settings
-
-__all__ = ["REMOTE", "Session", "session"]
-
 
 REMOTE: Final = frozenset(
     {

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.robot.simulation.running import Choice
     from kg.settings import Settings
 
-__all__ = ["chosen", "simulated"]
-
 
 def chosen(  # noqa: PLR0913 - the options of a command
     world: str,

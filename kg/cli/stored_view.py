@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     from kg.query.stored import StoredQuery
 
-__all__ = ["COLUMNS", "list_rows", "manual"]
-
 COLUMNS = (Column("query", "name"), Column("answers"), Column("parameters", spare=1))
 
 

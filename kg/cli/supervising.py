@@ -18,8 +18,6 @@ from kg.errors import Exit, KgError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["MemoryLimitError", "address_space", "is_out_of_memory", "supervise"]
-
 _SECONDS: Final = 0.1
 """How often memory is measured."""
 _SIGNALS: Final = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGCHLD}

@@ -16,20 +16,6 @@ if TYPE_CHECKING:
     from kg.facts import System
     from kg.settings import Settings
 
-__all__ = [
-    "Arguments",
-    "Environment",
-    "File",
-    "Launch",
-    "Variants",
-    "chosen_systems",
-    "given",
-    "named",
-    "tell_left_out",
-    "tell_malformed",
-    "with_variants",
-]
-
 Launch = Annotated[
     str | None,
     typer.Option(

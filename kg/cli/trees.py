@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.rules.explain.text import Line
     from kg.views.evidence import Places
 
-__all__ = ["print_tree"]
-
 _STYLES: Final = {
     "rule": "cyan",
     "bindings": "dim",

@@ -11,8 +11,6 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from kg.pipeline.updating.changes import Updated
 
-__all__ = ["show"]
-
 _COLUMNS: Final = (Column("graph"), Column("removed"), Column("added"))
 
 

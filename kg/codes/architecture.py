@@ -1,12 +1,10 @@
-"""The codes of findings in the wiring of systems, which the rules of `rules/architecture/` make: KG401 to KG417."""
+"""The codes of `kg lint`: KG401 to KG417 are findings of the rules in `rules/architecture/`, KG42x its own errors."""
 
 from __future__ import annotations
 
 from typing import Final
 
 from kg.codes.entry import CodeEntry
-
-__all__ = ["CODES"]
 
 CODES: Final = {
     "KG401": CodeEntry(
@@ -100,5 +98,20 @@ CODES: Final = {
         "A package of ROS 2 has launch files with elements, attributes or substitutions that only ROS 1 supports. "
         "`ros2 launch` refuses them, and kg does not evaluate them.",
         "Port the files, or remove them.",
+    ),
+    "KG420": CodeEntry(
+        "unusable baseline",
+        "The baseline file is missing, unreadable, or not in the format of `kg lint --write-baseline`.",
+        "Write it again with `kg lint --write-baseline FILE`, and review the changes.",
+    ),
+    "KG421": CodeEntry(
+        "unusable allowance",
+        "An entry of the allow-list in kg.toml has no reason, an unknown code or an unknown key.",
+        "Give the entry a code of a finding (`kg explain KG401`) and the reason for accepting it.",
+    ),
+    "KG422": CodeEntry(
+        "unknown launch file",
+        "The name matches no launch file of the build, or several.",
+        "Give the path of the file, or its package and the path in it. Packages are read by `kg build`.",
     ),
 }

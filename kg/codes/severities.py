@@ -4,7 +4,5 @@ from __future__ import annotations
 
 from typing import Final
 
-__all__ = ["SEVERITIES"]
-
 SEVERITIES: Final = ("error", "warning", "note")
 """From most to least severe."""

@@ -1,12 +1,10 @@
-"""The codes of reading sources: KG1xx."""
+"""The codes of reading sources, fetching corpora and tagging texts: KG1xx."""
 
 from __future__ import annotations
 
 from typing import Final
 
 from kg.codes.entry import CodeEntry
-
-__all__ = ["CODES"]
 
 CODES: Final = {
     "KG101": CodeEntry(
@@ -123,5 +121,66 @@ CODES: Final = {
         "store of results not usable",
         "The folder or address of the setting `artifacts` cannot be read or written.",
         "Name a folder that all machines can write to under the same path, or an address that fsspec opens.",
+    ),
+    "KG130": CodeEntry(
+        "invalid criteria",
+        "The file of criteria is not TOML, has an unknown key, or has a value of the wrong type.",
+        "Correct the line. See the example `corpus/criteria.toml`.",
+    ),
+    "KG131": CodeEntry(
+        "malformed table of projects",
+        "The table is not CSV, lacks a column that the criteria name, or has an invalid cell.",
+        "Correct the line, or name other columns in your own file of criteria (`--criteria`).",
+    ),
+    "KG132": CodeEntry(
+        "malformed lock file",
+        "The lock file of a corpus is not TOML, has another version, or has an invalid entry.",
+        "Correct the line, or write the file again with `kg corpus fetch`.",
+    ),
+    "KG133": CodeEntry(
+        "repository not fetched",
+        "A repository of a corpus was removed, is unreachable, or has no branch for the requested version of ROS.",
+        "Run the command again, or remove the repository from the list. The others were fetched.",
+    ),
+    "KG134": CodeEntry(
+        "repository refused",
+        "An address or a repository could harm this machine. The address is a command, or a path leads outside the "
+        "folder.",
+        "Remove the repository from the list. The others were fetched.",
+    ),
+    "KG135": CodeEntry(
+        "repository too large or too slow",
+        "A repository exceeds the size limit or the time limit. Its partial download was removed.",
+        "To fetch it, raise `--max-size` or `--timeout`.",
+    ),
+    "KG136": CodeEntry(
+        "corpus incomplete",
+        "The folder of the corpus lacks repositories that the lock file lists.",
+        "Fetch them with `kg corpus fetch --lock FILE`.",
+    ),
+    "KG137": CodeEntry(
+        "commit differs from the lock",
+        "A checkout is at another commit than the lock file pins, or its files were changed.",
+        "Fetch the pinned commit with `kg corpus fetch --lock FILE`, or pin the newest one with `--update`.",
+    ),
+    "KG138": CodeEntry(
+        "corpus in use",
+        "Another `kg corpus fetch` is using the same folder.",
+        "Wait until it has finished.",
+    ),
+    "KG141": CodeEntry(
+        "pipeline not loaded",
+        "spaCy cannot load the pipeline that the setting `nlp_model` names.",
+        "Install the pipeline, or correct its name or path. If the setting is empty, kg uses its own pipeline.",
+    ),
+    "KG142": CodeEntry(
+        "pipeline without tags",
+        "The spaCy pipeline of the setting `nlp_model` assigns no parts of speech or no lemmas.",
+        "Name a pipeline with a tagger or morphologizer and a lemmatizer, such as en_core_web_sm.",
+    ),
+    "KG143": CodeEntry(
+        "invalid patterns",
+        "The file of hardware phrase patterns is not TOML, or contains an invalid pattern.",
+        "Correct the file at the place given. The head of ontology/hardware-patterns.toml describes the format.",
     ),
 }

@@ -6,8 +6,6 @@ from typing import Final
 
 from kg.codes.entry import CodeEntry
 
-__all__ = ["CODES"]
-
 CODES: Final = {
     "KG001": CodeEntry(
         "unknown name",

@@ -11,7 +11,7 @@ from __future__ import annotations
 import fcntl
 import os
 import shutil
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from threading import Event
@@ -25,10 +25,7 @@ from kg.errors import Place, SourceError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from concurrent.futures import Future
     from pathlib import Path
-
-__all__ = ["Fetched", "Options", "Told", "fetch", "pinned"]
 
 _WORKSPACE: Final = ".fetching"
 _TICK_SECONDS: Final = 0.2

@@ -8,7 +8,7 @@ say nothing: they were ROS 1 once and are ROS 2 in many repositories today. The 
   the default one, the branches marked for this one, the newest distribution first; the default branch if it is
   not marked at all; `main`, `master`, `devel` and the like; last, marked branches that were passed over.
 
-What the manifests in a branch say decides in the end (`kg.corpus.fetching_tree`): a branch that turns out to be for the
+What the manifests in a branch say decides in the end (`kg.corpus.fetching_one`): a branch that turns out to be for the
 other version is given up for the next one.
 """
 
@@ -19,8 +19,6 @@ from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-
-__all__ = ["VERSIONS", "branches_to_try", "marked"]
 
 VERSIONS: Final = ("1", "2", "any")
 

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from pathlib import Path
     from threading import Event
 
-__all__ = ["FetchingError", "Limits", "StoppedError", "Watch", "folder_bytes"]
-
 _NETWORK: Final = (
     *("-c", "credential.helper="),
     *("-c", "core.askPass="),

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-__all__ = ["Wanted", "address_problem", "protocols", "read_wanted", "wanted_among"]
-
 _URL: Final = re.compile(r"^(?P<scheme>[A-Za-z][A-Za-z0-9+.-]*)://(?P<authority>[^/]*)(?P<path>/.*)$")
 _SCP: Final = re.compile(
     r"^[A-Za-z0-9_.][A-Za-z0-9_.-]*@(?P<authority>[A-Za-z0-9_.][A-Za-z0-9_.-]*):(?!/?/)(?P<path>[^\s:]+)$"

@@ -34,8 +34,6 @@ from kg.errors import Place, SourceError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["FETCHED", "Entry", "Lock", "Standing", "checkouts", "read_lock", "standing", "write_lock"]
-
 VERSION: Final = 1
 FETCHED: Final = "fetched"
 """The state of a repository whose files are there; any other state says in a word or two why they are not."""

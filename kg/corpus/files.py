@@ -12,8 +12,6 @@ from typing import Final, NamedTuple
 
 from kg.facts import FileKind, Problem, Repository
 
-__all__ = ["FileEntry", "FilePath", "PackageFolder", "Place", "Source", "sort_file"]
-
 _ENDINGS: Final = {
     **dict.fromkeys(("cpp", "cc", "cxx", "c", "c++", "h", "hpp", "hh", "hxx", "h++"), FileKind.CPP),
     **dict.fromkeys(("ipp", "tpp", "txx", "tcc", "inl", "impl", "inc", "cu", "cuh"), FileKind.CPP),

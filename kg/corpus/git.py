@@ -16,8 +16,6 @@ from kg.facts import Repository
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["command", "describe", "environment", "repository_name", "run_git"]
-
 _SAFE: Final = (
     "-c",
     "core.fsmonitor=false",

@@ -8,18 +8,12 @@ from __future__ import annotations
 import hashlib
 import os
 import stat
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from kg.corpus.files import FilePath, Place
-from kg.corpus.workspace import INSTALLED, real_inside
+from kg.corpus.files import FilePath, PackageFolder, Place, Source
+from kg.corpus.workspace import INSTALLED, Workspace, real_inside
 from kg.errors import CATALOGUE
 from kg.facts import Problem
-
-if TYPE_CHECKING:
-    from kg.corpus.files import PackageFolder, Source
-    from kg.corpus.workspace import Workspace
-
-__all__ = ["DEFAULT_LIMIT_BYTES", "Reader", "digest", "load", "mark"]
 
 DEFAULT_LIMIT_BYTES: Final = 4 << 20
 """Larger than any file that people wrote and smaller than what would stop a build."""

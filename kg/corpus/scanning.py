@@ -18,8 +18,6 @@ from kg.errors import SourceError
 from kg.facts import FileKind, Problem, Repository
 from kg.xmltext import parse_xml
 
-__all__ = ["scan", "scan_tree"]
-
 _IGNORE_MARKERS: Final = frozenset({"COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE"})
 _BUILD_FOLDERS: Final = frozenset({"build", "install", "devel", "log"})
 _BUILD_TRACES: Final = frozenset({"CMakeCache.txt", "CMakeFiles", ".catkin", ".built_by", "setup.bash"})

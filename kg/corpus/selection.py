@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.corpus.selection_criteria import Criteria, Criterion
     from kg.corpus.selection_data import Dataset, Project
 
-__all__ = ["Selection", "Step", "select"]
-
 
 @dataclass(frozen=True, slots=True)
 class Step:

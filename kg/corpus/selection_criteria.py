@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from kg.corpus.selection_data import Dataset, Project
 
-__all__ = ["Criteria", "Criterion", "default_criteria", "read_criteria"]
-
 _FILE_KEYS: Final = ("project", "address", "closed", "figures", "criterion")
 _KEYS: Final = ("name", "applies", "column", "is", "is_not", "least", "most", "says")
 _TESTS: Final = ("is", "is_not", "least", "most")

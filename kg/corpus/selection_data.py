@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-__all__ = ["Dataset", "Project", "read_dataset"]
-
 _UNKNOWN: Final = frozenset({"", "NA", "N/A", "-", "?"})
 """What stands in a cell that nobody knows the number of."""
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")

@@ -13,8 +13,6 @@ from kg.resources import folder
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ["STATISTICS", "Figures", "PaperFigures", "figures", "paper_figures"]
-
 STATISTICS: Final = ("min", "max", "median", "mean", "sd", "cv")
 """Minimum, maximum, median, mean, standard deviation of the sample (n - 1), and that by the mean."""
 

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-__all__ = ["ListedSource", "fetch_source", "is_address", "parse_source", "read_list"]
-
 _SCHEMES: Final = ("https", "ssh", "git", "file")
 _SCHEME: Final = re.compile(r"^(?P<scheme>[A-Za-z][A-Za-z0-9+.-]*)://(?P<authority>[^/]*)(?P<path>/.*)?$")
 _SCP: Final = re.compile(r"^(?P<authority>[A-Za-z0-9_.-]+@[A-Za-z0-9_.-]+):(?!/?/)(?P<path>[^\s]+)$")

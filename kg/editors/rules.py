@@ -10,23 +10,17 @@ from typing import TYPE_CHECKING, Any, Final
 from lsprotocol import types
 
 from kg.editors.texts import Text, diagnostic, path_of, read, uri_of
-from kg.errors import UsageError
+from kg.errors import Fix, UsageError
 from kg.rules.files import NOTATIONS
-from kg.rules.lsp.language import complete, diagnose, hover, term_at, width
-from kg.rules.lsp.symbols import occurrences, renamed, symbol_at
+from kg.rules.lsp.language import Suggestion, complete, diagnose, hover, term_at, width
+from kg.rules.lsp.symbols import Occurrence, Symbol, Terms, occurrences, renamed, symbol_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from pygls.workspace import Workspace
 
-    from kg.errors import Fix
     from kg.rules.checks.finding import Context, Finding
-    from kg.rules.lsp.language import Suggestion
-    from kg.rules.lsp.symbols import Occurrence, Symbol
-    from kg.rules.lsp.terms import Terms
-
-__all__ = ["Knowledge", "Rules"]
 
 _KINDS: Final = {
     "variable": types.CompletionItemKind.Variable,

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from kg.editors.source import Source
 
-__all__ = ["language_server"]
-
 _WATCHED: Final = ("**/.kg/current", "**/kg.toml")
 """Files that change what the server reports: the pointer to the generation of the store, and settings."""
 _EXCUSED: Final = frozenset({"KG301", "KG302"})

@@ -14,23 +14,18 @@ from kg.errors import StoreError
 from kg.graph.ontology_files import default_ontologies, ontologies_in_force
 from kg.graph.source_states import sources
 from kg.lint.question import DECLARED, Question
-from kg.lint.running import check_store
+from kg.lint.running import Checked, check_store
 from kg.pipeline.reasoning import check_context, rule_folders, term_uses
 from kg.query.stored import discover
 from kg.rules.checks.run import beside, read_all
 from kg.rules.folders import families_in_force, user_folders
-from kg.rules.lsp.terms import Terms
+from kg.rules.lsp.symbols import Terms
 from kg.rules.reading import packs
-from kg.settings import load_table
+from kg.settings import Settings, load_table
 from kg.store.opening import layout_of, reading
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
-
-    from kg.lint.running import Checked
-    from kg.settings import Settings
-
-__all__ = ["Source"]
 
 
 class Source:

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from kg.errors import Place
 
-__all__ = ["Text", "actions", "diagnostic", "document_of", "path_of", "read", "uri_of"]
-
 _SEVERITIES: Final = {
     "error": types.DiagnosticSeverity.Error,
     "warning": types.DiagnosticSeverity.Warning,

@@ -10,7 +10,7 @@ from lsprotocol import types
 from kg import resources
 from kg.editors.texts import Text, diagnostic, read, uri_of
 from kg.lint.lines import Lines
-from kg.lint.repairs import places, repairs, written
+from kg.lint.repairs import Repair, places, repairs, written
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,10 +18,7 @@ if TYPE_CHECKING:
     from pygls.workspace import Workspace
 
     from kg.lint.finding import Evidence, Finding
-    from kg.lint.repairs import Repair
     from kg.lint.running import Checked
-
-__all__ = ["diagnostics", "page_of"]
 
 
 def diagnostics(found: Checked, workspace: Workspace) -> dict[str, list[types.Diagnostic]]:

@@ -1,7 +1,15 @@
 """Table 9: the graph against the code. Are calls in the code in the graph, and do lines hold what facts say of them?
 
-Calls come from a reader of their own (`kg.evaluate.call_sites`), facts from the graph. Both are sampled by kind, each
+Calls come from a reader of their own (`sites`), facts from the graph. Both are sampled by kind, each
 kind as often as any other, and the last row weighs kinds with how many there are.
+
+Calls of ROS's interfaces in C++ and Python, found by words alone.
+
+This is a second, independent reader, against which the graph is counted: regular expressions over text without
+comments and strings, which know nothing of types, templates, reachability or what a receiver is. So some of what it
+finds is no call of ROS, and what only types tell (members that a constructor's list makes) it does not find.
+
+Where the graph has ends and parameters: by file and line, and where they call the framework.
 """
 
 from __future__ import annotations
@@ -9,31 +17,29 @@ from __future__ import annotations
 import os
 import random
 import re
+from bisect import bisect_right
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.reading import digest
-from kg.evaluate.call_sites import CPP, KINDS, PYTHON, line_end, sites
 from kg.evaluate.completeness import share
-from kg.evaluate.facts import STATED, Facts
+from kg.evaluate.facts import STATED, Fact, Facts
 from kg.evaluate.paper import beside
-from kg.evaluate.places import Places
 from kg.evaluate.sheet import drawn
 from kg.evaluate.strata import shares_of, weighed
-from kg.evaluate.tables import Share, Table
+from kg.evaluate.tables import Cell, Share, Table
+from kg.graph import vocabulary as v
+from kg.graph.chains import chain_of
+from kg.graph.iris import is_source_graph
+from kg.query.rows import rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.evaluate.call_sites import Site
-    from kg.evaluate.facts import Fact
     from kg.evaluate.source_lines import SourceLines
-    from kg.evaluate.tables import Cell
     from kg.store.interface import Snapshot
-
-__all__ = ["Checked", "Miss", "check_code", "holds"]
 
 _CALLS: Final = "calls that the graph has"
 _FACTS: Final = "facts that their line holds"
@@ -43,6 +49,207 @@ _TEST: Final = re.compile(
     r"(?:^|/)(?:[gm]?tests?|[^/]*_tests?|gtest[^/]*)/|(?:^|/)(?:test_[^/]*|[^/]*_?[tT]ests?)\.\w+$"
 )
 """Paths of files of tests."""
+
+_REPOSITORY: Final = "SELECT ?name { GRAPH %s { ?repository a rnkg:Repository ; rnkg:name ?name } }"
+_LINES: Final = "SELECT ?part ?class ?path ?line { GRAPH %s { ?part a ?class ; rnkg:path ?path ; rnkg:line ?line } }"
+_CALL_PLACES: Final = "SELECT ?class ?via { GRAPH %s { ?part a ?class ; rnkg:via ?via } }"
+_ELSEWHERE: Final = "SELECT ?part ?repository { GRAPH %s { ?part rnkg:repository ?repository } }"
+_FILES: Final = "SELECT ?path ?digest { GRAPH %s { ?file rnkg:path ?path ; rnkg:digest ?digest } }"
+_FOLDERS: Final = "SELECT ?folder { GRAPH %s { ?package a rnkg:Package ; rnkg:folder ?folder } }"
+
+CPP: Final = frozenset({".c", ".cc", ".cpp", ".cxx", ".c++", ".h", ".hh", ".hpp", ".hxx", ".ipp"})
+PYTHON: Final = frozenset({".py"})
+_CPP_WORDS: Final = re.compile(
+    r'//[^\n]*|/\*.*?(?:\*/|\Z)|\bu?8?[LUR]*R"([^()\\\s"]{0,16})\(.*?\)\1"'
+    r'|"(?:[^"\\\n]|\\.)*"|\'(?:[^\'\\\n]|\\.){1,8}\'',
+    re.DOTALL,
+)
+_PYTHON_WORDS: Final = re.compile(
+    r'#[^\n]*|"""(?:[^\\]|\\.)*?(?:"""|\Z)|\'\'\'(?:[^\\]|\\.)*?(?:\'\'\'|\Z)|"(?:[^"\\\n]|\\.)*"|\'(?:[^\'\\\n]|\\.)*\'',
+    re.DOTALL,
+)
+_DEFINE: Final = re.compile(
+    r"^[ \t]*#[ \t]*(?:define|if|elif|error|warning|pragma)\b(?:[^\n]*\\\n)*[^\n]*", re.MULTILINE
+)
+_KEPT: Final = re.compile(r"[^\n]")
+_OPENS: Final = r"\s{0,8}[<(]"
+_NEW: Final = r"\b(?:new\s{1,4}|make_(?:shared|unique)\s{0,4}<\s{0,4})(?:\w+::){0,3}"
+_CPP_CALLS: Final = {
+    "publishes": (r"advertise(?:Camera)?", r"create_(?:camera_)?publisher", r""),
+    "subscribes": (r"subscribe(?:Camera)?", r"create_(?:camera_)?subscription", r""),
+    "provides": (r"advertiseService", r"create_service", r""),
+    "calls": (r"serviceClient", r"create_client", r"\bros::service::call"),
+    "serves action": (r"", r"", rf"\brclcpp_action::create_server|{_NEW}SimpleActionServer"),
+    "calls action": (r"", r"", rf"\brclcpp_action::create_client|{_NEW}SimpleActionClient"),
+    "has parameter": (
+        r"param|getParam|getParamCached|hasParam|setParam",
+        r"declare_parameter|get_parameter|get_parameter_or|has_parameter",
+        r"\bros::param::(?:get|getCached|param|has|set)",
+    ),
+}
+"""For each kind the names of members, of functions that may be called without a receiver, and whole expressions."""
+_PYTHON_CALLS: Final = {
+    "publishes": r"\brospy\.Publisher|\.create_publisher",
+    "subscribes": r"\b(?:rospy|message_filters)\.Subscriber|\.create_subscription",
+    "provides": r"\brospy\.Service|\.create_service",
+    "calls": r"\brospy\.ServiceProxy|\.create_client",
+    "serves action": r"(?<!class )\b(?:Simple)?ActionServer",
+    "calls action": r"(?<!class )\b(?:Simple)?ActionClient",
+    "has parameter": r"\brospy\.(?:get_param|has_param|set_param|get_param_cached)"
+    r"|\.(?:declare_parameter|get_parameter|get_parameter_or|has_parameter)",
+}
+KINDS: Final = tuple(_CPP_CALLS)
+"""The relations whose calls are looked for."""
+_WHOLE, _IS_MEMBER, _IS_FREE = "whole", "member", "free"
+_QUALIFIED: Final = re.compile(r"(?:rclcpp|image_transport)::$")
+_BEFORE_FREE: Final = tuple("=([{},;&|?:!")
+
+
+def _compiled(members: str, free: str, whole: str) -> re.Pattern[str]:
+    named = [(_IS_MEMBER, members and rf"\b(?:{members})"), (_IS_FREE, free and rf"\b(?:{free})"), (_WHOLE, whole)]
+    return re.compile("|".join(rf"(?P<{name}>(?:{text}){_OPENS})" for name, text in named if text))
+
+
+_PATTERNS: Final = {
+    "cpp": [(kind, _compiled(*names)) for kind, names in _CPP_CALLS.items()],
+    "python": [(kind, _compiled("", "", text)) for kind, text in _PYTHON_CALLS.items()],
+}
+_MENTIONS: Final = re.compile(
+    r"advertise|ubscri|erviceClient|create_|ros::|rospy\.|Action(?:Server|Client)|[pP]aram\b|Param|parameter"
+)
+"""What a file must have anywhere to have a call."""
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """A call: its kind, the line of the name that is called, and the first and the last line of its statement."""
+
+    kind: str
+    line: int
+    first: int
+    last: int
+
+
+def without_words(text: str, language: str) -> str:
+    """Return a text of C++ or Python with blanks for comments, strings and directives; places stay as they are."""
+    pattern = _CPP_WORDS if language == "cpp" else _PYTHON_WORDS
+    text = pattern.sub(lambda match: _KEPT.sub(" ", match[0]), text)
+    return _DEFINE.sub(lambda match: _KEPT.sub(" ", match[0]), text) if language == "cpp" else text
+
+
+def sites(text: str, language: str) -> Iterator[Site]:
+    """Yield the calls in a text of C++ (`cpp`) or Python (`python`), by kind."""
+    if not _MENTIONS.search(text):
+        return
+    code = without_words(text, language)
+    starts = [0, *(match.end() for match in re.finditer("\n", code))]
+    for kind, pattern in _PATTERNS[language]:
+        for match in pattern.finditer(code):
+            if _is_call(code, match.start(), match.lastgroup):
+                at = match.end() - 1
+                line = bisect_right(starts, at)
+                first = bisect_right(starts, _statement_start(code, match.start(), language))
+                last = bisect_right(starts, statement_end(code, at))
+                yield Site(kind, line, min(first, line), max(last, line))
+
+
+def _is_call(code: str, at: int, how: str | None) -> bool:
+    """Tell by what stands before a name of C++ whether it is called there, or declared."""
+    if how == _WHOLE:
+        return True
+    before = code[max(0, at - _FURTHEST // 10) : at].rstrip()
+    before = before.removesuffix("template").rstrip()
+    if before.endswith((".", "->")):
+        return True
+    before = _QUALIFIED.sub("", before).rstrip()
+    free = before.endswith(_BEFORE_FREE) and not before.endswith("::")
+    return how == _IS_FREE and (free or not before or re.search(r"\breturn$", before) is not None)
+
+
+_FURTHEST: Final = 4_000
+"""Characters of the longest statement that is looked at."""
+
+
+def _statement_start(code: str, at: int, language: str) -> int:
+    """Return where the statement around a place begins, as far as marks tell."""
+    begin = max(0, at - _FURTHEST)
+    before = code[begin:at]
+    if language == "cpp":
+        cut = max(before.rfind(";"), before.rfind("{"), before.rfind("}")) + 1
+    else:
+        cut = before.rfind("\n") + 1
+        while cut and before[: cut - 1].rstrip(" \t").endswith(("(", ",", "\\", "[")):
+            cut = before.rfind("\n", 0, cut - 1) + 1
+    blanks = len(code[begin + cut : at]) - len(code[begin + cut : at].lstrip())
+    return begin + cut + blanks
+
+
+def statement_end(code: str, at: int) -> int:
+    """Return where the brackets that are open from a place on are closed, or where the statement ends."""
+    depth = 0
+    for place in range(at, min(len(code), at + _FURTHEST)):
+        sign = code[place]
+        if sign in "([{":
+            depth += 1
+        elif sign in ")]}":
+            depth -= 1
+            if depth <= 0:
+                return place
+        elif sign == ";" and depth <= 0:
+            return place
+    return at
+
+
+def line_end(code: str) -> int:
+    """Return where the first line ends, or the one on which all brackets are closed that the first one opens."""
+    depth = 0
+    for place, sign in enumerate(code):
+        if sign in "([{":
+            depth += 1
+        elif sign in ")]}":
+            depth -= 1
+        elif sign == "\n" and depth <= 0:
+            return place
+    return len(code)
+
+
+class Places:
+    """The lines of all ends and parameters of a store, the digests of its files, and the folders of its packages."""
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        self._snapshot = snapshot
+        self._lines: defaultdict[tuple[str, str, str], set[int]] = defaultdict(set)
+        self._digests: dict[tuple[str, str], str] = {}
+        self._folders: defaultdict[str, set[str]] = defaultdict(set)
+        kinds = {v.bare(term): relation for relation, term in STATED.items()}
+        for graph in snapshot.graphs():
+            if is_source_graph(graph.value):
+                for (repository,) in rows(self._snapshot, _REPOSITORY % graph):
+                    self._read(str(graph), repository, kinds)
+
+    def _read(self, graph: str, repository: str, kinds: dict[str, str]) -> None:
+        elsewhere = dict(rows(self._snapshot, _ELSEWHERE % graph))
+        for part, kind, path, line in rows(self._snapshot, _LINES % graph):
+            if kind in kinds:
+                self._lines[kinds[kind], elsewhere.get(part, repository), path].add(int(line))
+        for kind, chain in rows(self._snapshot, _CALL_PLACES % graph):
+            for call in chain_of(chain)[-1:] if kind in kinds else ():
+                self._lines[kinds[kind], call.repository or repository, call.path].add(call.line)
+        for path, value in rows(self._snapshot, _FILES % graph):
+            self._digests[repository, path] = value
+        self._folders[repository].update(folder or "." for (folder,) in rows(self._snapshot, _FOLDERS % graph))
+
+    def has(self, relation: str, file: tuple[str, str], first: int, last: int) -> bool:
+        """Tell whether an end or parameter of a relation was read on one of some lines of a file of a source."""
+        return any(first <= line <= last for line in self._lines.get((relation, *file), ()))
+
+    def digest(self, repository: str, path: str) -> str | None:
+        """Return the digest of a file as it was read; None for one that is in no package."""
+        return self._digests.get((repository, path))
+
+    def folders(self, repository: str) -> set[str]:
+        """Return the folders of the packages of a source, `.` for the whole."""
+        return self._folders[repository]
 
 
 @dataclass(frozen=True, slots=True)

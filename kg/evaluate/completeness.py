@@ -5,23 +5,18 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Final
 
-from kg.evaluate.gathering import gather
+from kg.evaluate.gathering import Choice, Gathered, gather
 from kg.evaluate.intervals import wilson
-from kg.evaluate.linking import Linker
+from kg.evaluate.linking import Ground, Linker
 from kg.evaluate.paper import beside
-from kg.evaluate.tables import Share, Table
+from kg.evaluate.tables import Cell, Share, Table
 from kg.render.text import count
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
-    from kg.evaluate.gathering import Choice, Gathered
-    from kg.evaluate.linking import Ground
-    from kg.evaluate.tables import Cell
     from kg.store.interface import Snapshot
-
-__all__ = ["completeness", "grounds", "remarks", "share"]
 
 _QUERY: Final = "completeness/reference-entities"
 _ENTITIES: Final = (

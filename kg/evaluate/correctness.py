@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.evaluate.completeness import grounds, remarks, share
 from kg.evaluate.paper import beside
-from kg.evaluate.tables import Table
+from kg.evaluate.tables import Cell, Share, Table
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -14,10 +14,7 @@ if TYPE_CHECKING:
 
     from kg.evaluate.gathering import Choice
     from kg.evaluate.linking import Ground
-    from kg.evaluate.tables import Cell, Share
     from kg.store.interface import Snapshot
-
-__all__ = ["correctness"]
 
 _RECALL: Final = "correctness/reference-recall"
 _PRECISION: Final = "correctness/reference-precision"

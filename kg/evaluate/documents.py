@@ -1,16 +1,26 @@
 """Pages of documentation as references: the ROS wiki's markup, and tables and lists of READMEs.
 
 A page speaks of the package in whose folder it stands, in a source of the store, or of the one that is named with it.
+
+Interfaces that READMEs document: tables and lists under headings such as Input, Subscribed topics, Parameters.
+
+    ### Input
+    | Name           | Type                         | Description |
+    | -------------- | ---------------------------- | ----------- |
+    | `~/input/scan` | `sensor_msgs::msg::LaserScan`| ...         |
+
+Lists say the same as `* **/scan** ([sensor_msgs/LaserScan])`. What is returned has the shape of what wiki pages give.
+Under a heading for both directions a name that has `input` or `output` in it tells which; others are passed over.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, UsageError
-from kg.evaluate.readme_tables import readme_nodes
 from kg.evaluate.references import (
     PARAMETERS,
     ROLES,
@@ -22,7 +32,7 @@ from kg.evaluate.references import (
     short_name,
     text_of,
 )
-from kg.extract.texts.pages import is_wiki, wiki_nodes
+from kg.extract.texts.pages import WikiEntry, WikiNode, is_wiki, wiki_nodes
 from kg.graph.source_states import sources
 from kg.query.core import run
 from kg.query.result import Solutions
@@ -31,10 +41,7 @@ from kg.similar import did_you_mean
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.extract.texts.pages import WikiNode
     from kg.store.interface import Snapshot
-
-__all__ = ["PAGES", "Packages", "Spot", "pages_below", "read_page"]
 
 PAGES: Final = frozenset({".md", ".txt", ".wiki", ".moin"})
 """Endings of files that are read as pages."""
@@ -45,6 +52,137 @@ SELECT ?repository ?package ?folder WHERE {
 }"""
 _LARGEST: Final = 2_000_000
 """Bytes of a page below a folder; larger files are no pages."""
+
+_MOST_LINES: Final = 20_000
+_LONGEST_LINE: Final = 4_000
+_HEADING: Final = re.compile(r"^(#{1,6})\s+(.*?)\s*#*\s*$")
+_FENCE: Final = re.compile(r"^\s*(```|~~~)")
+_RULE: Final = re.compile(r"^[\s|:-]*-[\s|:-]*$")
+_CELLS: Final = re.compile(r"(?<!\\)\|")
+_LINK: Final = re.compile(r"\[([^\[\]]*)\]\([^()]*\)|\[([^\[\]]*)\](?:\[[^\[\]]*\])?")
+_NAME: Final = re.compile(r"[~/]*[A-Za-z_<{*][\w/<>{}*.\-]*")
+_TYPE: Final = re.compile(r"[A-Za-z]\w*(?:(?:::|/|\.)\w+){1,3}")
+_ITEM: Final = re.compile(r"^\s{0,8}[*+-]\s+(?P<name>[^\s(]{1,200})\s*[:-]?\s*\((?P<type>[^()\s]{1,200})\)?")
+_BOTH: Final = "both"
+_ROLES: Final = (
+    (re.compile(r"(?:call|requir|us)ed services?|services? (?:call|client)|clients?$", re.IGNORECASE), "clients"),
+    (re.compile(r"actions? (?:call|client)|called actions?", re.IGNORECASE), "action_clients"),
+    (re.compile(r"\bactions?\b", re.IGNORECASE), "action_servers"),
+    (re.compile(r"\bservices?\b", re.IGNORECASE), "services"),
+    (re.compile(r"\bparam(?:eter)?s?\b", re.IGNORECASE), "parameters"),
+    (re.compile(r"\binputs?\b.*\boutputs?\b", re.IGNORECASE), _BOTH),
+    (re.compile(r"\bsubscri|\binputs?\b", re.IGNORECASE), "subscribes"),
+    (re.compile(r"\bpubli(?:sh|cation)|\boutputs?\b", re.IGNORECASE), "publishes"),
+)
+_NAME_HEADS: Final = frozenset(
+    {"name", "topic", "topic name", "service", "service name", "parameter", "param", "action"}
+)
+_TYPE_HEADS: Final = frozenset({"type", "message type", "msg type", "message", "service type", "data type"})
+_NODE_WORDS: Final = re.compile(r"\b(?:the|nodes?|nodelet|component|package|ros2?)\b|[`*_]{2,}|`", re.IGNORECASE)
+_GENERAL: Final = re.compile(
+    r"interface|inner|overview|usage|purpose|topics?$|api|detail|ros|core|common|about|assumption", re.IGNORECASE
+)
+
+
+@dataclass(slots=True)
+class _Page:
+    """A page as far as it was read: its headings by level, and what was found by the name of a node."""
+
+    headings: dict[int, str] = field(default_factory=dict)
+    columns: tuple[int, int | None] | None = None
+    found: dict[str | None, list[WikiEntry]] = field(default_factory=dict)
+    lines: dict[str | None, int] = field(default_factory=dict)
+
+    def role(self) -> str | None:
+        """Return the role that the nearest heading speaks of, if any does."""
+        for level in sorted(self.headings, reverse=True):
+            role = _role(self.headings[level])
+            if role:
+                return role
+        return None
+
+    def node(self) -> str | None:
+        """Return the name that a heading above those of roles gives; None where none looks like a name."""
+        for level in sorted(self.headings, reverse=True):
+            text = self.headings[level]
+            if not _role(text) and not _GENERAL.search(text):
+                name = _NODE_WORDS.sub(" ", text).strip(" :").lower()
+                if re.fullmatch(r"[\w./:\-]+", name):
+                    return name
+        return None
+
+    def add(self, name: str, kind: str | None, line: int) -> None:
+        """Take an entry; a name that is none is passed over, and a direction that is not known."""
+        role, node = self.role(), self.node()
+        if role == _BOTH:
+            role = "subscribes" if "input" in name else "publishes" if "output" in name else None
+        if role is None or not _NAME.fullmatch(name):
+            return
+        self.lines.setdefault(node, line)
+        self.found.setdefault(node, []).append(WikiEntry(role, name, kind, None, line))
+
+
+def readme_nodes(text: str) -> tuple[WikiNode, ...]:
+    """Return the nodes that a page of Markdown documents, by the headings above; the name is None for the page's own.
+
+    Malformed tables are passed over.
+    """
+    page, fenced = _Page(), False
+    lines = text.split("\n", _MOST_LINES)[:_MOST_LINES]
+    for number, line in enumerate(lines, 1):
+        if _FENCE.match(line):
+            fenced = not fenced
+        elif not fenced and len(line) <= _LONGEST_LINE:
+            following = lines[number] if number < len(lines) else ""
+            _take(page, line, following, number)
+    return tuple(WikiNode(name, None, page.lines[name], tuple(entries)) for name, entries in page.found.items())
+
+
+def _take(page: _Page, line: str, following: str, number: int) -> None:
+    heading = _HEADING.match(line)
+    if heading:
+        level = len(heading[1])
+        page.headings = {at: text for at, text in page.headings.items() if at < level} | {level: heading[2]}
+        page.columns = None
+    elif "|" in line:
+        _row(page, line, following, number)
+    else:
+        page.columns = None
+        item = _ITEM.match(_plain(line))
+        if item and (kind := _TYPE.fullmatch(_bare(item["type"]))) and page.role() != "parameters":
+            page.add(_bare(item["name"]), kind[0], number)
+
+
+def _row(page: _Page, line: str, following: str, number: int) -> None:
+    cells = [_bare(cell) for cell in _CELLS.split(line.strip().strip("|"))]
+    if page.columns is None:
+        if _RULE.match(following):
+            page.columns = _columns([cell.lower() for cell in cells])
+        return
+    name_at, type_at = page.columns
+    if name_at < len(cells) and not _RULE.match(line):
+        kind = _TYPE.fullmatch(cells[type_at]) if type_at is not None and type_at < len(cells) else None
+        page.add(cells[name_at], kind[0] if kind else None, number)
+
+
+def _columns(head: list[str]) -> tuple[int, int | None] | None:
+    """Return where names and types stand in a table; None for a table of other things."""
+    name = next((at for at, cell in enumerate(head) if cell in _NAME_HEADS or cell.startswith("topic")), None)
+    kind = next((at for at, cell in enumerate(head) if cell in _TYPE_HEADS and at != name), None)
+    return None if name is None else (name, kind)
+
+
+def _role(heading: str) -> str | None:
+    return next((role for pattern, role in _ROLES if pattern.search(heading)), None)
+
+
+def _plain(line: str) -> str:
+    return _LINK.sub(lambda link: link[1] or link[2] or "", line)
+
+
+def _bare(cell: str) -> str:
+    """Return a cell without marks of Markdown."""
+    return _plain(cell).replace("\\_", "_").replace("\\", "").strip(" \t`*\"'")
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ import tomllib
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.evaluate.exercises import ROBOTS, Outcome, exercises, program_of
-from kg.evaluate.tables import Table
+from kg.evaluate.tables import Cell, Table
 from kg.resources import folder
 from kg.robot.connecting import connect
 from kg.robot.live import infer
@@ -20,11 +20,8 @@ from kg.robot.simulation.running import hosted_in_memory
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from kg.evaluate.tables import Cell
     from kg.robot.capability import Capabilities
     from kg.settings import Settings
-
-__all__ = ["capabilities_of_robots", "capabilities_table", "exercises_table", "paper_figures", "runs_table"]
 
 PAPER: Final = "onto-ros"
 _FIGURES: Final = ("blocks", "capabilities", "lines", "components", "message types")

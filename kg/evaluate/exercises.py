@@ -37,20 +37,6 @@ if TYPE_CHECKING:
     from kg.robot.simulation.world import World
     from kg.settings import Settings
 
-__all__ = [
-    "ROBOTS",
-    "Exercise",
-    "Outcome",
-    "Robot",
-    "Variant",
-    "carry_out",
-    "exercises",
-    "missed",
-    "perform",
-    "perform_all",
-    "program_of",
-]
-
 Robot = Literal["office", "drone"]
 ROBOTS: Final[tuple[Robot, ...]] = ("office", "drone")
 

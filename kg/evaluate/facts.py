@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.facts import Location
     from kg.store.interface import Snapshot
 
-__all__ = ["INFERRED", "RELATIONS", "STATED", "Fact", "Facts"]
-
 STATED: Final = {
     "publishes": v.PUBLISHER,
     "subscribes": v.SUBSCRIBER,

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.evaluate.references import Reference
     from kg.store.interface import Snapshot
 
-__all__ = ["ABSENT", "OTHER_COMMIT", "Choice", "Gathered", "gather"]
-
 ABSENT: Final = "repository not in the store"
 OTHER_COMMIT: Final = "another commit than the store's"
 _NO_PACKAGE: Final = "page in no package of the store"

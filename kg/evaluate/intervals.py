@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-__all__ = ["Z95", "bootstrap", "bounds", "wilson"]
-
 Z95: Final = 1.959963984540054
 """The quantile of the normal distribution that bounds 95 % on both sides."""
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-__all__ = ["Constraints", "Judged", "Need", "Ranked", "ndcg", "read_needs"]
-
 _HIGHEST: Final = 30
 """Grades above this make gains that are no figures any more."""
 

@@ -13,8 +13,6 @@ from kg.store.opening import writable
 if TYPE_CHECKING:
     from kg.settings import Settings
 
-__all__ = ["forget", "keep"]
-
 _NAME: Final = "reference"
 
 

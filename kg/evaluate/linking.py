@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Store
 
-from kg.evaluate.references import PARAMETERS, owner_and_name, plain_name, short_name
+from kg.evaluate.references import PARAMETERS, Entry, Reference, owner_and_name, plain_name, short_name
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import Writer, integer
 from kg.query import stored
@@ -25,10 +25,7 @@ from kg.store.snapshot import MemorySnapshot
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from kg.evaluate.references import Entry, Reference
     from kg.store.interface import Snapshot
-
-__all__ = ["Ground", "Linked", "Linker"]
 
 _ACTION_TOPIC: Final = re.compile(r"(.+)/(goal|cancel|status|feedback|result)")
 _HEARD: Final = frozenset({"goal", "cancel"})

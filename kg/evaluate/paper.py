@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from kg.evaluate.tables import Table
 
-__all__ = ["COLUMN", "beside"]
-
 COLUMN: Final = "RNKG"
 
 

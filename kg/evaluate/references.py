@@ -22,20 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-__all__ = [
-    "PARAMETERS",
-    "ROLES",
-    "Entry",
-    "Reading",
-    "Reference",
-    "owner_and_name",
-    "plain_name",
-    "plain_type",
-    "read",
-    "short_name",
-    "text_of",
-]
-
 PARAMETERS: Final = "parameters"
 ROLES: Final = ("publishes", "subscribes", "services", "clients", "action_servers", "action_clients", PARAMETERS)
 _OTHER_KEYS: Final = {

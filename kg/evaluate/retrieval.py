@@ -1,34 +1,203 @@
-"""Table 11: how well nodes are found for needs, by the search of `kg` and by other ways to rank them."""
+"""Table 11: how well nodes are found for needs, by the search of `kg` and by other ways to rank them.
+
+What the search is compared with: well-known ways to rank nodes for a need, untuned, over the same nodes.
+
+Each takes the documents that the search knows and gives a score for every node; nodes with none are not found. The
+libraries are those of the extra `evaluate`, loaded when they are needed.
+
+Nodes whose interface contains the one that is asked for, by subgraph monomorphism.
+
+The pattern of a need is a graph: the node, a vertex for each end that it must have, labelled with its role, and a
+vertex for the type of that end. A node's own graph has the same shape for all its ends. A node matches when the
+pattern occurs in its graph (a monomorphism: the graph may have more edges). networkx does that with VF2
+(`GraphMatcher`); its VF2++ tests only whether two graphs as wholes are isomorphic.
+"""
 
 from __future__ import annotations
 
 import random
-from typing import TYPE_CHECKING, Final
+import re
+from collections import Counter
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
+from kg.errors import UsageError
 from kg.evaluate.intervals import bootstrap, bounds
-from kg.evaluate.judged_needs import Ranked, ndcg
+from kg.evaluate.judged_needs import Constraints, Need, Ranked, ndcg
 from kg.evaluate.paper import beside
-from kg.evaluate.rankers import Embeddings, FuzzyNames, Subgraphs, TfIdf
-from kg.evaluate.tables import Score, Table
+from kg.evaluate.tables import Cell, Score, Table
 from kg.render.text import count
-from kg.search.searching import Hit
+from kg.search.encoding import FolderModel
+from kg.search.searching import Hit, Search
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
     from pathlib import Path
 
-    from kg.evaluate.judged_needs import Need
-    from kg.evaluate.rankers import Ranker
-    from kg.evaluate.tables import Cell
-    from kg.search.searching import Search
-
-__all__ = ["retrieval"]
+    from kg.search.documents import Document, PackageDocument
+    from kg.search.index import Index
 
 _DEPTHS: Final = (1, 5)
 _OURS: Final = "kg search"
 _ROUNDS: Final = 2000
+
+_PART: Final = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+_EXTRA: Final = "evaluate"
+
+_ROLES: Final = {
+    "subscribes": ("subscribes",),
+    "publishes": ("publishes",),
+    "provides": ("services", "action_servers"),
+    "calls": ("clients", "action_clients"),
+}
+"""Kinds of constraints by the roles of ends that meet them."""
+_KINDS: Final = {role: kind for kind, roles in _ROLES.items() for role in roles}
+
+
+class Patterns:
+    """The interfaces of nodes, in which patterns are looked for."""
+
+    def __init__(self, nodes: Sequence[Document]) -> None:
+        self._ends = [
+            [(_KINDS[end.role], end.type) for end in node.ends if end.type and end.role in _KINDS] for node in nodes
+        ]
+        self._counts = [Counter(ends) for ends in self._ends]
+        self._graphs: dict[int, Any] = {}
+
+    def scores(self, constraints: Constraints | None) -> list[float]:
+        """Return for each node one by the number of its ends when it matches, else 0; no constraints, no match."""
+        wanted = [(kind, type_) for kind in _ROLES for type_ in getattr(constraints, kind, ())]
+        if not wanted:
+            return [0.0] * len(self._ends)
+        pattern, counts = _graph(wanted), Counter(wanted)
+        return [self._score(place, pattern, counts) for place in range(len(self._ends))]
+
+    def _score(self, place: int, pattern: Any, wanted: Counter[tuple[str, str]]) -> float:
+        # Most nodes lack an end of the pattern, which counting tells without a search.
+        if any(self._counts[place][end] < number for end, number in wanted.items()):
+            return 0.0
+        from networkx.algorithms.isomorphism import (  # noqa: PLC0415 - an extra
+            GraphMatcher,
+            categorical_node_match,
+        )
+
+        if place not in self._graphs:
+            self._graphs[place] = _graph(self._ends[place])
+        matcher = GraphMatcher(self._graphs[place], pattern, categorical_node_match("label", None))
+        return 1 / len(self._ends[place]) if matcher.subgraph_is_monomorphic() else 0.0
+
+
+def _graph(ends: Iterable[tuple[str, str]]) -> Any:
+    from networkx import Graph  # noqa: PLC0415 - an extra
+
+    graph = Graph()
+    graph.add_node("node", label="node")
+    for number, (kind, type_) in enumerate(ends):
+        graph.add_node(number, label=kind)
+        graph.add_node(type_, label=type_)
+        graph.add_edge("node", number)
+        graph.add_edge(number, type_)
+    return graph
+
+
+class Ranker(Protocol):
+    """A way to rank nodes."""
+
+    name: str
+
+    def scores(self, need: Need) -> Sequence[float]:
+        """Return a score for each node, in the order of the documents; 0 and less is not found."""
+        ...
+
+
+def library(name: str, package: str) -> Any:
+    """Return a library that not every installation has; UsageError KG724 with how to get it."""
+    try:
+        return import_module(name)
+    except ImportError:
+        hint = f"pip install 'kg-ros[{_EXTRA}]'"
+        raise UsageError("KG724", f"{package} is not installed, which this comparison needs", hint=hint) from None
+
+
+def text_of_node(node: Document, package: PackageDocument) -> str:
+    """Return all that is known of a node in words: names, descriptions, interfaces, of its package too."""
+    names = [node.name, node.executable, node.plugin, node.node_name, *node.aliases, package.name]
+    ends = [text for end in node.ends for text in (end.name, end.type)]
+    texts = [package.description, *(text.text for text in (*node.texts, *package.texts))]
+    return " ".join(_split(one) for one in (*names, *ends, *texts) if one)
+
+
+def _split(text: str) -> str:
+    return " ".join(_PART.findall(text)).lower()
+
+
+def _texts(index: Index) -> list[str]:
+    nodes = (index.nodes[place] for place in range(index.size))
+    return [text_of_node(node, index.packages[node.package]) for node in nodes]
+
+
+class TfIdf:
+    """Cosine of vectors weighted by term and inverse document frequency, as scikit-learn makes them unless told."""
+
+    name = "TF-IDF"
+
+    def __init__(self, index: Index) -> None:
+        feature_extraction = library("sklearn.feature_extraction.text", "scikit-learn")
+        self._vectorizer = feature_extraction.TfidfVectorizer(stop_words="english")
+        self._vectors = self._vectorizer.fit_transform(_texts(index))
+
+    def scores(self, need: Need) -> Sequence[float]:
+        """Return the cosines."""
+        query = self._vectorizer.transform([_split(need.query)])
+        found: list[float] = (self._vectors @ query.T).toarray().ravel().tolist()
+        return found
+
+
+class FuzzyNames:
+    """How alike the words of the need and those of the names of node and package are: rapidfuzz's token_set_ratio."""
+
+    name = "fuzzy names"
+
+    def __init__(self, index: Index) -> None:
+        self._ratio = library("rapidfuzz.fuzz", "rapidfuzz").token_set_ratio
+        nodes = (index.nodes[place] for place in range(index.size))
+        self._names = [f"{_split(index.packages[node.package].name)} {_split(node.name)}" for node in nodes]
+
+    def scores(self, need: Need) -> Sequence[float]:
+        """Return the ratios from 0 to 100."""
+        query = _split(need.query)
+        return [self._ratio(query, name) for name in self._names]
+
+
+class Subgraphs:
+    """Nodes whose interface holds the one that is asked for (`kg.evaluate.retrieval`); the smallest interface first."""
+
+    name = "subgraph matching"
+
+    def __init__(self, index: Index) -> None:
+        library("networkx", "networkx")
+        self._patterns = Patterns([index.nodes[place] for place in range(index.size)])
+
+    def scores(self, need: Need) -> Sequence[float]:
+        """Return one by the size of the interface for each node that matches."""
+        return self._patterns.scores(need.constraints)
+
+
+class Embeddings:
+    """Cosine of sentence embeddings by a model in a folder (`kg.search.encoding`)."""
+
+    name = "sentence embeddings"
+
+    def __init__(self, index: Index, model: Path) -> None:
+        self._model = FolderModel(model)
+        self._vectors = self._model.encode(_texts(index))
+
+    def scores(self, need: Need) -> Sequence[float]:
+        """Return the cosines."""
+        query = self._model.encode([need.query])[0]
+        return [float(one) for one in self._vectors @ query]
 
 
 def retrieval(search: Search, needs: Sequence[Need], model: Path | None = None) -> Table:

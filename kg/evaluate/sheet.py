@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import Place, UsageError
 from kg.evaluate.completeness import share
 from kg.evaluate.strata import shares_of, weighed
-from kg.evaluate.tables import Table, safe_cell
+from kg.evaluate.tables import Cell, Table, safe_cell
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -25,9 +25,6 @@ if TYPE_CHECKING:
 
     from kg.evaluate.facts import Facts
     from kg.evaluate.source_lines import SourceLines
-    from kg.evaluate.tables import Cell
-
-__all__ = ["COLUMNS", "as_sheet", "drawn", "score_sheet"]
 
 COLUMNS: Final = (
     "number",

@@ -11,8 +11,6 @@ from kg.graph.source_states import sources
 if TYPE_CHECKING:
     from kg.store.interface import Snapshot
 
-__all__ = ["SourceLines"]
-
 _LARGEST: Final = 4_000_000
 """Bytes of a source file; kg reads no larger one unless told."""
 _FORGES: Final = {

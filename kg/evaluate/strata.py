@@ -11,8 +11,6 @@ from kg.evaluate.tables import Score
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ["shares_of", "weighed"]
-
 
 def shares_of(sizes: Mapping[str, int], size: int) -> dict[str, int]:
     """Return how many each group gives: the same for all, what one cannot give is taken from the others."""

@@ -16,14 +16,11 @@ import msgspec
 from kg.errors import Place, UsageError
 from kg.evaluate.exercise_tables import paper_figures
 from kg.evaluate.exercises import exercises
-from kg.evaluate.tables import Table
+from kg.evaluate.tables import Cell, Table
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.evaluate.tables import Cell
-
-__all__ = ["Result", "read", "table"]
 
 _COLUMNS: Final = (
     *("exercise", "robot", "participants", "time", "attempts", "done", "blocks", "capabilities"),

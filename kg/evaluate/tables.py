@@ -12,8 +12,6 @@ from kg.render.text import printable
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ["Cell", "Score", "Share", "Table", "as_csv", "as_markdown", "as_objects", "safe_cell", "spelled"]
-
 
 @dataclass(frozen=True, slots=True)
 class Share:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.impact.channels import channel_about, channel_effects
 from kg.impact.files import declared_subjects, file_about, file_effects, file_mentions
 from kg.impact.launches import argument_about, argument_effects
-from kg.impact.model import CHANNELS, Impact, Kind, merged
+from kg.impact.model import CHANNELS, Effect, Impact, Kind, Subject, World, merged
 from kg.impact.nodes import node_about, node_effects
 from kg.impact.parameters import declared_settings, parameter_about, parameter_effects
 from kg.impact.texts import HOLDING, absolute_name, mentions
@@ -17,9 +17,6 @@ from kg.impact.types import field_mentions, type_about, type_effects, type_menti
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from kg.impact.model import Effect, Subject, World
-
-__all__ = ["impact"]
 
 _EFFECTS: Final[dict[Kind, Callable[[Subject, World], Iterator[Effect]]]] = {
     **dict.fromkeys(CHANNELS, channel_effects),

@@ -12,24 +12,19 @@ from typing import TYPE_CHECKING, Final
 from kg.holes import is_known
 from kg.impact.assessing import impact
 from kg.impact.files import file_effects, file_mentions
-from kg.impact.model import GIVING, VERBS, Area, Effect, Grade, Kind, Subject, merged
+from kg.impact.model import GIVING, VERBS, Area, DefinitionRecord, Effect, Grade, Kind, Subject, World, merged
 from kg.impact.nodes import node_records_of
 from kg.impact.parameters import same_parameter
-from kg.impact.started import end_effect, ends_of, partners
+from kg.impact.started import End, end_effect, ends_of, partners
 from kg.impact.values import area_of
+from kg.launch.comparison import Change, Difference, Level
 from kg.launch.comparison import Kind as Became
-from kg.launch.comparison import Level
 from kg.launch.comparison.wording import change_words, sign
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.facts import InstanceInterface, Location, NodeInstance, NodeReference, System
-    from kg.impact.model import DefinitionRecord, World
-    from kg.impact.started import End
-    from kg.launch.comparison import Change, Difference
-
-__all__ = ["Broken", "broken", "definition_changes"]
 
 _AWAY: Final = frozenset({Became.GONE, Became.RENAMED})
 _LEFT: Final = {

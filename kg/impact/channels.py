@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.facts import NodeReference
-from kg.impact.model import VERBS, Area, Effect, Grade
-from kg.impact.started import ends_of, partners, started_effects
+from kg.facts import Interface, LaunchParameter, NodeInstance, NodeReference, Remap, System
+from kg.impact.model import VERBS, Area, Effect, Grade, Subject, World
+from kg.impact.started import End, ends_of, partners, started_effects
 from kg.impact.values import area_of, argument_effects, holding_effects
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterator, Sequence
-
-    from kg.facts import Interface, LaunchParameter, NodeInstance, Remap, System
-    from kg.impact.model import Subject, World
-    from kg.impact.started import End
-
-__all__ = ["channel_about", "channel_effects"]
 
 
 def channel_effects(subject: Subject, world: World) -> Iterator[Effect]:

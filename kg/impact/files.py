@@ -8,17 +8,14 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import FileKind, Location
 from kg.impact.launches import include_effects
-from kg.impact.model import Area, Effect, Grade, Kind, Subject
+from kg.impact.model import Area, Effect, Grade, Kind, Subject, World
 from kg.impact.texts import mentions
 from kg.render.text import count
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.impact.model import World
     from kg.launch.comparison.changes import Record
-
-__all__ = ["declared_subjects", "file_about", "file_effects", "file_mentions"]
 
 _NAMING: Final = frozenset({FileKind.LAUNCH, FileKind.BUILD, FileKind.CONFIG, FileKind.CPP, FileKind.PYTHON})
 

@@ -6,17 +6,12 @@ import ast
 import re
 from typing import TYPE_CHECKING
 
-from kg.facts import Location
-from kg.impact.model import Area, Effect, Grade
+from kg.facts import LaunchArgument, LaunchConfiguration, Location, System
+from kg.impact.model import Area, Effect, Grade, Subject, World
 from kg.impact.texts import code_of, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-
-    from kg.facts import LaunchArgument, LaunchConfiguration, System
-    from kg.impact.model import Subject, World
-
-__all__ = ["argument_about", "argument_effects", "declaring", "include_effects"]
 
 
 def declaring(subject: Subject, world: World) -> list[tuple[LaunchConfiguration, LaunchArgument]]:

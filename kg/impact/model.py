@@ -6,30 +6,12 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Final, Protocol
 
-from kg.facts import Role
+from kg.facts import Dependency, FileKind, InterfaceDefinition, Location, Role, System
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.facts import Dependency, FileKind, InterfaceDefinition, Location, System
     from kg.launch.comparison.changes import Record
-
-__all__ = [
-    "CHANNELS",
-    "GIVING",
-    "VERBS",
-    "Area",
-    "DefinitionRecord",
-    "Effect",
-    "FileRecord",
-    "Grade",
-    "Impact",
-    "Kind",
-    "PackageRecord",
-    "Subject",
-    "World",
-    "merged",
-]
 
 
 class Kind(StrEnum):

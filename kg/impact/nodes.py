@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Location, NodeReference
+from kg.facts import InstanceInterface, Location, NodeInstance, NodeReference, System
 from kg.holes import is_known
-from kg.impact.model import GIVING, Area, Effect, Grade
+from kg.impact.model import GIVING, Area, Effect, Grade, Subject, World
 from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of, elements
 from kg.render.text import count
@@ -15,11 +15,7 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.facts import InstanceInterface, NodeInstance, System
-    from kg.impact.model import Subject, World
     from kg.launch.comparison.changes import Record
-
-__all__ = ["node_about", "node_effects", "node_records_of"]
 
 _LISTS: Final = "node_names"
 """The parameter in which a lifecycle manager lists the nodes that it manages."""

@@ -7,7 +7,7 @@ from collections import defaultdict
 from itertools import product
 from typing import TYPE_CHECKING, Final
 
-from kg.impact.model import VERBS, Area, Effect, Grade
+from kg.impact.model import VERBS, Area, Effect, Grade, Subject, World
 from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of
 from kg.names import normalise
@@ -16,18 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.facts import InstanceParameter, Location, NodeInstance, System
-    from kg.impact.model import Subject, World
     from kg.launch.comparison.changes import Record
-
-__all__ = [
-    "declared_settings",
-    "has_parameter",
-    "names_node",
-    "parameter_about",
-    "parameter_effects",
-    "same_parameter",
-    "spellings",
-]
 
 _VERBS: Final = {"read": "reads", "write": "writes", "declare": "declares"}
 _MOST_SIGNS: Final = 8

@@ -5,17 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from kg.facts import Role
+from kg.facts import InstanceInterface, NodeInstance, Role, System
 from kg.holes import fits, is_known, known_letters
-from kg.impact.model import VERBS, Area, Effect, Grade
+from kg.impact.model import VERBS, Area, Effect, Grade, Subject
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterable, Iterator, Sequence
 
-    from kg.facts import InstanceInterface, NodeInstance, System
-    from kg.impact.model import Subject
-
-__all__ = ["End", "end_effect", "ends_of", "partners", "started_effects"]
 
 _FEW_LETTERS: Final = 3
 """A name of which so few letters are known fits too much."""

@@ -6,14 +6,11 @@ import re
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import FileKind, Location
-from kg.impact.model import Area, Effect, Grade
+from kg.impact.model import Area, Effect, FileRecord, Grade, World
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.impact.model import FileRecord, World
-
-__all__ = ["HOLDING", "absolute_name", "code_of", "mentions", "quoted"]
 
 HOLDING: Final = frozenset({FileKind.CONFIG, FileKind.LAUNCH})
 """Kinds of files whose values name things of a system."""

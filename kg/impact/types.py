@@ -5,18 +5,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import FileKind, Location
-from kg.impact.model import VERBS, Area, Effect, Grade, Kind
+from kg.facts import FileKind, Interface, Location
+from kg.impact.model import VERBS, Area, DefinitionRecord, Effect, FileRecord, Grade, Kind, Subject, World
 from kg.impact.texts import mentions
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterator, Mapping, Sequence
 
-    from kg.facts import Interface
-    from kg.impact.model import DefinitionRecord, FileRecord, Subject, World
     from kg.launch.comparison.changes import Record
-
-__all__ = ["affected_types", "field_mentions", "type_about", "type_effects", "type_mentions", "uses_type"]
 
 _CHANNEL_KINDS: Final = {"topic": "msg", "service": "srv", "action": "action"}
 _CODE: Final = frozenset({FileKind.CPP, FileKind.PYTHON})

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     from kg.facts import InstanceParameter, Location, NodeInstance, System
 
-__all__ = ["area_of", "argument_effects", "elements", "holding_effects"]
-
 _NAMING: Final = re.compile(r"topic|service|action|server|channel|frame", re.IGNORECASE)
 """Parameters with such names may hold relative names."""
 _TOKEN: Final = re.compile(r"[^\s,\[\]{}\"']+")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from kg.impact.model import Grade
+from kg.impact.model import Effect, Grade, Impact
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
@@ -13,19 +13,6 @@ if TYPE_CHECKING:
 
     from kg.facts import Location
     from kg.impact.changes import Broken
-    from kg.impact.model import Effect, Impact
-
-__all__ = [
-    "Link",
-    "broken_lines",
-    "broken_markdown",
-    "broken_objects",
-    "broken_summary",
-    "impact_lines",
-    "impact_markdown",
-    "impact_object",
-    "summary",
-]
 
 Link: TypeAlias = "Callable[[str, Location], str | None]"
 """Gives the address of a line of a source."""

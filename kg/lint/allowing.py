@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from kg.lint.finding import Evidence, Finding
     from kg.settings import Table
 
-__all__ = ["Allowance", "Comments", "allowances", "allowed_by"]
-
 _GLOBS: Final = ("subject", "file", "system", "rule")
 _KEYS: Final = ("code", *_GLOBS, "reason")
 _COMMENT: Final = re.compile(

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from kg.lint.finding import Finding
 
-__all__ = ["Known", "compared", "read", "written"]
-
 _VERSION: Final = 1
 
 

@@ -7,8 +7,6 @@ from hashlib import blake2b
 
 from kg.codes.severities import SEVERITIES
 
-__all__ = ["Evidence", "Finding"]
-
 
 @dataclass(frozen=True, slots=True, order=True)
 class Evidence:

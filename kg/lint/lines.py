@@ -10,8 +10,6 @@ if TYPE_CHECKING:
 
     from kg.lint.finding import Evidence
 
-__all__ = ["Lines"]
-
 _LARGEST: Final = 4 << 20
 
 

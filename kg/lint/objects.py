@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from kg.lint.finding import Evidence, Finding
 
-__all__ = ["as_object", "remark", "spelled", "suite_name", "xunit"]
-
 _NO_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _SUFFIX: Final = ".xunit.xml"
 

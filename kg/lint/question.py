@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-__all__ = ["DECLARED", "Question"]
-
 
 @dataclass(frozen=True, slots=True)
 class Question:

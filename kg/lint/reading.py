@@ -10,18 +10,14 @@ from pyoxigraph import NamedNode
 from kg.codes.severities import SEVERITIES
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, chain_text, likely_chain
-from kg.graph.fields import one
+from kg.graph.fields import Properties, one
 from kg.graph.iris import Iris
-from kg.graph.reading import grouped
+from kg.graph.reading import Queryable, grouped
 from kg.lint.finding import Evidence, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
-    from kg.graph.fields import Properties
-    from kg.graph.reading import Queryable
-
-__all__ = ["read_findings"]
 
 _NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})
 _PREFIXES: Final = {"rnkg": v.RNKG, "rdf": v.RDF}

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.lint.finding import Evidence, Finding
     from kg.lint.lines import Lines
 
-__all__ = ["Repair", "places", "repairs", "written"]
-
 _BEFORE: Final = r"(?<![\w/.~-])(?<!::)"
 _BEHIND: Final = r"(?![\w/.-]|::)"
 _SUBSTITUTED: Final = r"(?<=[)}]/)"

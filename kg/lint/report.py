@@ -7,18 +7,14 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from kg.codes.severities import SEVERITIES
-from kg.lint.allowing import Allowance, allowed_by
-from kg.lint.baseline import compared
+from kg.lint.allowing import Allowance, Comments, allowed_by
+from kg.lint.baseline import Known, compared
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Sequence
 
     from kg.errors import Place
-    from kg.lint.allowing import Comments
-    from kg.lint.baseline import Known
     from kg.lint.finding import Finding
-
-__all__ = ["Choice", "Report", "merged", "report"]
 
 
 @dataclass(frozen=True, slots=True)

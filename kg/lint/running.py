@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import StoreError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.source_states import SourceState, sources
-from kg.graph.systems_reading import included, system_names
+from kg.graph.systems_reading import SystemName, included, system_names
 from kg.lint import baseline as baselines
 from kg.lint.allowing import Comments, allowances
 from kg.lint.reading import read_findings
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from kg.graph.reading import Queryable
-    from kg.graph.systems_reading import SystemName
     from kg.lint.finding import Finding
     from kg.lint.question import Question
     from kg.pipeline.report import BuildReport

@@ -11,16 +11,13 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.render.layered import Node, lay_out
+from kg.render.layered import Node, Rectangle, lay_out
 from kg.render.svg import ROLE, arrow, bar, before_tip, dimensions, escaped, label, rounded, short
 from kg.render.text import width
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.render.layered import Rectangle
-
-__all__ = ["Box", "Flow", "draw_flow"]
 
 _MARGIN: Final = 20
 _HEAD: Final = 74

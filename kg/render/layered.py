@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any, Final
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ["Node", "Places", "Rectangle", "lay_out"]
-
 _OPTIONS: Final = {
     "direction": "leftright",
     "routing": {"style": "orthogonal"},

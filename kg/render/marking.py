@@ -9,8 +9,6 @@ from kg.render.text import printable, width
 if TYPE_CHECKING:
     from kg.errors import Place
 
-__all__ = ["marked"]
-
 _LONGEST: Final = 160
 
 

@@ -17,8 +17,6 @@ from kg.render.text import printable, width
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-__all__ = ["Relation", "node_graph_dot", "node_graph_lines", "node_graph_svg"]
-
 _ROW: Final = 38
 _GAP: Final = 14
 """More room between two groups of relations."""

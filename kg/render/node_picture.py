@@ -17,8 +17,6 @@ from kg.render.text import width
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-__all__ = ["Port", "draw"]
-
 _LEFT: Final = ("subscribes", "services", "action_servers")
 _RIGHT: Final = ("publishes", "clients", "action_clients")
 _TITLES: Final = {

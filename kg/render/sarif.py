@@ -11,8 +11,6 @@ from kg.codes import CATALOGUE, CodeEntry
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ["Remark", "Spot", "annotation", "document"]
-
 _SCHEMA: Final = "https://json.schemastore.org/sarif-2.1.0.json"
 _KINDS: Final = {"note": "notice"}
 """What GitHub calls a severity, where that is another word."""

@@ -10,8 +10,6 @@ from kg.render.text import printable
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["ROLE", "arrow", "bar", "before_tip", "dimensions", "escaped", "label", "rounded", "short"]
-
 ROLE: Final = 'role="img" aria-labelledby="title desc"'
 """Attributes of a picture whose `title` and `desc` say in words what it draws."""
 _TIP: Final = 7.0

@@ -11,7 +11,7 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import StartKind
+from kg.facts import InstanceInterface, NodeInstance, StartKind, System
 from kg.holes import is_known
 from kg.names import FRAMEWORK
 from kg.render.text import count
@@ -19,21 +19,6 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from kg.facts import InstanceInterface, NodeInstance, System
-
-__all__ = [
-    "Bundle",
-    "Channel",
-    "Link",
-    "Member",
-    "State",
-    "SystemGraph",
-    "bundles",
-    "channel_of",
-    "instance_keys",
-    "of_framework",
-    "system_graph",
-]
 
 _PLAIN: Final = frozenset({StartKind.NODE, StartKind.LIFECYCLE_NODE, StartKind.TEST})
 

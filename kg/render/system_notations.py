@@ -8,16 +8,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.render.system_graph import State
+from kg.render.system_graph import Channel, Link, Member, State, SystemGraph
 from kg.render.system_style import SIGNS
 from kg.render.text import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from kg.render.system_graph import Channel, Link, Member, SystemGraph
-
-__all__ = ["system_dot", "system_mermaid", "system_object"]
 
 _DOT_STYLES: Final = {"topic": "shape=box, style=rounded", "service": "shape=box", "action": "shape=hexagon"}
 _DOT_LINES: Final = {"topic": "", "service": ", style=dashed", "action": ", penwidth=2"}

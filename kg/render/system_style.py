@@ -11,8 +11,6 @@ from typing import Final
 from kg.render.svg import short
 from kg.render.text import width
 
-__all__ = ["NAME", "SIGNS", "SMALL", "STYLE", "TERM", "outline", "wide"]
-
 NAME: Final = 7.9
 """Width of a letter of a name, in pixels, as wide as those of generic monospace fonts get."""
 TERM: Final = 7.3

@@ -11,19 +11,15 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from kg.render.layered import Node, lay_out
+from kg.render.layered import Node, Rectangle, lay_out
 from kg.render.svg import ROLE, arrow, before_tip, dimensions, escaped, label, rounded
-from kg.render.system_graph import State, bundles
+from kg.render.system_graph import Bundle, Channel, Member, State, SystemGraph, bundles
 from kg.render.system_style import NAME, SIGNS, SMALL, STYLE, TERM, outline, wide
 from kg.render.text import width
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.render.layered import Rectangle
-    from kg.render.system_graph import Bundle, Channel, Member, SystemGraph
-
-__all__ = ["system_svg"]
 
 _MARGIN: Final = 24
 _HEAD: Final = 82

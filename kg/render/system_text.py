@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from kg.render.system_graph import Channel, Link, Member, SystemGraph
 
-__all__ = ["NOBODY", "SystemRow", "nobody_at", "system_lines", "system_rows"]
-
 _VERBS: Final = {
     ("topic", True): "publishes",
     ("topic", False): "subscribes",

@@ -12,8 +12,6 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from collections.abc import Collection, Hashable, Mapping
 
-__all__ = ["around", "collapsed", "near_changes", "overlaid"]
-
 _Key = TypeVar("_Key", bound="Hashable")
 _Thing = TypeVar("_Thing")
 

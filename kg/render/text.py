@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import Final
 from unicodedata import category, east_asian_width
 
-__all__ = ["count", "json_text", "printable", "printable_json", "width"]
-
 _UNSAFE: Final = frozenset({"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"})
 _SPACES = str.maketrans({"\n": " ", "\r": " ", "\t": " "})
 

@@ -3,6 +3,8 @@
 Only what the rules read, or might infer, is read: for `?x :p ?y` the triples of a predicate, for `?x a :Node` those of
 a predicate with one object. Reading takes far longer than evaluation, so it is
 done in two threads, while a third interns what they give.
+
+Columns as lines of N-Triples.
 """
 
 from __future__ import annotations
@@ -15,41 +17,56 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
-from pyoxigraph import Literal, NamedNode, RdfFormat, parse
+from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Triple, parse
 
-from kg.rules.engine.facts import Facts, distinct, pack
+from kg.rules.engine.facts import Facts, Keys, distinct, pack, unpack
 from kg.rules.engine.terms import Dictionary
-from kg.rules.form import EngineBlock, is_auxiliary, readers_of
+from kg.rules.form import AUXILIARY, EngineBlock, Rule, Term, is_auxiliary, readers_of
 from kg.store.terms import cells, spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from numpy.typing import NDArray
-    from pyoxigraph import Quad, Triple
 
-    from kg.rules.form import Rule, Term
-
-__all__ = [
-    "EVERYTHING",
-    "Tables",
-    "Wanted",
-    "by_predicate",
-    "only",
-    "patched",
-    "read",
-    "read_columns",
-    "rows_of",
-    "stated",
-    "union_of",
-    "wanted",
-]
 
 _THREADS: Final = 2
 _SMALL: Final = 20_000
 """A graph that gives fewer rows than this is read by one query: most are, and there are hundreds of predicates."""
 _PIECE_BYTES: Final = 4 << 20
 _OBJECT: Final = np.int64((1 << 32) - 1)
+
+_ROWS: Final = 1 << 17
+"""How many lines are made at once."""
+
+_AUXILIARY: Final = b"<" + AUXILIARY.encode()
+
+
+def stored(facts: Facts, dictionary: Dictionary) -> Facts:
+    """Return the triples that belong into a store: those of predicates that decomposition did not make."""
+    found = Facts()
+    for predicate, keys in facts:
+        if not dictionary.spelling(predicate).startswith(_AUXILIARY):
+            found.replace(predicate, keys)
+    return found
+
+
+def lines(facts: Facts, dictionary: Dictionary, predicates: Iterable[int] | None = None) -> Iterator[bytes]:
+    """Yield the triples, or those of some predicates, as chunks of N-Triples, in the order of predicates."""
+    for predicate in sorted(facts.predicates if predicates is None else predicates, key=dictionary.spelling):
+        keys = facts.keys(predicate)
+        middle = b" " + dictionary.spelling(predicate) + b" "
+        for begin in range(0, keys.size, _ROWS):
+            yield _chunk(keys[begin : begin + _ROWS], middle, dictionary)
+
+
+def _chunk(keys: Keys, middle: bytes, dictionary: Dictionary) -> bytes:
+    subjects, objects = unpack(keys)
+    cells = [middle] * (4 * keys.size)
+    cells[0::4] = dictionary.spellings(subjects)
+    cells[2::4] = dictionary.spellings(objects)
+    cells[3::4] = [b" .\n"] * keys.size
+    return b"".join(cells)
 
 
 class Tables(Protocol):

@@ -17,14 +17,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.rules.files import Documentation, RuleFile, RuleSet
-from kg.rules.stratify import stratify
+from kg.rules.stratify import Stratum, stratify
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
     from kg.rules.form import Rule
-    from kg.rules.stratify import Stratum
-
-__all__ = ["Packed", "load", "pack", "save", "write"]
 
 _NAME: Final = "compiled"
 _UNCUT: Final = "uncut"

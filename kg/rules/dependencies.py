@@ -16,10 +16,13 @@ from kg.rules.form import (
     Aggregate,
     Assignment,
     Atom,
+    Element,
     EngineBlock,
     Exists,
     Expression,
     Filter,
+    Pattern,
+    Rule,
     TripleTerm,
     Variable,
     is_auxiliary,
@@ -29,10 +32,6 @@ from kg.rules.form import (
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from kg.rules.form import Element, Pattern, Rule
-
-__all__ = ["Read", "depends", "expressions_of", "mints", "reads", "volatile", "writes"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import Literal, NamedNode
+from pyoxigraph import Literal, NamedNode, Triple
 
 from kg.syntax.prologue import declared
 
@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-    from pyoxigraph import Triple
-
-__all__ = ["Statement", "place_of", "statements"]
 
 _SUBJECT: Final = re.compile(r"^(?:([\w.-]*):([\w.-]+)|<([^>\s]+)>)(?=\s)")
 

@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Rule
     from kg.rules.stratify import Stratum
 
-__all__ = ["HEADINGS", "NOTATIONS", "REQUIRED_HEADINGS", "Documentation", "RuleFile", "RuleSet", "family_of"]
-
 _BYTES: Final = 16
 
 HEADINGS: Final = ("What it infers", "Why", "How to fix", "Known limits", "References")

@@ -11,17 +11,14 @@ from kg.errors import UsageError
 from kg.resources import folder as shipped
 from kg.rules.files import family_of
 from kg.rules.reading import packs, rule_files
+from kg.settings import Settings, user_paths
 from kg.settings import own_folder as default_folder
-from kg.settings import user_paths
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from kg.settings import Settings
-
-__all__ = ["families_in_force", "known_families", "own_folder", "user_folders"]
 
 _NAME: Final = "rules"
 

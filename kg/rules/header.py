@@ -14,8 +14,6 @@ from kg.similar import asked, similar
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-__all__ = ["parse_header"]
-
 _KEY: Final = re.compile(r"(since|severity):\s*(\S*)\s*")
 
 

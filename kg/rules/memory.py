@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import NamedNode
 
-from kg.rules.engine.facts import Facts
+from kg.rules.engine.facts import Facts, Keys
 from kg.rules.engine.terms import Dictionary, Kept
 from kg.rules.recording import Names
 from kg.store.layout import write_atomically
@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import BinaryIO
 
-    from kg.rules.engine.facts import Keys
-
-__all__ = ["Memory", "load", "save"]
 
 _FOLDER: Final = "columns"
 _DIGEST_BYTES: Final = 16
@@ -79,7 +76,7 @@ def save(cache: Path, memory: Memory) -> None:
     graphs = ["" if graph is None else graph.value for graph in memory.graphs]
     header = {
         "digest": memory.digest,
-        "names": _written(memory.names),
+        "names": [memory.names.inferred.value, memory.names.builds.value, memory.names.base, memory.names.vocabulary],
         "graphs": graphs,
         "sections": sections,
         "keys": size,
@@ -144,10 +141,6 @@ def _read(content: memoryview, generation: int, digest: str | None) -> Memory | 
     own, builds, base, vocabulary = header["names"]
     names = Names(NamedNode(own), NamedNode(builds), base, vocabulary)
     return Memory(generation, header["digest"], names, dictionary, graphs, asserted, inferred, written)
-
-
-def _written(names: Names) -> list[str]:
-    return [names.inferred.value, names.builds.value, names.base, names.vocabulary]
 
 
 def _digest(content: bytes | memoryview) -> bytes:

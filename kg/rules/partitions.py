@@ -13,19 +13,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import BlankNode, NamedNode
+from pyoxigraph import BlankNode, NamedNode, Quad
 
-from kg.rules.form import EngineBlock, is_auxiliary, readers_of
+from kg.rules.form import Atom, EngineBlock, Pattern, Rule, is_auxiliary, readers_of
 from kg.syntax.names import shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from pyoxigraph import Quad
-
-    from kg.rules.form import Atom, Pattern, Rule
-
-__all__ = ["Parts", "Verdict", "parts_of", "verdicts"]
 
 _TYPE: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type"
 _Key = tuple[str, str]

@@ -13,27 +13,14 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
-from kg.rules.files import NOTATIONS, RuleFile, RuleSet, family_of
+from kg.rules.files import NOTATIONS, Documentation, RuleFile, RuleSet, family_of
 from kg.rules.header import parse_header
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
     from importlib.metadata import EntryPoint
 
-    from kg.rules.files import Documentation
     from kg.rules.form import Rule
-
-__all__ = [
-    "ENTRY_POINTS",
-    "OPTIONAL",
-    "Pack",
-    "discover",
-    "packs",
-    "read",
-    "read_text",
-    "rival",
-    "rule_files",
-]
 
 ENTRY_POINTS: Final = "kg.rules"
 """The group of entry points that name packs of rules."""

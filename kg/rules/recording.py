@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from kg.rules.files import RuleSet
 
-__all__ = ["Names", "activity"]
-
 _PROV: Final = "http://www.w3.org/ns/prov#"
 _TYPE: Final = "<http://www.w3.org/1999/02/22-rdf-syntax-ns#type>"
 _XSD: Final = "http://www.w3.org/2001/XMLSchema#"

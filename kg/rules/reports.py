@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.evaluate import RuleReport
     from kg.rules.form import Rule
 
-__all__ = ["Difference", "RunReport", "Seconds", "nothing_changed"]
-
 
 @dataclass(frozen=True, slots=True)
 class Seconds:

@@ -25,19 +25,30 @@ from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from pyoxigraph import RdfFormat, parse
+from pyoxigraph import NamedNode, RdfFormat, parse
 
 from kg.errors import GraphError, Place, SourceError, UsageError
 from kg.rules import memory as memories
-from kg.rules.columns import EVERYTHING, by_predicate, patched, read, read_columns, rows_of, stated, union_of
+from kg.rules.columns import (
+    EVERYTHING,
+    Tables,
+    by_predicate,
+    lines,
+    patched,
+    read,
+    read_columns,
+    rows_of,
+    stated,
+    stored,
+    union_of,
+)
 from kg.rules.dependencies import volatile
-from kg.rules.engine.evaluate import Limits, Program, evaluate
+from kg.rules.engine.evaluate import Limits, Program, RuleReport, evaluate
 from kg.rules.engine.facts import Facts, absorb, distinct, lacking
 from kg.rules.engine.terms import Dictionary
-from kg.rules.lines import lines, stored
 from kg.rules.maintain import Maintained
 from kg.rules.memory import Memory
-from kg.rules.recording import activity
+from kg.rules.recording import Names, activity
 from kg.rules.reports import Difference, RunReport, Seconds
 from kg.rules.written import Written
 from kg.store import changes
@@ -51,16 +62,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
-    from pyoxigraph import NamedNode
 
-    from kg.rules.columns import Tables
-    from kg.rules.engine.evaluate import RuleReport
     from kg.rules.files import RuleSet
-    from kg.rules.recording import Names
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
-
-__all__ = ["Outcome", "Reasoner", "Runner", "rdf_format", "run_files"]
 
 _FEW: Final = 2500
 """So many triples are added one by one; a bulk load costs as much before it begins."""

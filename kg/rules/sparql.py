@@ -11,16 +11,21 @@ import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import Triple
+from pyoxigraph import NamedNode, Triple
 
 from kg.errors import RuleError
 from kg.rules.form import (
     Aggregate,
     Assignment,
     Atom,
+    Column,
+    Element,
     EngineBlock,
     Exists,
     Filter,
+    Pattern,
+    Rule,
+    Term,
     TripleTerm,
     Values,
     Variable,
@@ -34,11 +39,6 @@ from kg.syntax.names import shorten
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from pyoxigraph import NamedNode
-
-    from kg.rules.form import Column, Element, Pattern, Rule, Term
-
-__all__ = ["Placed", "brief", "construct", "group", "indented", "select", "spelling", "substitutions", "term", "triple"]
 
 _MADE: Final = "_·"
 """What the spelling of a variable begins with whose name begins with `.`."""

@@ -16,29 +16,29 @@ from dataclasses import replace
 from itertools import count
 from typing import TYPE_CHECKING, Any, Final, TypeGuard
 
-from pyoxigraph import BlankNode, NamedNode, Quad, Store
+from pyoxigraph import BlankNode, NamedNode, Quad, Store, Triple
 
 from kg.rules.files import RuleSet
-from kg.rules.form import Atom, Filter, Values, Variable, bound_in, is_auxiliary, mentions, variables_of
+from kg.rules.form import (
+    Atom,
+    Element,
+    Filter,
+    Pattern,
+    Rule,
+    Term,
+    Values,
+    Variable,
+    bound_in,
+    is_auxiliary,
+    mentions,
+    variables_of,
+)
 from kg.rules.sparql import construct, select
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from collections.abc import Set as AbstractSet
 
-    from pyoxigraph import Triple
-
-    from kg.rules.form import Element, Pattern, Rule, Term
-
-__all__ = [
-    "SCHEMA_CLASSES",
-    "SCHEMA_PREDICATES",
-    "is_schema",
-    "schema_pattern",
-    "schema_query",
-    "specialise",
-    "specialised",
-]
 
 _OWL: Final = "http://www.w3.org/2002/07/owl#"
 _RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"

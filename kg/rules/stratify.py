@@ -20,14 +20,11 @@ from pyoxigraph import NamedNode
 
 from kg.errors import RuleError
 from kg.rules.dependencies import Read, depends, mints, reads, volatile, writes
-from kg.rules.form import Variable
+from kg.rules.form import Atom, Rule, Variable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from kg.rules.form import Atom, Rule
-
-__all__ = ["Failure", "Heads", "Stratum", "edges", "failures", "stratify"]
 
 _FEW: Final = 5
 """So many rules of a cycle are named where it is enough to see that there is one."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from pyoxigraph import RdfFormat, parse
+from pyoxigraph import NamedNode, RdfFormat, parse
 
 from kg.rules.columns import by_predicate, rows_of
 from kg.rules.engine.facts import Facts, distinct
@@ -15,9 +15,6 @@ from kg.store.terms import parts_of_lines
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from pyoxigraph import NamedNode
-
-__all__ = ["Written"]
 
 _BATCH_BYTES: Final = 4 << 20
 

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.types import ASGIApp, Receive, Scope, Send
 
-__all__ = ["Rooted", "address", "rooted", "url"]
-
 _ROOT: Final[ContextVar[str]] = ContextVar("kg_root_path", default="")
 
 

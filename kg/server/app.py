@@ -7,21 +7,25 @@ A module of routes has `ROUTES`. The middlewares stand in `kg.server.safety`, er
 from __future__ import annotations
 
 from contextlib import AsyncExitStack, asynccontextmanager
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
-from starlette.routing import Mount, Route
+from starlette.routing import BaseRoute, Mount, Route
+from starlette.staticfiles import StaticFiles
 
 from kg.errors import UsageError
 from kg.pipeline.updating.writer import Writer
 from kg.query.readers.pool import Readers
 from kg.server import (
-    assets,
+    errors,
     graph_store,
+    health,
     jobs,
     methods,
-    operations,
+    metrics,
+    openapi,
     pages,
     protocol,
     protocol_update,
@@ -33,18 +37,17 @@ from kg.server.compression import Compressed
 from kg.server.errors import HANDLERS
 from kg.server.robot import routes as robot
 from kg.server.robot.session import Session
+from kg.server.safety import login
 from kg.server.state import State
 from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from starlette.routing import BaseRoute
-
     from kg.server.options import Options
     from kg.settings import Settings
 
-__all__ = ["create_app"]
+_FOLDER: Final = Path(__file__).parent
 
 
 def create_app(settings: Settings, options: Options) -> Starlette:
@@ -88,8 +91,10 @@ def create_app(settings: Settings, options: Options) -> Starlette:
 
 def _routes() -> list[BaseRoute]:
     """Return all routes; those that programs ask most stand first, for they are tried in this order."""
-    parts = (protocol, protocol_update, graph_store, jobs, operations, robot, views, assets, pages)
-    return [route for part in parts for route in part.ROUTES]
+    watching = (health, metrics, openapi, login, errors)
+    before = (protocol, protocol_update, graph_store, jobs, *watching, robot, views)
+    files = [Mount(f"/{name}", StaticFiles(directory=_FOLDER / name, check_dir=False)) for name in ("static", "vendor")]
+    return [*(route for part in before for route in part.ROUTES), *files, *pages.ROUTES]
 
 
 def _check_root(root: str) -> None:

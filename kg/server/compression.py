@@ -15,8 +15,6 @@ from starlette.middleware.gzip import GZipMiddleware
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-__all__ = ["Compressed"]
-
 _AS_THEY_ARE: Final = ("/sparql", "/update", "/store", "/jobs", "/robot/", "/health", "/metrics")
 _LEAST: Final = 1 << 10
 """Bytes below which there is nothing to gain."""

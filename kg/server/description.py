@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
     from kg.server.options import Options
 
-__all__ = ["description"]
-
 _SD: Final = "http://www.w3.org/ns/sparql-service-description#"
 _VOID: Final = "http://rdfs.org/ns/void#"
 _FORMATS: Final = "http://www.w3.org/ns/formats/"

@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import Response
 from starlette.routing import Route
 
-from kg.errors import CATALOGUE, KgError, QueryError, RobotError
+from kg.errors import CATALOGUE, KgError, Place, QueryError, RobotError
 from kg.render.marking import marked
 from kg.server.addresses import url
 from kg.server.leaving import GONE, ClientLeftError
@@ -27,20 +27,6 @@ if TYPE_CHECKING:
 
     from starlette.requests import HTTPConnection, Request
 
-    from kg.errors import Place
-
-__all__ = [
-    "HANDLERS",
-    "PROBLEM",
-    "ROUTES",
-    "STATUS",
-    "DefectError",
-    "RequestError",
-    "answer",
-    "as_error",
-    "handled",
-    "problem",
-]
 
 STATUS: Final[Mapping[str, int]] = {
     "KG001": 404,

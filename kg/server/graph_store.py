@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 
     from kg.pipeline.updating.changes import Updated
 
-__all__ = ["ROUTES"]
-
 _ROOT: Final = "/store"
 _MULTIPART: Final = "multipart/form-data"
 _ALL: Final = "CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Final
 
-from starlette.responses import JSONResponse
+from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from kg.errors import StoreError
@@ -13,9 +13,6 @@ from kg.server.state import state
 
 if TYPE_CHECKING:
     from starlette.requests import Request
-    from starlette.responses import Response
-
-__all__ = ["ROUTES"]
 
 
 async def _health(request: Request) -> Response:

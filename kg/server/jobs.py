@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from kg.query.readers.pool import Job
 
-__all__ = ["ROUTES"]
-
 
 def _told(job: Job, *, whole: bool) -> dict[str, Any]:
     """Return what is told of a job; to those who do not know it neither its identity nor its text."""

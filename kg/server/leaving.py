@@ -10,8 +10,6 @@ if TYPE_CHECKING:
 
     from starlette.types import Receive
 
-__all__ = ["GONE", "ClientLeftError", "while_connected"]
-
 _T = TypeVar("_T")
 
 GONE: Final = 499

@@ -17,8 +17,6 @@ import msgspec
 
 from kg.server.addresses import url
 
-__all__ = ["HELP", "Library", "import_map", "libraries", "source_of"]
-
 HELP: Final = (
     "Releases of kg have them. For an installation from sources install Node.js with npm, then run"
     " `python frontend/build.py` there, and install again."

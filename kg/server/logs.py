@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.server.options import Options
     from kg.server.records import Record
 
-__all__ = ["Log", "configure"]
-
 _REQUESTS: Final = logging.getLogger("kg.server.requests")
 _SLOW: Final = logging.getLogger("kg.server.slow")
 _DEFECTS: Final = logging.getLogger("kg.server.defects")

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     Endpoint = Callable[[Request], Awaitable[Response]]
 
-__all__ = ["not_allowed", "not_found", "route"]
-
 
 def route(path: str, **endpoints: Endpoint) -> Route:
     """Return the route of `path`: `GET=...` answers GET and HEAD, `PUT=...` answers PUT, and so on."""

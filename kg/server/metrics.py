@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from kg.server.records import Record
 
-__all__ = ["ROUTES", "Metrics"]
-
 _METHODS: Final = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "QUERY"})
 _SECONDS: Final = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100)
 

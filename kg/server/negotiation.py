@@ -15,8 +15,6 @@ from kg.server.errors import RequestError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-__all__ = ["GRAPH", "RESULTS", "Choice", "Range", "best", "choose", "prefers_pages", "ranges"]
-
 _RESULTS_JSON: Final = "application/sparql-results+json"
 _RESULTS_XML: Final = "application/sparql-results+xml"
 

@@ -1,34 +1,185 @@
-"""`/openapi.json`: the server described for programs (OpenAPI 3.1), from its routes and the signatures of its views."""
+"""`/openapi.json`: the server described for programs (OpenAPI 3.1), from its routes and the signatures of its views.
+
+What the description of the server says of each address beyond its route: parameters, bodies, answers.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import inspect
 import re
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from starlette.responses import JSONResponse
-from starlette.routing import Route
+from starlette.responses import JSONResponse, Response
+from starlette.routing import BaseRoute, Route
 
 import kg
 from kg.server.addresses import url
 from kg.server.errors import PROBLEM
-from kg.server.openapi_operations import OPERATIONS, Operation
+from kg.server.negotiation import GRAPH, RESULTS
 from kg.views.calls import CALLS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from starlette.requests import Request
-    from starlette.responses import Response
-    from starlette.routing import BaseRoute
-
-__all__ = ["ROUTES", "describe"]
 
 _VIEWS: Final = "/api/{name}"
 _LEFT_OUT: Final = {"HEAD", "OPTIONS"}
 _PLACEHOLDER: Final = re.compile(r"\{(\w+)(?::\w+)?\}")
 _PROBLEM: Final = {"$ref": "#/components/responses/Problem"}
+
+_TEXT: Final = {"type": "string"}
+_WHOLE: Final = {"type": "integer", "minimum": 0}
+_IRI: Final = {"type": "string", "format": "iri"}
+_OBJECT: Final = {"type": "object"}
+_DATA: Final = tuple(dict.fromkeys(kind for kind, _ in GRAPH))
+_ANSWERS: Final = tuple(dict.fromkeys(kind for kind, _ in (*RESULTS, *GRAPH)))
+_DOCUMENTS: Final = ("text/turtle", "application/n-triples", "application/ld+json", "application/rdf+xml")
+
+
+def _parameter(name: str, schema: Mapping[str, Any], description: str, *, required: bool = False) -> dict[str, Any]:
+    return {"name": name, "in": "query", "required": required, "description": description, "schema": dict(schema)}
+
+
+def _graphs(prefix: str) -> tuple[dict[str, Any], ...]:
+    many = {"type": "array", "items": _IRI}
+    return (
+        _parameter(f"{prefix}-graph-uri", many, "Graphs that are merged into the default graph."),
+        _parameter(f"{'using-' * (prefix == 'using')}named-graph-uri", many, "Graphs that GRAPH may name."),
+    )
+
+
+_SNAPSHOT: Final = _parameter("snapshot", _TEXT, "The data wanted; other data is an error (KG512).")
+_ONLY_IF: Final = (
+    _SNAPSHOT,
+    {
+        "name": "If-Match",
+        "in": "header",
+        "required": False,
+        "description": "Tags of the data that may be changed, as answers have them, or `*`; else it is 412 (KG536).",
+        "schema": dict(_TEXT),
+    },
+    {
+        "name": "If-None-Match",
+        "in": "header",
+        "required": False,
+        "description": "`*` where the graph may not be there yet, or tags of data that may not be changed (KG536).",
+        "schema": dict(_TEXT),
+    },
+)
+_TIMEOUT: Final = _parameter("timeout", {"type": "number", "exclusiveMinimum": 0}, "Seconds at most.")
+_READING: Final = (
+    _parameter("format", _TEXT, "Name or media type of the format, in place of the header Accept."),
+    _parameter("limit", _WHOLE, "Rows or triples at most."),
+    _parameter("offset", _WHOLE, "How many of them are left out at the beginning."),
+    _SNAPSHOT,
+    _parameter("stream", {"type": "boolean"}, "Whether the answer is sent while it is found."),
+    _TIMEOUT,
+)
+_JOB: Final = _parameter(
+    "job", {"type": "string", "pattern": "^[A-Za-z0-9_-]{16,128}$"}, "An identity to cancel it by."
+)
+_QUERY: Final = _parameter("query", _TEXT, "The SPARQL query; without one the answer describes the service.")
+_GRAPH: Final = (
+    _parameter("graph", _IRI, "The name of a graph."),
+    _parameter("default", {"type": "string", "maxLength": 0}, "The unnamed graph."),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """One method at one address; `bodies` are media types to schemas, `answers` statuses to media types."""
+
+    summary: str
+    parameters: tuple[dict[str, Any], ...] = ()
+    bodies: Mapping[str, Mapping[str, Any]] | None = None
+    answers: Mapping[int, tuple[str, ...]] | None = None
+    token: bool = False
+
+
+def _form(name: str) -> dict[str, Any]:
+    return {"type": "object", "properties": {name: _TEXT}, "required": [name]}
+
+
+_ASKED: Final = Operation(
+    "Answer a SPARQL query.",
+    (*_graphs("default"), *_READING, _JOB),
+    {"application/sparql-query": _TEXT, "application/x-www-form-urlencoded": _form("query")},
+    {200: _ANSWERS},
+)
+_PUT: Final = dict.fromkeys(_DOCUMENTS, _TEXT)
+_JSON: Final = {"application/json": _OBJECT}
+_DONE: Final[Mapping[int, tuple[str, ...]]] = {204: ()}
+_STORED: Final = {200: ("application/json",), 201: ("application/json",), 204: ()}
+
+OPERATIONS: Final[Mapping[tuple[str, str], Operation]] = {
+    ("GET", "/sparql"): Operation(
+        "Answer a SPARQL query, or describe the service.",
+        (_QUERY, *_graphs("default"), *_READING, _JOB),
+        answers={200: _ANSWERS, 303: (), 304: ()},
+    ),
+    ("POST", "/sparql"): _ASKED,
+    ("QUERY", "/sparql"): _ASKED,
+    ("POST", "/update"): Operation(
+        "Change the store by SPARQL.",
+        (*_graphs("using"), *_ONLY_IF, _TIMEOUT),
+        {"application/sparql-update": _TEXT, "application/x-www-form-urlencoded": _form("update")},
+        {200: ("application/json",)},
+        token=True,
+    ),
+    ("GET", "/store"): Operation("Return a graph.", (*_GRAPH, *_READING), answers={200: _DATA, 304: ()}),
+    ("PUT", "/store"): Operation("Replace a graph.", (*_GRAPH, *_ONLY_IF), _PUT, _STORED, token=True),
+    ("POST", "/store"): Operation("Add to a graph.", (*_GRAPH, *_ONLY_IF), _PUT, _STORED, token=True),
+    ("DELETE", "/store"): Operation("Remove a graph.", (*_GRAPH, *_ONLY_IF), answers=_STORED, token=True),
+    ("GET", "/store/{path}"): Operation("Return the graph of this name.", _READING, answers={200: _DATA, 304: ()}),
+    ("PUT", "/store/{path}"): Operation("Replace the graph of this name.", _ONLY_IF, _PUT, _STORED, token=True),
+    ("POST", "/store/{path}"): Operation("Add to the graph of this name.", _ONLY_IF, _PUT, _STORED, token=True),
+    ("DELETE", "/store/{path}"): Operation("Remove the graph of this name.", _ONLY_IF, answers=_STORED, token=True),
+    ("GET", "/jobs"): Operation("List what runs.", answers={200: ("application/json",)}),
+    ("GET", "/jobs/{identity}"): Operation("Say how far a query is.", answers={200: ("application/json",)}),
+    ("DELETE", "/jobs/{identity}"): Operation("Cancel a query.", answers={204: ()}),
+    ("GET", "/health"): Operation("Say whether the store can be read.", answers={200: ("application/json",)}),
+    ("GET", "/metrics"): Operation("Return figures for Prometheus.", answers={200: ("text/plain",)}),
+    ("GET", "/openapi.json"): Operation("Describe this server.", answers={200: ("application/json",)}),
+    ("GET", "/errors/{code}"): Operation(
+        "Explain the code of an error.", answers={200: ("text/plain", "text/html", "application/json")}
+    ),
+    ("POST", "/login"): Operation(
+        "Log in with the token.",
+        bodies={"application/x-www-form-urlencoded": _form("token")},
+        answers={303: (), 401: ("text/html",)},
+    ),
+    ("POST", "/logout"): Operation("Log out.", answers={303: ()}),
+    ("GET", "/robot/events"): Operation("Tell what happens on the robot.", answers={200: ("text/event-stream",)}),
+    ("GET", "/robot/view"): Operation("Show a simulated robot from above.", answers={200: ("image/svg+xml",)}),
+    ("GET", "/robot/why"): Operation(
+        "Prove that the robot has a capability.",
+        (_parameter("capability", _TEXT, "Its name, its label or its IRI.", required=True),),
+        answers={200: ("application/json",)},
+    ),
+    ("POST", "/robot/check"): Operation(
+        "Say what is wrong with a program, given as JSON or as text, and return it as both.",
+        bodies=_JSON,
+        answers={200: ("application/json",)},
+    ),
+    ("POST", "/robot/convert"): Operation(
+        "Return a program as text, as code for rospy or rclpy, or as a behaviour tree, or a tree as text.",
+        bodies=_JSON,
+        answers={200: ("application/json",)},
+    ),
+    ("POST", "/robot/run"): Operation(
+        "Run a program, given as JSON or as text.", bodies=_JSON, answers=_DONE, token=True
+    ),
+    ("POST", "/robot/pause"): Operation("Let the program pause.", answers=_DONE, token=True),
+    ("POST", "/robot/resume"): Operation("Let the program go on.", answers=_DONE, token=True),
+    ("POST", "/robot/stop"): Operation("Stop whatever moves.", answers=_DONE),
+    ("POST", "/robot/do"): Operation("Do something, for an open page.", bodies=_JSON, answers=_DONE, token=True),
+    ("POST", "/robot/read"): Operation("Let an open page follow values.", bodies=_JSON, answers=_DONE),
+    ("POST", "/robot/here"): Operation("Say that somebody is at an open page.", bodies=_JSON, answers=_DONE),
+}
+"""Method and address to what is known of them; pages are described by their routes alone."""
 
 
 def describe(routes: list[BaseRoute]) -> dict[str, Any]:

@@ -11,8 +11,6 @@ from kg.settings import declared, setting
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["DECLARED", "Options"]
-
 _DURATION: Final = forms.number(0.001)  # no timer is finer
 
 

@@ -10,8 +10,6 @@ from kg.server.errors import RequestError
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-__all__ = ["FORM", "Parameters", "body_text", "in_utf8", "media_type"]
-
 FORM: Final = "application/x-www-form-urlencoded"
 """The media type of forms."""
 

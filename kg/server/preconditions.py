@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.pipeline.updating.changes import Updated
     from kg.server.parameters import Parameters
 
-__all__ = ["on_condition"]
-
 _TAG: Final = r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"'
 _ELEMENT: Final = rf"[ \t]*(?:{_TAG}[ \t]*)?"
 _LIST: Final = re.compile(f"(?:{_ELEMENT},)*{_ELEMENT}")

@@ -14,8 +14,6 @@ from markupsafe import Markup, escape
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["breakable", "inline", "prose", "source"]
-
 _ITEM: Final = re.compile(r"(?:[-*]|\d+[.)]) +")
 _CODE: Final = re.compile(r"`([^`\n]+)`")
 _TOKEN: Final = re.compile(

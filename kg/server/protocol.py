@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from starlette.requests import Request
-from starlette.responses import RedirectResponse
+from starlette.responses import RedirectResponse, Response
 
 from kg.errors import KgError
 from kg.server.addresses import url
@@ -19,10 +19,7 @@ from kg.server.protocol_question import asked
 from kg.server.scopes import header
 
 if TYPE_CHECKING:
-    from starlette.responses import Response
     from starlette.types import ASGIApp, Receive, Scope, Send
-
-__all__ = ["ROUTES", "Endpoint"]
 
 _PATHS: Final = ("/sparql", "/sparql/")
 _METHODS: Final = frozenset({"GET", "HEAD", "POST", "QUERY"})

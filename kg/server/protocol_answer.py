@@ -8,7 +8,7 @@ found; a failure then ends the connection before the end of the body, which HTTP
 from __future__ import annotations
 
 import tempfile
-from contextlib import AsyncExitStack, suppress
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, suppress
 from typing import TYPE_CHECKING, Final
 
 from starlette.responses import Response
@@ -24,7 +24,6 @@ from kg.store.failure import translated
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-    from contextlib import AbstractAsyncContextManager
     from typing import IO
 
     from starlette.requests import Request
@@ -33,8 +32,6 @@ if TYPE_CHECKING:
     from kg.query.readers.cache import Kept
     from kg.query.readers.pool import Answer
     from kg.server.protocol_question import Asked
-
-__all__ = ["Held", "answer"]
 
 _IN_MEMORY: Final = 8 << 20
 _PIECE: Final = 256 << 10

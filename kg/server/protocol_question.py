@@ -16,7 +16,7 @@ import msgspec
 from kg.query.readers.messages import Question, frame
 from kg.server.addresses import address, url
 from kg.server.errors import RequestError
-from kg.server.negotiation import choose
+from kg.server.negotiation import Choice, choose
 from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type
 from kg.server.safety.tokens import is_trusted
 from kg.server.scopes import body_of, header
@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 
     from starlette.requests import Request
 
-    from kg.server.negotiation import Choice
-
-__all__ = ["QUERY", "Asked", "asked", "digest"]
 
 QUERY: Final = "application/sparql-query"
 """The media type of a query."""

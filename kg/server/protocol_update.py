@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.pipeline.updating.changes import Updated
     from kg.pipeline.updating.writer import Writer
 
-__all__ = ["ROUTES", "counted", "patience", "writer"]
-
 _UPDATE: Final = "application/sparql-update"
 
 

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from starlette.requests import HTTPConnection
 
-__all__ = ["Record", "record"]
-
 _KEY: Final = "kg.record"
 
 

@@ -29,8 +29,6 @@ from kg.server.views import answer
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-__all__ = ["environment", "page", "view"]
-
 _NAVIGATION: Final = (
     ("/", "Start"),
     ("/nodes", "Nodes"),

@@ -1,10 +1,25 @@
-"""Running the server until it is told to stop."""
+"""Running the server until it is told to stop.
+
+A server that stops gracefully, and tells who started it when it is ready and when it stops.
+
+The first SIGTERM or Ctrl-C: nothing new is taken, and what runs has its grace; then its readers are killed, so that it
+is answered with an error. The second: now. A terminal that is closed (SIGHUP) counts as the first, unless the process
+was started to outlive it (nohup). Either way the process ends as one that did what it was told: exit code 0.
+
+Ctrl-Z (SIGTSTP) suspends it, after what must not go on meanwhile was stopped: a robot.
+"""
 
 from __future__ import annotations
 
+import asyncio
 import gc
+import os
+import signal
+import socket
+import threading
+from contextlib import contextmanager
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import uvicorn
 
@@ -12,17 +27,129 @@ from kg.server import logs
 from kg.server.app import create_app
 from kg.server.safety import starting
 from kg.server.safety.connections import guarded
-from kg.server.stopping import Server
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable, Iterator
+    from types import FrameType
 
     from starlette.applications import Starlette
 
     from kg.server.options import Options
     from kg.settings import Settings
 
-__all__ = ["serve"]
+_LAST_WORDS: Final = 2.0
+"""Seconds to tell clients whose work was ended."""
+
+
+def notify(message: str) -> bool:
+    """Tell systemd a state (`sd_notify(3)`); False where nobody asked for it."""
+    address = os.environ.get("NOTIFY_SOCKET", "")
+    if not address.startswith(("/", "@")):
+        return False
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as told:
+        try:
+            told.connect("\0" + address[1:] if address.startswith("@") else address)
+            told.sendall(message.encode())
+        except OSError:
+            return False
+    return True
+
+
+class Server(uvicorn.Server):
+    """Uvicorn's server; `ready` is called when it answers, `leave` awaited when it is told to stop.
+
+    `end` ends work that has outlived `grace` seconds; `suspend` is awaited before the process is suspended.
+    """
+
+    def __init__(  # noqa: PLR0913 - what happens when
+        self,
+        config: uvicorn.Config,
+        *,
+        grace: float,
+        ready: Callable[[], None],
+        leave: Callable[[], Awaitable[None]],
+        suspend: Callable[[], Awaitable[None]],
+        end: Callable[[], None],
+    ) -> None:
+        config.timeout_graceful_shutdown = int(grace + _LAST_WORDS + 1)
+        super().__init__(config)
+        self._grace = grace
+        self._ready = ready
+        self._leave = leave
+        self._suspend = suspend
+        self._suspending: asyncio.Task[None] | None = None
+        self._end = end
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to listen, and say so."""
+        await super().startup(sockets)
+        self._expect_suspension()
+        notify("READY=1")
+        self._ready()
+
+    def _expect_suspension(self) -> None:
+        mine = threading.current_thread() is threading.main_thread()
+        if mine and signal.getsignal(signal.SIGTSTP) is not signal.SIG_IGN:
+            asyncio.get_running_loop().add_signal_handler(signal.SIGTSTP, self._be_suspended)
+
+    def _be_suspended(self) -> None:
+        if self._suspending is None or self._suspending.done():
+            self._suspending = asyncio.ensure_future(self._suspended())
+
+    async def _suspended(self) -> None:
+        """Stop what must not go on, then do what Ctrl-Z does by default; return when the process runs again."""
+        try:
+            await self._suspend()
+        finally:
+            asyncio.get_running_loop().remove_signal_handler(signal.SIGTSTP)
+            signal.pthread_kill(threading.get_ident(), signal.SIGTSTP)
+            self._expect_suspension()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End what runs when its grace is over."""
+        notify("STOPPING=1")
+        leaving = asyncio.ensure_future(self._leave())
+        waiting = asyncio.get_running_loop().call_later(self._grace, self._end)
+        hurrying = asyncio.create_task(self._hurry())
+        try:
+            await super().shutdown(sockets)
+        finally:
+            waiting.cancel()
+            hurrying.cancel()
+            self._end()
+            await leaving
+
+    async def _hurry(self) -> None:
+        """End everything as soon as we are told to for the second time."""
+        while not self.force_exit:  # noqa: ASYNC110 - a handler of signals may set no event of a loop
+            await asyncio.sleep(0.1)
+        self._end()
+        for connection in tuple(self.server_state.connections):
+            connection.transport.abort()
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Handle, while the server runs, what uvicorn handles and SIGHUP, which it leaves to end the process."""
+        mine = threading.current_thread() is threading.main_thread()
+        if not mine or signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+            with super().capture_signals():
+                yield
+            return
+        earlier = signal.signal(signal.SIGHUP, self._hang_up)
+        try:
+            with super().capture_signals():
+                yield
+        finally:
+            signal.signal(signal.SIGHUP, earlier)
+
+    def _hang_up(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002 - the signature of a handler
+        """Stop gracefully; the kernel and the shell both tell of a closed terminal, so that twice is no hurry."""
+        self.should_exit = True
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002 - the signature of a handler
+        """Stop gracefully when told for the first time, at once when told again."""
+        self.force_exit = self.should_exit
+        self.should_exit = True
 
 
 def serve(settings: Settings, options: Options, announce: Callable[[str], None] = lambda _address: None) -> None:

@@ -9,8 +9,6 @@ from starlette.requests import ClientDisconnect
 if TYPE_CHECKING:
     from starlette.types import Receive, Scope
 
-__all__ = ["body_of", "header"]
-
 
 def header(scope: Scope, name: bytes) -> str | None:
     """Return the first header of a name, which is in small letters; None without one."""

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.server.robot.session import Session
     from kg.settings import Settings
 
-__all__ = ["State", "state"]
-
 
 @dataclass(slots=True)
 class State:

@@ -21,8 +21,6 @@ from kg.views.calls import CALLS
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-__all__ = ["ROUTES", "answer"]
-
 
 async def answer(request: Request, name: str, /, **arguments: Any) -> bytes:
     """Return the JSON of the view `name`, run in a reader; raises as `Readers.call`.

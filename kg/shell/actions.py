@@ -6,14 +6,11 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from textual.binding import Binding
+from textual.binding import Binding, BindingType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from textual.binding import BindingType
-
-__all__ = ["ACTIONS", "CONTEXTS", "TOGETHER", "Action", "actions_of", "bindings", "key_named", "key_table", "key_words"]
 
 CONTEXTS: Final = {
     "everywhere": "Everywhere",

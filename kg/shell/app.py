@@ -1,26 +1,31 @@
-"""The application: one link to the store, screens above each other, actions of the registry."""
+"""The application: one link to the store, screens above each other, actions of the registry.
+
+A line of code in the editor of the person: `$VISUAL`, `$EDITOR`, or what there is.
+"""
 
 from __future__ import annotations
 
 import os
+import shlex
+import shutil
 import subprocess
 import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from textual.app import App, SuspendNotSupported, SystemCommand
-from textual.command import CommandPalette
-from textual.filter import NoColor
+from textual.command import CommandList, CommandPalette
+from textual.filter import LineFilter, NoColor
 from textual.theme import ThemeProvider
 from textual.widget import Widget
 from textual.worker import WorkerFailed, get_current_worker
 
 from kg.errors import KgError, UsageError
 from kg.render.text import printable
-from kg.shell.actions import ACTIONS, bindings, key_words
+from kg.shell.actions import ACTIONS, Action, bindings, key_words
 from kg.shell.delivery import guard, is_late, is_open
 from kg.shell.link import Link
-from kg.shell.opening import command_for
+from kg.shell.screens.base import UpperScreen
 from kg.shell.screens.main import MainScreen
 from kg.shell.state import State, state_folder
 
@@ -29,18 +34,62 @@ if TYPE_CHECKING:
 
     from textual.binding import Binding, BindingType
     from textual.dom import DOMNode
-    from textual.filter import LineFilter
     from textual.screen import Screen
 
     from kg.settings import Settings
-    from kg.shell.actions import Action
     from kg.store.layout import Layout
-
-__all__ = ["Shell"]
 
 _THEME: Final = "textual-dark"
 _MOST_FAILURES: Final = 50
 """Unexpected errors after which the shell ends: one in what draws the screen would come again with every notice."""
+
+_LINE_BEHIND: Final = {"code", "code-insiders", "codium", "cursor", "windsurf"}
+"""Editors that take `-g FILE:LINE`."""
+_LINE_AFTER_COLON: Final = {"hx", "helix", "subl", "zed", "zeditor"}
+_LINE_OPTION: Final = {"clion", "idea", "pycharm", "kate", "gedit"}
+_FALLBACKS: Final = ("nano", "vim", "vi", "emacs")
+
+
+class Palette(CommandPalette, UpperScreen[Any]):
+    """Finds what it offers by parts of words."""
+
+    def _action_command_list(self, action: str) -> None:
+        """Move in the list, or take what is highlighted, once the list is drawn."""
+        if self.query_one(CommandList).scrollable_content_region:
+            super()._action_command_list(action)
+
+
+def editor_words() -> list[str]:
+    """Return the command of the editor; UsageError KG551 when there is none."""
+    for name in ("VISUAL", "EDITOR"):
+        if words := shlex.split(os.environ.get(name, "")):
+            return words
+    found = next((name for name in _FALLBACKS if shutil.which(name)), None)
+    if found is None:
+        raise UsageError("KG551", "no editor was found", hint="Name one: export EDITOR=nano")
+    return [found]
+
+
+def command_for(path: Path, line: int | None) -> list[str]:
+    """Return the command that opens `path` at `line`, in the manner of the editor.
+
+    Raises:
+        UsageError: KG551 when there is no editor, KG552 when the file is not on this machine.
+    """
+    if not path.is_file():
+        hint = "The source may have moved; `kg status` lists the sources."
+        raise UsageError("KG552", f"the file is not here: {path}", hint=hint)
+    words = editor_words()
+    program = Path(words[0]).name
+    if line is None:
+        return [*words, str(path)]
+    if program in _LINE_BEHIND:
+        return [*words, "-g", f"{path}:{line}"]
+    if program in _LINE_AFTER_COLON:
+        return [*words, f"{path}:{line}"]
+    if program in _LINE_OPTION:
+        return [*words, "--line", str(line), str(path)]
+    return [*words, f"+{line}", str(path)]
 
 
 class Shell(App[None]):
@@ -55,7 +104,8 @@ class Shell(App[None]):
     def __init__(
         self, settings: Settings, layout: Layout, state: State | None = None, actions: tuple[Action, ...] = ACTIONS
     ) -> None:
-        colourless = _colourless(settings)
+        # NO_COLOR: https://no-color.org
+        colourless = settings.color == "never" or (settings.color == "auto" and bool(os.environ.get("NO_COLOR")))
         super().__init__()
         self.no_color = colourless
         self.settings = settings
@@ -189,15 +239,11 @@ class Shell(App[None]):
 
     def action_command_palette(self) -> None:
         """Find actions by name."""
-        from kg.shell.screens.palette import Palette  # noqa: PLC0415 - start-up time
-
         if not isinstance(self.screen, Palette):
             self.push_screen(Palette())
 
     def search_themes(self) -> None:
         """Find themes by name."""
-        from kg.shell.screens.palette import Palette  # noqa: PLC0415 - start-up time
-
         self.push_screen(Palette([ThemeProvider], placeholder="Search for themes …"))
 
     def action_help(self) -> None:
@@ -239,8 +285,3 @@ def _runner(app: Shell, screen: Screen[Any], target: str) -> Any:
         await app.run_action(target, screen.focused or screen)
 
     return run
-
-
-def _colourless(settings: Settings) -> bool:
-    """Tell whether no colour is wanted, by the setting or by NO_COLOR (https://no-color.org)."""
-    return settings.color == "never" or (settings.color == "auto" and bool(os.environ.get("NO_COLOR")))

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from textual.app import ComposeResult
 
-__all__ = ["Buffer", "Buffers"]
-
 _TITLE: Final = 18
 """Characters of a tab."""
 

@@ -9,17 +9,14 @@ from rich.text import Text
 from textual.geometry import Offset
 from textual.widgets.option_list import Option
 
-from kg.query.statements import segment_at
+from kg.query.statements import Statement, segment_at
 from kg.render.text import printable
 from kg.shell.delivery import deliver
 from kg.shell.options import Options
 
 if TYPE_CHECKING:
-    from kg.query.statements import Statement
     from kg.shell.editor import QueryEditor
     from kg.shell.link import Link
-
-__all__ = ["Completions", "begins_word"]
 
 _MOST: Final = 100
 _WORD_BEGINS: Final = "?$:_"

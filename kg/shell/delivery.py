@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from kg.shell.app import Shell
 
-__all__ = ["deliver", "guard", "is_late", "is_open"]
-
 Answer = TypeVar("Answer")
 
 

@@ -1,30 +1,31 @@
-"""The editor of a query: colours, marks of problems under the right characters, and keys of its own."""
+"""The editor of a query: colours, marks of problems under the right characters, and keys of its own.
+
+Colours of a query: spans of its text with the class of their style, from the same tokens that guards see.
+"""
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_right
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple
 
 from rich.style import Style
+from textual.geometry import Offset, Region
 from textual.message import Message
 from textual.widgets import TextArea
 from textual.widgets.text_area import TextAreaTheme
 
 from kg.shell.actions import bindings
-from kg.shell.highlighting import CLASSES, line_spans, line_starts
-from kg.syntax.lexer import normalise
+from kg.syntax.lexer import Kind, normalise, tokens
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from rich.text import Text
     from textual.binding import BindingType
     from textual.events import Key
-    from textual.geometry import Region
     from textual.strip import Strip
-
-    from kg.shell.highlighting import Span
-
-__all__ = ["Problem", "QueryEditor"]
 
 _COMPLETING: Final = ("up", "down", "enter", "tab", "escape", "pageup", "pagedown")
 """Keys that belong to the list of completions while it is open."""
@@ -32,6 +33,63 @@ _COMMENT: Final = "# "
 _PLACEHOLDER: Final = "Type a query in SPARQL.\nF3 has stored ones, F2 finds nodes by what they do, F1 shows every key."
 _THEME: Final = TextAreaTheme("sparql", cursor_line_style=Style())
 """The style of the cursor's line would hide the colours of its text; its number is marked."""
+
+CLASSES: Final = ("comment", "iri", "string", "variable", "name", "keyword", "number")
+"""Kinds of spans; `sparql--KIND` is the class of the style."""
+
+_KINDS: Final = {
+    Kind.IRI: "iri",
+    Kind.STRING: "string",
+    Kind.VARIABLE: "variable",
+    Kind.NAME: "name",
+    Kind.WORD: "keyword",
+    Kind.NUMBER: "number",
+    Kind.TAG: "string",
+}
+_COMMENTS: Final = re.compile(r"#[^\n]*")
+
+
+class Span(NamedTuple):
+    """A stretch of a text with its kind."""
+
+    start: int
+    end: int
+    kind: str
+
+
+def spans(text: str) -> Iterator[Span]:
+    """Yield the spans of a normalised query that have a colour, in order; comments stand between tokens."""
+    position = 0
+    for token in tokens(text):
+        yield from _comments(text, position, token.start)
+        position = token.end
+        if token.kind in _KINDS:
+            yield Span(token.start, token.end, _KINDS[token.kind])
+    yield from _comments(text, position, len(text))
+
+
+def _comments(text: str, start: int, end: int) -> Iterator[Span]:
+    for found in _COMMENTS.finditer(text, start, end):
+        yield Span(found.start(), found.end(), "comment")
+
+
+def line_starts(text: str) -> list[int]:
+    """Return the offset of the first character of each line."""
+    return [0, *(found.end() for found in re.finditer("\n", text))]
+
+
+def line_spans(text: str) -> dict[int, list[Span]]:
+    """Return the spans by line, with columns in place of offsets; one of several lines has a part in each."""
+    starts = line_starts(text)
+    found: dict[int, list[Span]] = {}
+    for span in spans(text):
+        line = bisect_right(starts, span.start) - 1
+        while line < len(starts) and starts[line] < span.end:
+            end = starts[line + 1] - 1 if line + 1 < len(starts) else len(text)
+            part = Span(max(span.start - starts[line], 0), min(span.end, end) - starts[line], span.kind)
+            found.setdefault(line, []).append(part)
+            line += 1
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +201,12 @@ class QueryEditor(TextArea):
         problem = self.problem_at_cursor()
         for start, end, text in sorted(problem.edits if problem else (), reverse=True):
             self.replace(text, self.location_at(start), self.location_at(end))
+
+    def scroll_cursor_visible(self, center: bool = False, animate: bool = False) -> Offset:  # noqa: FBT001, FBT002 - as in textual
+        """Bring the cursor into view, if its line exists: undo fits the scroll bars before it moves the cursor."""
+        if self.cursor_location[0] >= self.document.line_count:
+            return Offset()
+        return super().scroll_cursor_visible(center, animate)
 
     async def action_leave(self) -> None:
         """Leave the shell from an empty buffer; delete ahead in another."""

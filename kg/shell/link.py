@@ -9,20 +9,15 @@ import msgspec
 import pyoxigraph
 
 from kg.errors import KgError
-from kg.query.readers.messages import Question
-from kg.query.readers.pool import Readers
-from kg.query.result import Boolean, Graph, Solutions
+from kg.query.readers.messages import End, Head, Question
+from kg.query.readers.pool import Job, Readers
+from kg.query.result import Boolean, Graph, Result, Solutions
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.query.readers.messages import End, Head
-    from kg.query.readers.pool import Job
-    from kg.query.result import Result
     from kg.settings import Settings
     from kg.store.layout import Layout
-
-__all__ = ["Link"]
 
 _FORMATS: Final = {"rows": "json", "boolean": "json", "graph": "ntriples"}
 _PROCESSES: Final = 2

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from textual.widgets import OptionList
 
-__all__ = ["Options"]
-
 
 class Options(OptionList):
     """Textual's list; it turns pages only once it is drawn, since it has no lines before."""

@@ -11,19 +11,6 @@ from kg.views.wording import quoted
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = [
-    "Fact",
-    "Line",
-    "Page",
-    "lines_of_node",
-    "lines_of_proof",
-    "lines_of_resource",
-    "lines_of_row",
-    "lines_of_system",
-    "place_words",
-    "title_of",
-]
-
 Fact: TypeAlias = tuple[str, str, str]
 """Subject, predicate and object as the view `why` takes them."""
 

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, ClassVar, Final
 from urllib.parse import unquote
 
 from pyoxigraph import NamedNode
-from rich.text import Text
+from rich.text import Text, TextType
 from textual.containers import Vertical
 from textual.message import Message
 from textual.widgets import DataTable, Static
 
 from kg.query.formats import display
-from kg.query.result import Boolean, Graph, Solutions
+from kg.query.result import Boolean, Graph, Result, Solutions
 from kg.render.text import count, printable, width
 from kg.shell.actions import bindings
 from kg.syntax.names import PREFIXES, shorten
@@ -20,16 +20,12 @@ from kg.syntax.names import PREFIXES, shorten
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from rich.text import TextType
     from textual.app import ComposeResult
     from textual.binding import BindingType
     from textual.widgets.data_table import RowKey
 
     from kg.errors import KgError
-    from kg.query.result import Result
     from kg.store.terms import Term
-
-__all__ = ["PAGE_ROWS", "AnswerTable", "ResultView", "columns_of", "rows_of"]
 
 PAGE_ROWS: Final = 200
 """Rows that are widgets at a time."""

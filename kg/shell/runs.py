@@ -8,22 +8,18 @@ import time
 from typing import TYPE_CHECKING
 
 from kg.errors import KgError
-from kg.query.result import Boolean
+from kg.query.result import Boolean, Result
 from kg.query.statements import statement_at
 from kg.shell.delivery import is_open
 from kg.shell.editor import Problem
 from kg.shell.results import rows_of
-from kg.shell.state import Entry
+from kg.shell.state import Entry, State
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from kg.query.result import Result
     from kg.shell.buffers import Buffer
     from kg.shell.link import Link
     from kg.shell.screens.main import MainScreen
-    from kg.shell.state import State
-
-__all__ = ["Runs"]
 
 
 class Runs:
@@ -101,17 +97,12 @@ class Runs:
 
     async def _prefixes(self, text: str, result: Result) -> dict[str, str]:
         """Return the prefixes that shorten an answer: those of its query come first, and stand in place of others."""
-        declared = _declared(text)
+        declared = {name: iri for name, iri in re.findall(r"(?i)\bPREFIX\s+([\w-]*):\s*<([^>]*)>", text) if iri}
         try:
             known = await self._link.prefixes(result.snapshot)
         except KgError:
             known = PREFIXES
         return {**declared, **known, **declared}
-
-
-def _declared(text: str) -> dict[str, str]:
-    """Return the prefixes that a query declares."""
-    return {name: iri for name, iri in re.findall(r"(?i)\bPREFIX\s+([\w-]*):\s*<([^>]*)>", text) if iri}
 
 
 def _place(buffer: Buffer) -> tuple[str, object]:

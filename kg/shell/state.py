@@ -14,8 +14,6 @@ from kg.store.layout import write_atomically
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["Entry", "State", "state_folder"]
-
 _KEPT: Final = 2_000
 """Entries of the history that are kept."""
 

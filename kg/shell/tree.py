@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.errors import KgError
     from kg.shell.link import Link
 
-__all__ = ["KnowledgeTree"]
-
 
 class KnowledgeTree(Tree[dict[str, Any]]):
     """An entry is an item of the view `tree`."""

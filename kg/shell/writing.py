@@ -8,15 +8,12 @@ from typing import TYPE_CHECKING
 
 from kg.errors import Place, UsageError
 from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, write
-from kg.query.result import Boolean, Graph, Solutions
+from kg.query.result import Boolean, Graph, Result, Solutions
 from kg.query.writing import parquet
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.query.result import Result
-
-__all__ = ["copied", "file_formats_of", "format_of_name", "formats_of", "is_taken", "to_file"]
 
 _ENDINGS = {
     "tsv": ".tsv",

@@ -35,19 +35,6 @@ if TYPE_CHECKING:
     from kg.rules.selecting import Columns
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = [
-    "Figures",
-    "NodeLine",
-    "channel_names",
-    "channels",
-    "figures",
-    "node_lines",
-    "partly_known",
-    "rows",
-    "set_names",
-    "totals",
-]
-
 _FOLDER: Final = "answers"
 _CODE: Final = ("facts", "graph", "launch/wiring", "query", "render", "views")
 """The folders of the code that computes answers."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-__all__ = ["whole"]
-
 _DIGITS: Final = 9
 """How many digits a number may have: any with so many fits wherever it goes."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from inspect import Parameter, signature
+from inspect import BoundArguments, Parameter, signature
 from typing import TYPE_CHECKING, Any, Final, get_type_hints
 
 import msgspec
@@ -12,12 +12,9 @@ from kg.errors import QueryError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from inspect import BoundArguments
 
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["CALLS", "MODULES", "View"]
 
 _NAMES: Final = {
     "Any": Any,
@@ -71,16 +68,16 @@ CALLS: Final[dict[str, View]] = {
     "channel": View("channel", "channel"),
     "choices": View("find", "choices"),
     "complete": View("complete", "complete"),
-    "diagnose": View("diagnose", "diagnose"),
+    "diagnose": View("complete", "diagnose"),
     "find": View("find", "find"),
     "impact": View("impact", "impact"),
-    "lint": View("lint", "lint"),
+    "lint": View("system", "lint"),
     "list": View("lists", "listing"),
     "node": View("node", "node"),
     "overview": View("overview", "overview"),
     "parameter": View("parameter", "parameter"),
     "place": View("rows", "place"),
-    "prefixes": View("prefixes", "prefixes"),
+    "prefixes": View("complete", "prefixes"),
     "prepare": View("prepare", "prepare"),
     "resource": View("resource", "resource"),
     "rule": View("rules", "rule"),

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["cells"]
-
 _HELD: Final = "ASK { GRAPH <%s> { ?s ?p ?o } }"
 _NODE: Final = "ASK { ?s a rnkg:NodeType }"
 _TYPES: Final = "SELECT DISTINCT ?thing ?type { VALUES ?thing { %s } GRAPH ?g { ?thing a ?type } } ORDER BY ?type"

@@ -21,7 +21,7 @@ from kg.graph.records import end_object, interface_object
 from kg.graph.systems_reading import system_names
 from kg.names import normalise
 from kg.similar import unknown
-from kg.views.evidence import places
+from kg.views.evidence import Places, places
 from kg.views.system_rows import set_at
 from kg.views.systems import chosen_systems
 from kg.views.wording import TITLES, quality
@@ -32,9 +32,6 @@ if TYPE_CHECKING:
     from kg.facts import Interface, NodeInstance, NodeReference, System
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-    from kg.views.evidence import Places
-
-__all__ = ["channel", "channels_meant"]
 
 _KINDS: Final = ("topic", "service", "action")
 _MISMATCHES: Final = frozenset({"KG403", "KG405", "KG410"})

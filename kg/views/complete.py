@@ -1,4 +1,4 @@
-"""Completions at a position of a query."""
+"""What editors of queries ask: completions at a position, problems, and prefixes that shorten IRIs."""
 
 from __future__ import annotations
 
@@ -7,17 +7,38 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.errors import UsageError
 from kg.query.completion import service
 from kg.query.completion.keeping import Kept
+from kg.query.completion.statistics import declared
+from kg.query.diagnosis import problems
 from kg.query.stored import discover
 from kg.store.opening import layout_of
+from kg.syntax.names import PREFIXES
+from kg.views.remembered import once
 
 if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.interface import Snapshot
-
-__all__ = ["complete", "kept_of"]
+    from kg.store.snapshot import EmbeddedSnapshot
 
 _LAST: Final[dict[str, Kept]] = {}
 """What is kept of the snapshot that was asked last, by its store and its identity."""
+
+
+def prefixes(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, str]:  # noqa: ARG001 - every view is given settings
+    """Return prefix to namespace: those predefined in queries, and those that the store declares (`sh:declare`)."""
+    return {**_declared(snapshot), **PREFIXES}
+
+
+@once
+def _declared(snapshot: EmbeddedSnapshot) -> dict[str, str]:
+    return declared(snapshot)
+
+
+def diagnose(snapshot: Snapshot, settings: Settings, text: str = "") -> dict[str, Any]:
+    """Return the `problems` of the query `text` (see `kg.query.diagnosis.problems.diagnose`), and the `snapshot`."""
+    kept = kept_of(snapshot, settings)
+    known = kept.known()
+    used = (*known.classes, *known.properties)
+    return {"snapshot": snapshot.identity, "problems": problems.diagnose(text, snapshot, kept.prefixes(), used)}
 
 
 def complete(

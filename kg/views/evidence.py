@@ -15,7 +15,7 @@ from weakref import ref
 
 from kg.facts import Location
 from kg.graph.snippets import quoted_lines
-from kg.graph.source_states import sources
+from kg.graph.source_states import SourceState, sources
 from kg.lint.finding import Evidence
 from kg.lint.lines import Lines
 from kg.resources import folder
@@ -24,10 +24,7 @@ from kg.views.remembered import once
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from kg.graph.source_states import SourceState
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["Places", "places"]
 
 Quoted: TypeAlias = "Callable[[str, str], Mapping[int, str]]"
 

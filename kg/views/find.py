@@ -8,23 +8,19 @@ from kg.errors import UsageError
 from kg.facts import Location
 from kg.search.filters import known
 from kg.search.options import FILTERS
-from kg.search.searching import hit_object, search_of
+from kg.search.searching import Hit, Search, hit_object, search_of
 from kg.search.wording import near, understood, unknown
 from kg.similar import did_you_mean
 from kg.store.opening import layout_of
 from kg.views.arguments import whole
-from kg.views.evidence import places
+from kg.views.evidence import Places, places
 from kg.views.remembered import once
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kg.search.searching import Hit, Search
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-    from kg.views.evidence import Places
-
-__all__ = ["choices", "find", "search_over"]
 
 _MOST: Final = 100
 

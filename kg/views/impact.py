@@ -10,7 +10,7 @@ from kg.graph.channels_reading import channels_called
 from kg.graph.impact_nodes import nodes_called, nodes_with_parameter, qualified_names, settable_names, types_called
 from kg.graph.impact_reading import arguments, file_records, type_names
 from kg.graph.systems_reading import started_names
-from kg.impact import CHANNELS, Kind, Subject
+from kg.impact import CHANNELS, Impact, Kind, Subject
 from kg.impact.assessing import impact as assess
 from kg.impact.parameters import has_parameter, spellings
 from kg.impact.writing import impact_object
@@ -23,11 +23,8 @@ from kg.views.systems import known_names
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from kg.impact import Impact
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["impact", "impact_of", "subjects"]
 
 _SHOWN: Final = 8
 _SECTIONS: Final = frozenset({"msg", "srv", "action"})

@@ -9,22 +9,18 @@ from kg.graph.impact_reading import definition_records, file_records
 from kg.graph.reading import node_records
 from kg.graph.systems_reading import systems
 from kg.impact import Kind, Subject
-from kg.impact.changes import broken, definition_changes
+from kg.impact.changes import Broken, broken, definition_changes
 from kg.launch.comparison import Finding, Sources, compare
 from kg.lint.reading import read_findings
-from kg.pipeline.state import load
+from kg.pipeline.state import State, load
 from kg.views.impact_world import StoredWorld
 from kg.views.systems import known_names
 
 if TYPE_CHECKING:
-    from kg.impact.changes import Broken
     from kg.lint.finding import Finding as Found
-    from kg.pipeline.state import State
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["broken_between", "compared_finding"]
 
 
 def broken_between(before: EmbeddedStore, after: EmbeddedStore, settings: Settings) -> list[Broken]:

@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import FileKind, Location
+from kg.facts import FileKind, Location, System
 from kg.graph.impact_nodes import (
     definitions_at,
     definitions_of,
@@ -27,26 +27,20 @@ from kg.graph.impact_reading import (
     systems_naming,
 )
 from kg.graph.iris import Iris
-from kg.graph.reading import node_records
+from kg.graph.reading import NodeRecord, node_records
 from kg.graph.systems_reading import partial_systems, system_names
-from kg.impact import CHANNELS, FileRecord, Kind
+from kg.impact import CHANNELS, DefinitionRecord, FileRecord, Kind, PackageRecord, Subject
 from kg.impact.parameters import has_parameter, spellings
 from kg.impact.types import affected_types, uses_type
-from kg.settings import user_paths
+from kg.settings import Settings, user_paths
 from kg.views.answers import channel_names, partly_known, set_names
 from kg.views.evidence import places
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kg.facts import System
-    from kg.graph.reading import NodeRecord
     from kg.graph.usual_ends import UsualEnd
-    from kg.impact import DefinitionRecord, PackageRecord, Subject
-    from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["StoredWorld"]
 
 _LARGEST: Final = 4 << 20
 _OWN: Final = (".rq", ".srl", ".ttl", ".kgp")

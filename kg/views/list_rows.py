@@ -27,22 +27,6 @@ if TYPE_CHECKING:
 
     Rows = Sequence[dict[str, Any]]
 
-__all__ = [
-    "actions",
-    "capabilities",
-    "findings",
-    "functions",
-    "hardware",
-    "node_objects",
-    "nodes",
-    "packages",
-    "parameters",
-    "services",
-    "systems",
-    "topics",
-    "types",
-]
-
 _ROLES: Final = ("publishes", "subscribes", "services", "clients", "action_servers", "action_clients")
 _CLASSES: Final = {
     f"{v.RNKG}hasFunction": "functions",

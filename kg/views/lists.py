@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
 from kg.facts import Location
-from kg.settings import table
+from kg.settings import Settings, table
 from kg.similar import did_you_mean
 from kg.views import answers, list_rows
 from kg.views.arguments import whole as number
@@ -22,13 +22,10 @@ from kg.views.remembered import once
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
     Row = dict[str, Any]
     Rows = Sequence[Row]
-
-__all__ = ["LISTS", "List", "listing", "totals"]
 
 _VALUES: Final = 200
 """At most so many values of a facet are offered, those of most rows."""

@@ -12,8 +12,6 @@ from kg.syntax.names import PREFIXES
 if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord, Queryable
 
-__all__ = ["known_package", "one_node", "starting_system"]
-
 
 def known_package(graph: Queryable, name: str) -> None:
     """Raise KG001 unless the store has a package of this name (`name` or `repository:name`)."""

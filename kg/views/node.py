@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from urllib.parse import unquote
 
 from kg.errors import UnknownNameError
-from kg.facts import DescriptionKind, Location
+from kg.facts import Description, DescriptionKind, Interface, Location, Role
 from kg.graph import vocabulary as v
 from kg.graph.classes_reading import Grade, grades
 from kg.graph.iris import Iris
 from kg.graph.queries import select
-from kg.graph.reading import node_records
+from kg.graph.reading import NodeRecord, node_records
 from kg.graph.records import how_to_start
 from kg.graph.texts import DESCRIPTIONS, descriptions_of
 from kg.holes import is_known
 from kg.query.rows import rows
-from kg.views.evidence import places
+from kg.views.evidence import Places, places
 from kg.views.names import one_node
 from kg.views.node_rows import fact, interface_rows, parameter_rows, slot_rows
 from kg.views.terms import labels, listing, named_node, node_parts, role_of
@@ -26,13 +26,8 @@ from kg.views.wording import LANGUAGES
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from kg.facts import Description, Interface, Role
-    from kg.graph.reading import NodeRecord
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-    from kg.views.evidence import Places
-
-__all__ = ["node"]
 
 _MOST: Final = 6
 """So many neighbours of a channel are named; of all, how many there are."""

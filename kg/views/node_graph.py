@@ -10,8 +10,6 @@ from kg.render.node_graph import Relation
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-__all__ = ["node_relations"]
-
 _CLASSES: Final = {
     "functions": "has function",
     "hardware": "uses hardware",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import Role
+from kg.facts import Interface, Parameter, PluginSlot, Role
 from kg.graph import vocabulary as v
 from kg.graph.records import interface_object, parameter_object, slot_object
 from kg.holes import is_known
@@ -13,12 +13,9 @@ from kg.views.wording import TITLES, accesses, how, how_loaded, parameter_groups
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.facts import Interface, Parameter, PluginSlot
     from kg.graph.iris import Iris
     from kg.graph.reading import NodeRecord
     from kg.views.evidence import Places
-
-__all__ = ["DIRECT", "TYPES", "fact", "interface_rows", "parameter_rows", "slot_rows"]
 
 DIRECT: Final = {
     Role.PUBLISHES: "publishes",

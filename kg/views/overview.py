@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import KgError
-from kg.graph.source_states import sources
+from kg.graph.source_states import SourceState, sources
 from kg.query.core import run
 from kg.query.result import Solutions
 from kg.query.stored import find
@@ -15,11 +15,8 @@ from kg.views.stored import query_object
 from kg.views.systems import known_names
 
 if TYPE_CHECKING:
-    from kg.graph.source_states import SourceState
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["QUESTIONS", "overview"]
 
 QUESTIONS: Final = {
     "explore/who-publishes": "Who publishes this topic?",

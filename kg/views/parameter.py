@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["parameter"]
-
 
 def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, system: str = "") -> dict[str, Any]:
     """Return a parameter, in code and in every launched system.

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["prepare"]
-
 
 def prepare(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, int]:
     """Build the index of the search, the statistics of completion and all lists, which the store then keeps.

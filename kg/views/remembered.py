@@ -11,8 +11,6 @@ if TYPE_CHECKING:
 
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["once", "while_last"]
-
 _Rest = ParamSpec("_Rest")
 _Found = TypeVar("_Found")
 _KNOWN: WeakKeyDictionary[Any, dict[Any, Any]] = WeakKeyDictionary()

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["resource"]
-
 _MOST: Final = 500
 _SORTED: Final = 2000
 """So many facts of one property are sorted by label; more come in the order of the store, which is always the same."""

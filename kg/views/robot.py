@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["capabilities"]
-
 
 def capabilities(
     snapshot: EmbeddedSnapshot, settings: Settings, *, system: str = "", package: str = "", every: str = ""

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["place", "why_row"]
-
 
 def why_row(
     snapshot: EmbeddedSnapshot, settings: Settings, *, query: str, row: str | Mapping[str, str]

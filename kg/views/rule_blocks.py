@@ -15,12 +15,12 @@ from kg.rules.authoring.library import Library
 from kg.rules.authoring.naming import find_rule
 from kg.rules.blocks.read import read
 from kg.rules.blocks.tree import FAMILY, Rule
-from kg.rules.blocks.write import write
-from kg.rules.checks.finding import from_error
+from kg.rules.blocks.write import Written, write
+from kg.rules.checks.finding import Context, Finding, from_error
 from kg.rules.checks.firing import StoreOf
 from kg.rules.checks.run import beside, check_file
 from kg.rules.explain.view import View
-from kg.rules.files import RuleSet
+from kg.rules.files import RuleFile, RuleSet
 from kg.rules.reading import read_text
 from kg.rules.stratify import failures
 from kg.views.arguments import whole
@@ -32,13 +32,8 @@ from kg.views.why_tree import Telling
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from kg.rules.blocks.write import Written
-    from kg.rules.checks.finding import Context, Finding
-    from kg.rules.files import RuleFile
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["blocks_check", "blocks_open", "blocks_try"]
 
 _SECONDS: Final = 3.0
 """How long the store is asked whether a rule matches anything."""

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
-from pyoxigraph import BlankNode
+from pyoxigraph import BlankNode, Triple
 
 from kg.errors import RuleError
 from kg.rules.authoring.examples import parse_examples
@@ -17,22 +17,17 @@ from kg.rules.dependencies import depends, reads
 from kg.rules.engine.heads import made_node
 from kg.rules.explain.derivations import bound_by, derivation_of
 from kg.rules.explain.unify import instance
-from kg.rules.form import Exists, bound_in, is_auxiliary, mentions
+from kg.rules.form import Exists, Rule, Term, bound_in, is_auxiliary, mentions
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from pyoxigraph import Triple
-
     from kg.rules.explain.proof import Derivation
     from kg.rules.explain.view import View
     from kg.rules.files import RuleFile
-    from kg.rules.form import Rule, Term
 
 Solution: TypeAlias = "dict[str, Term]"
-
-__all__ = ["Found", "Tried", "examples", "trial"]
 
 _SECONDS: Final = 5.0
 """How long matches are looked for."""

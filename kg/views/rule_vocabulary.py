@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["blocks"]
-
 _HIDDEN: Final = tuple(PREFIXES[name] for name in ("owl", "sh", "rdf", "prov"))
 """Namespaces of what describes vocabularies and builds, which rules about robots are seldom about."""
 _USUAL: Final = {PREFIXES["rdfs"] + "label": "is called", PREFIXES["rdfs"] + "comment": "is described as"}

@@ -13,13 +13,13 @@ from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import last_run
 from kg.pipeline.reasoning import digest, explained_vocabulary, ontology_schema
 from kg.rules.authoring.graph import RuleGraph, rule_graph
-from kg.rules.authoring.library import Library
+from kg.rules.authoring.library import Entry, Library
 from kg.rules.authoring.manual import documentation, entry_object, manual, manual_object
 from kg.rules.authoring.naming import find_rule
 from kg.rules.dependencies import writes
 from kg.rules.explain.view import View
-from kg.rules.files import Documentation
-from kg.rules.form import is_auxiliary
+from kg.rules.files import Documentation, RuleFile
+from kg.rules.form import Atom, is_auxiliary
 from kg.rules.recording import Names
 from kg.store.opening import layout_of
 from kg.syntax.names import PREFIXES, shorten
@@ -30,13 +30,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kg.graph.reading import Queryable
-    from kg.rules.authoring.library import Entry
-    from kg.rules.files import RuleFile
-    from kg.rules.form import Atom
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["rule", "rules"]
 
 _SAMPLE: Final = 20
 _HEADS: Final = 12

@@ -7,16 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 from kg.errors import UsageError
 from kg.query.binding import bind
-from kg.query.stored import discover, find
+from kg.query.stored import StoredQuery, discover, find
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.query.stored import StoredQuery
     from kg.settings import Settings
     from kg.store.interface import Snapshot
-
-__all__ = ["query_object", "stored"]
 
 
 def query_object(query: StoredQuery) -> dict[str, Any]:

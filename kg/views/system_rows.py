@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kg.graph.iris import fragment
+from kg.graph.iris import Iris, fragment
 from kg.graph.records import end_object
-from kg.render.system_graph import channel_of, of_framework
+from kg.render.system_graph import SystemGraph, channel_of, of_framework
 from kg.render.system_text import nobody_at
 from kg.views.node_rows import TYPES
 from kg.views.wording import TITLES, quality
@@ -15,11 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.facts import InstanceInterface, LaunchParameter, Location, NodeInstance, NodeReference, System
-    from kg.graph.iris import Iris
-    from kg.render.system_graph import SystemGraph
     from kg.views.evidence import Places
-
-__all__ = ["instance_rows", "set_at", "setting_row"]
 
 
 def instance_rows(  # noqa: PLR0913 - a system, and what is known of it

@@ -6,7 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.graph.iris import Iris
-from kg.graph.systems_reading import included, system_names
+from kg.graph.systems_reading import SystemName, included, system_names
 from kg.graph.usual_ends import channels_by_system
 from kg.pipeline.launch_names import matching, several_launches, unknown_launch
 from kg.query.rows import rows
@@ -15,11 +15,8 @@ from kg.views.arguments import whole
 from kg.views.remembered import once
 
 if TYPE_CHECKING:
-    from kg.graph.systems_reading import SystemName
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["chosen_systems", "included_names", "known_names", "known_systems", "system_named", "systems"]
 
 _MOST: Final = 1000
 _STARTED: Final = """SELECT ?system (COUNT(?instance) AS ?count) {

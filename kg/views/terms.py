@@ -10,7 +10,7 @@ from pyoxigraph import NamedNode
 from kg.errors import UsageError
 from kg.graph.interfaces import SHAPES
 from kg.query.rows import rows
-from kg.store.terms import of_spelling
+from kg.store.terms import Term, of_spelling
 from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
 
     from kg.facts import Role
     from kg.store.snapshot import EmbeddedSnapshot
-    from kg.store.terms import Term
-
-__all__ = ["called", "given_term", "labels", "listing", "named_node", "node_parts", "role_of"]
 
 _ROLES: Final = {shape.component: role for role, shape in SHAPES.items()}
 

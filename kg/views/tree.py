@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["alike", "tree"]
-
 _MOST: Final = 1000
 _PACKAGES: Final = """SELECT ?package ?name ?ros {
   GRAPH ?g { ?package a rnkg:Package ; rnkg:name ?name . OPTIONAL { ?package rnkg:rosVersion ?ros } }

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["absent", "explaining", "why", "why_not"]
-
 _MOST_WAYS: Final = 25
 """So many ways in which a fact comes about are counted."""
 _MOST_PROOFS: Final = 10

@@ -4,25 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from pyoxigraph import NamedNode
+from pyoxigraph import NamedNode, Triple
 
 from kg.facts import Location
 from kg.graph.iris import Iris
-from kg.rules.explain.proof import Proof
-from kg.rules.files import HEADINGS
+from kg.rules.explain.proof import Attempt, Condition, Derivation, Evidence, Proof, WhyNot
+from kg.rules.files import HEADINGS, RuleSet
 from kg.views.evidence import Places
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from pyoxigraph import Triple
-
-    from kg.rules.explain.proof import Attempt, Condition, Derivation, Evidence, WhyNot
     from kg.rules.explain.view import View
-    from kg.rules.files import RuleSet
     from kg.rules.form import Rule, Term
-
-__all__ = ["Telling"]
 
 _DEEPEST: Final = 40
 """So many levels of a proof are told: programs that read JSON, and people, do not follow thousands."""

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import Access, Resolution, Role
+from kg.facts import Access, Interface, Parameter, PluginSlot, Qos, Resolution, Role
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.facts import Interface, Parameter, PluginSlot, Qos
-
-__all__ = ["LANGUAGES", "TITLES", "accesses", "how", "how_loaded", "parameter_groups", "quality", "quoted"]
 
 TITLES: Final = {
     Role.PUBLISHES: "publishes",

@@ -12,10 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pyoxigraph import NamedNode
 
-from kg.evaluate.call_sites import Site, sites, statement_end, without_words
-from kg.evaluate.code_check import check_code, holds
+from kg.evaluate.code_check import Places, Site, check_code, holds, sites, statement_end, without_words
 from kg.evaluate.facts import STATED, Fact
-from kg.evaluate.places import Places
 from kg.evaluate.source_lines import SourceLines
 from kg.evaluate.strata import weighed
 from kg.evaluate.tables import Share

@@ -16,10 +16,8 @@ from hypothesis import strategies as st
 from repository import ROOT
 
 from kg.errors import UsageError
-from kg.evaluate import rankers
 from kg.evaluate.judged_needs import Constraints, Judged, Need, Ranked, ndcg, read_needs
-from kg.evaluate.matching import Patterns
-from kg.evaluate.retrieval import _compared, retrieval
+from kg.evaluate.retrieval import Embeddings, Patterns, _compared, library, retrieval
 from kg.evaluate.tables import Score
 from kg.search.documents import Document, End
 from kg.search.searching import open_search
@@ -129,7 +127,7 @@ def test_a_file_without_needs_is_refused(tmp_path: Path, text: str, words: str) 
 def test_a_library_that_is_missing_is_named() -> None:
     """The error says how to install it."""
     with pytest.raises(UsageError, match="is not installed") as raised:
-        rankers.library("kg_no_such_library", "no-such-library")
+        library("kg_no_such_library", "no-such-library")
     assert raised.value.hint == "pip install 'kg-ros[evaluate]'"
 
 
@@ -154,8 +152,8 @@ def test_embeddings_of_a_model(field: Field, tmp_path: Path, monkeypatch: pytest
     (tmp_path / "modules.json").write_text("[]")
     search = open_search(field.store)
     needs = read_needs(CASES / "needs.jsonl")
-    scores = rankers.Embeddings(search.index, tmp_path).scores(needs[0])
+    scores = Embeddings(search.index, tmp_path).scores(needs[0])
     assert len(scores) == search.index.size
     assert max(scores) <= 1.000001
     with pytest.raises(UsageError, match="no model"):
-        rankers.Embeddings(search.index, tmp_path / "none")
+        Embeddings(search.index, tmp_path / "none")

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from pyoxigraph import BlankNode, NamedNode, RdfFormat, parse
 
 from kg.errors import Place, RuleError
+from kg.rules.columns import lines
 from kg.rules.engine.evaluate import Limits
 from kg.rules.files import Documentation, RuleFile, RuleSet
 from kg.rules.form import Atom, Exists, Rule, Variable
-from kg.rules.lines import lines
 from kg.rules.recording import Names
 from kg.rules.running import Runner
 from kg.store.embedded import EmbeddedStore

@@ -10,7 +10,7 @@ from patience import patient
 from repository import ROOT
 from starlette.routing import Route
 
-from kg.server.openapi_operations import OPERATIONS
+from kg.server.openapi import OPERATIONS
 from kg.views.calls import CALLS
 
 if TYPE_CHECKING:

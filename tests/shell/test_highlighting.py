@@ -3,7 +3,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.shell.highlighting import CLASSES, line_spans, spans
+from kg.shell.editor import CLASSES, line_spans, spans
 from kg.syntax.lexer import normalise
 
 _TEXTS = st.lists(

@@ -13,7 +13,7 @@ from shell.driving import current, make, until
 from kg.errors import UsageError
 from kg.shell.actions import ACTIONS, key_named, key_words
 from kg.shell.app import Shell
-from kg.shell.keys import chosen_actions, keys_file
+from kg.shell.running import chosen_actions, keys_file
 from kg.shell.screens.help import HelpScreen
 
 if TYPE_CHECKING:

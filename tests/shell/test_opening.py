@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from kg.errors import UsageError
-from kg.shell.opening import command_for
+from kg.shell.app import command_for
 
 if TYPE_CHECKING:
     from pathlib import Path

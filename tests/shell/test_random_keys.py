@@ -108,7 +108,14 @@ async def press(app: Shell, pilot: Pilot[None], late: Late, chance: random.Rando
 
 
 async def leave_screens(app: Shell, pilot: Pilot[None], late: Late) -> None:
-    """Press Escape until no screen is above the first one and no answer is owed that might open another."""
+    """Press Escape until no screen is above the first one and no answer is owed that might open another.
+
+    The keys that still wait are taken first: on a busy machine the pauses of a pilot end before them.
+    """
+    taken = asyncio.Event()
+    app.call_later(taken.set)
+    await taken.wait()
+    await pilot.pause()
     while late.waiting or app.screen is not app.main:
         if app.screen is not app.main:
             await pilot.press("escape")

@@ -159,6 +159,17 @@ async def test_an_answer_does_not_take_keys_from_who_types(
         await until(pilot, lambda: buffer.text == "#xASK {}")
 
 
+async def test_undo_shortens_a_text_above_its_cursor(store: Path, tmp_path: Path) -> None:
+    """Undoing lines that needed a scroll bar puts the cursor back into the text that is left."""
+    async with running(store, tmp_path / "state") as (app, pilot):
+        editor = current(app).editor
+        editor.insert("ASK {}" + "\n" * 60)
+        await until(pilot, lambda: editor.show_vertical_scrollbar and editor.cursor_location == (60, 0))
+        await pilot.press("ctrl+z")
+        await until(pilot, lambda: not editor.show_vertical_scrollbar)
+        assert (editor.text, editor.cursor_location) == ("", (0, 0))
+
+
 async def test_leaving_while_a_buffer_opens_is_no_error(store: Path, tmp_path: Path) -> None:
     """The shell ends with 0, and its buffers are kept, however early in the opening of another it is left."""
     for turns in (0, 1, 2, 4, 7, 11):

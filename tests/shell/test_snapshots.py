@@ -10,8 +10,8 @@ from textual.widgets import Static
 
 from kg.shell.results import ResultView
 from kg.shell.screens.help import HelpScreen
+from kg.shell.screens.main import Status
 from kg.shell.screens.page import PageScreen, PageTree
-from kg.shell.status import Status
 from kg.shell.tree import KnowledgeTree
 
 if TYPE_CHECKING:

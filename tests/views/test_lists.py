@@ -9,8 +9,8 @@ import pytest
 
 from kg.errors import UsageError
 from kg.views import answers
-from kg.views.lint import lint
 from kg.views.lists import LISTS, listing
+from kg.views.system import lint
 
 if TYPE_CHECKING:
     from kg.settings import Settings

@@ -11,9 +11,7 @@ import pytest
 from kg.errors import KgError, QueryError, RuleError, UsageError
 from kg.syntax.names import PREFIXES
 from kg.views.cells import cells
-from kg.views.complete import complete
-from kg.views.diagnose import diagnose
-from kg.views.prefixes import prefixes
+from kg.views.complete import complete, diagnose, prefixes
 from kg.views.rows import why_row
 from kg.views.stored import stored
 

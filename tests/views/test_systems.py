@@ -8,8 +8,7 @@ import pytest
 
 from kg.errors import UnknownNameError
 from kg.graph.systems_reading import systems as read_systems
-from kg.views.lint import lint
-from kg.views.system import system
+from kg.views.system import lint, system
 from kg.views.systems import systems
 
 if TYPE_CHECKING:

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from kg.graph.source_states import SourceState
     from kg.settings import Settings
 
-__all__ = ["build", "status"]
-
 _WATCH_SECONDS: Final = 1.0
 
 Sources = Annotated[

@@ -1,11 +1,12 @@
 """`kg topic`, `kg service`, `kg action`: one name with all its ends, in launched systems and in code."""
 
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
 
+from kg.cli import completion
 from kg.cli.commands.lists import channel_rows
-from kg.cli.completion import actions, services, topics
 from kg.cli.diagnostics import note
 from kg.cli.options import Json, Store, System
 from kg.cli.output import json_lines, line_width, show, terminal
@@ -13,36 +14,40 @@ from kg.cli.session import session
 from kg.render.text import count
 from kg.store.opening import reading
 
-__all__ = ["All", "Via", "action", "service", "topic"]
-
 _MOST = 5
 """So many names are listed in a note."""
 _HELP = "Name in a system (`/{0}`), name in the code (`{0}` or `~/{0}`), or a part of either."
-Topic = Annotated[
-    str, typer.Argument(metavar="NAME", help=_HELP.format("scan"), autocompletion=topics, show_default=False)
-]
-Service = Annotated[
-    str, typer.Argument(metavar="NAME", help=_HELP.format("reset"), autocompletion=services, show_default=False)
-]
-Action = Annotated[
-    str, typer.Argument(metavar="NAME", help=_HELP.format("dock"), autocompletion=actions, show_default=False)
-]
 All = Annotated[bool, typer.Option("--all", "-a", help="Show a row for each launch file instead of their number.")]
 Via = Annotated[
     bool, typer.Option("--via", help="Show the calls in wrappers and base classes, from the line to the framework.")
 ]
 
 
-def topic(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
-    name: Topic,
-    *,
-    system: System = None,
-    every: All = False,
-    via: Via = False,
-    json: Json = False,
-    store: Store = None,
-) -> None:
+def _command(kind: str, example: str, text: str) -> Callable[..., None]:
+    """Return the command that shows one name of a kind; `text` is its manual."""
+    name_of_kind = typer.Argument(
+        metavar="NAME", help=_HELP.format(example), autocompletion=completion.channels(kind), show_default=False
+    )
+
+    def command(  # noqa: PLR0913 - the options of a command
+        context: typer.Context,
+        name: Annotated[str, name_of_kind],
+        *,
+        system: System = None,
+        every: All = False,
+        via: Via = False,
+        json: Json = False,
+        store: Store = None,
+    ) -> None:
+        _show(context, kind, name, system, store, every=every, via=via, json=json)
+
+    command.__doc__ = text
+    return command
+
+
+topic = _command(
+    "topic",
+    "scan",
     """Show a topic's publishers and subscribers, by launch file and in code.
 
     Each row is one line of code in one start of a node, with its QoS, the line that starts it, and the number of
@@ -52,36 +57,10 @@ def topic(  # noqa: PLR0913 - the options of a command
         kg topic /cmd_vel
         kg topic cmd_vel --system rover.launch
         kg topic vel --json
-    """
-    _show(context, "topic", name, system, store, every=every, via=via, json=json)
-
-
-def service(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
-    name: Service,
-    *,
-    system: System = None,
-    every: All = False,
-    via: Via = False,
-    json: Json = False,
-    store: Store = None,
-) -> None:
-    """Show a service's servers and clients; works like `kg topic`."""
-    _show(context, "service", name, system, store, every=every, via=via, json=json)
-
-
-def action(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
-    name: Action,
-    *,
-    system: System = None,
-    every: All = False,
-    via: Via = False,
-    json: Json = False,
-    store: Store = None,
-) -> None:
-    """Show an action's servers and clients; works like `kg topic`."""
-    _show(context, "action", name, system, store, every=every, via=via, json=json)
+    """,
+)
+service = _command("service", "reset", "Show a service's servers and clients; works like `kg topic`.")
+action = _command("action", "dock", "Show an action's servers and clients; works like `kg topic`.")
 
 
 def _show(  # noqa: PLR0913 - the options of a command

@@ -10,8 +10,6 @@ from kg.cli.output import write
 from kg.errors import UsageError
 from kg.similar import did_you_mean
 
-__all__ = ["completions"]
-
 Shell = Annotated[
     str | None,
     typer.Argument(metavar="SHELL", help="bash, zsh, fish or powershell; by default the shell in $SHELL."),

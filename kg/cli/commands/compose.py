@@ -17,8 +17,6 @@ from kg.store.opening import existing
 if TYPE_CHECKING:
     from kg.search.compose.results import Composed
 
-__all__ = ["compose"]
-
 _LONGEST = 6
 From = Annotated[
     list[str],

@@ -11,8 +11,6 @@ from kg.lint import question
 from kg.server import options as server
 from kg.settings import table_values
 
-__all__ = ["setting_rows", "show"]
-
 
 def setting_rows(context: typer.Context) -> list[dict[str, object]]:
     """Return each setting with its value, origin and sentence, as `kg config show --json` writes them."""

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.corpus.fetching_list import Wanted
     from kg.corpus.selection import Selection
 
-__all__ = ["fetch", "select"]
-
 _MOST_JOBS: Final = 64
 """No server is asked for more at a time."""
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["demo"]
-
 QUESTIONS: Final = (
     "demo/laser-scans",
     "demo/who-talks-to-whom",

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.cli.compared import Known, Sides
     from kg.launch.comparison import Difference
 
-__all__ = ["diff"]
-
 _SHOWN: Final = 12
 
 Named = Annotated[

@@ -12,8 +12,6 @@ from kg.cli.session import session
 from kg.errors import Exit
 from kg.render.text import count, printable
 
-__all__ = ["doctor"]
-
 
 def doctor(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
     """Check the installation and the store.

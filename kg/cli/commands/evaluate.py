@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from kg.evaluate.linking import Ground
     from kg.settings import Settings
 
-__all__ = ["completeness", "correctness", "sample", "search"]
-
-
 References = Annotated[
     list[str] | None,
     typer.Option(

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from kg.evaluate.tables import Table
     from kg.settings import Settings
 
-__all__ = ["exercises", "study"]
-
 Capabilities = Annotated[
     bool, typer.Option("--capabilities", help="Print Table 1: the inferred capabilities of each simulated robot.")
 ]

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.pipeline.report import Inferred
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["export", "forget", "import_files"]
-
 FORMATS: Final = ("nq", "trig", "nt", "ttl", "n3", "rdf", "jsonld")
 FormatName = Annotated[
     str | None,

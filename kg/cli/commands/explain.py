@@ -10,8 +10,6 @@ from kg.cli.output import json_lines, write
 from kg.errors import CATALOGUE
 from kg.similar import unknown
 
-__all__ = ["explain"]
-
 Code = Annotated[
     str | None,
     typer.Argument(metavar="CODE", help="Code such as KG101; by default all are listed.", autocompletion=codes),

@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -10,13 +10,8 @@ from kg.cli.diagnostics import colored, render, say
 from kg.cli.options import Calls, Json
 from kg.cli.output import json_lines, write
 from kg.cli.session import session
-from kg.errors import Exit
+from kg.errors import Exit, KgError
 from kg.render.text import count
-
-if TYPE_CHECKING:
-    from kg.errors import KgError
-
-__all__ = ["check"]
 
 Files = Annotated[
     list[str] | None,

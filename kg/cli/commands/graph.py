@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from kg.render.system_graph import SystemGraph
     from kg.settings import Settings
 
-__all__ = ["graph"]
-
 _SHOWN: Final = 12
 _COLUMNS: Final = (Column("node", "name"), Column("does"), Column("name"), Column("type"), Column("with"))
 

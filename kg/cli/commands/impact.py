@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.views.evidence import Places
 
-__all__ = ["impact"]
-
 Name = Annotated[
     str | None,
     typer.Argument(

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from kg.facts import NodeInstance, System
 
-__all__ = ["instances"]
-
 _COUNTS: Final = ("pub", "sub", "srv", "cli", "act", "par")
 _ONE: Final = (
     Column("instance", "name"),

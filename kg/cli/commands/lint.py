@@ -16,14 +16,11 @@ from kg.cli.systems import Arguments, Environment, Launch, Variants, given, tell
 from kg.errors import Exit, UsageError
 from kg.lint.question import DECLARED, Question
 from kg.render.text import count
-from kg.settings import load_table
+from kg.settings import Settings, load_table
 from kg.store.opening import layout_of, reading
 
 if TYPE_CHECKING:
     from kg.lint.running import Checked
-    from kg.settings import Settings
-
-__all__ = ["lint"]
 
 _OTHER_FORMATS: Final = dict.fromkeys(("xunit", "junit"), "Use `--xunit-file FILE`.")
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from typing import Any
 
-__all__ = ["actions", "channel_rows", "files", "packages", "services", "topics"]
-
 _SORTS: Final = ("code", "both", "text", "other")
 
 All = Annotated[

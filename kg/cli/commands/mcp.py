@@ -6,8 +6,6 @@ from kg.cli.options import Robot, Store, Timeout
 from kg.cli.session import session
 from kg.errors import UsageError
 
-__all__ = ["mcp"]
-
 
 def mcp(context: typer.Context, *, timeout: Timeout = None, robot: Robot = None, store: Store = None) -> None:
     """Serve coding assistants over the Model Context Protocol.

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["NodeCommand", "node"]
-
 _MOST_PARAMETERS: Final = 25
 Name = Annotated[
     str,

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.graph.overview import NodeSummary
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["nodes"]
-
 COLUMNS: Final = (
     Column("package"),
     Column("node", "name"),

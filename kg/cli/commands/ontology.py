@@ -17,8 +17,6 @@ from kg.store.opening import reading
 if TYPE_CHECKING:
     from kg.graph.findings import OntologyCheck
 
-__all__ = ["check", "classify", "validate"]
-
 Files = Annotated[list[str] | None, typer.Argument(metavar="FILE", help="Ontologies; by default those that kg ships.")]
 Entailed = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
 Shapes = Annotated[

@@ -13,8 +13,6 @@ from kg.cli.session import session
 from kg.render.text import count
 from kg.store.opening import reading
 
-__all__ = ["param"]
-
 _HELP = "Name in the code (`rate`), in a parameter file (`FollowPath.speed`), `/node/rate`, or a part of one."
 Name = Annotated[str, typer.Argument(metavar="NAME", help=_HELP, autocompletion=parameters, show_default=False)]
 

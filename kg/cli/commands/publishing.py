@@ -15,8 +15,6 @@ from kg.forms import FormError, size
 from kg.render.text import count
 from kg.store.opening import existing, writable
 
-__all__ = ["publish", "pull"]
-
 Target = Annotated[
     str, typer.Argument(metavar="TARGET", help="A folder, or an address of a web server that accepts PUT.")
 ]

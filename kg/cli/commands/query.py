@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["query"]
-
-
 Text = Annotated[
     str | None,
     typer.Argument(

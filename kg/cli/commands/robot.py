@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.robot.live.asking import Subject
     from kg.settings import Settings
 
-__all__ = ["capabilities", "watch"]
-
 Live = Annotated[bool, typer.Option("--live", help="Use the running robot (the default).")]
 Package = Annotated[
     str | None,

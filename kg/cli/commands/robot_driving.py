@@ -7,8 +7,6 @@ import typer
 from kg.cli.options import Exclusive, Json, Places, Robot, WatchdogSeconds
 from kg.cli.session import session
 
-__all__ = ["do", "read"]
-
 CapabilityName = Annotated[
     str,
     typer.Argument(

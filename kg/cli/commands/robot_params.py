@@ -7,8 +7,6 @@ import typer
 from kg.cli.options import Json, Robot
 from kg.cli.session import session
 
-__all__ = ["params"]
-
 Node = Annotated[
     str | None, typer.Argument(metavar="NODE", help="A node, such as /amcl; in ROS 1, a node or a namespace.")
 ]

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.robot.programs.runner import Execution
     from kg.settings import Settings
 
-__all__ = ["check", "convert", "run"]
-
 _FORMS = ("text", "json", "rospy", "rclpy", "bt")
 _TREE = ".xml"
 

@@ -7,8 +7,6 @@ import typer
 from kg.cli.options import Store
 from kg.cli.session import session
 
-__all__ = ["simulate"]
-
 World = Annotated[str, typer.Argument(metavar="WORLD", help="`office` (a wheeled robot) or `drone`.")]
 Master = Annotated[
     str | None,

@@ -7,8 +7,6 @@ import typer
 from kg.cli.options import Json, Robot
 from kg.cli.session import session
 
-__all__ = ["nodes", "record", "topics"]
-
 File = Annotated[
     str,
     typer.Argument(metavar="FILE", help="New file: .bag for ROS 1, .mcap for ROS 2.", show_default=False),

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.rules.authoring.library import Entry, Library
     from kg.rules.files import Documentation
 
-__all__ = ["Chosen", "list_rules", "new", "show_rule"]
-
 Name = Annotated[
     str, typer.Argument(metavar="RULE", help="FAMILY/NAME, NAME alone, or a file.", autocompletion=rule_names)
 ]

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from kg.rules.checks.run import Read
     from kg.settings import Settings
 
-__all__ = ["check"]
-
 Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Rules, families, files or folders.")]
 Every = Annotated[bool, typer.Option("--all", "-a", help="Check your rules, packs and the rules that kg ships.")]
 

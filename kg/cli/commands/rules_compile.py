@@ -10,8 +10,6 @@ from kg.cli.output import write
 from kg.cli.session import session
 from kg.errors import UsageError
 
-__all__ = ["compile_rule"]
-
 _FORMS: Final = ("form", "rq", "srl", "ttl")
 
 Name = Annotated[

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.rules.authoring.differences import Difference
     from kg.rules.explain.view import View
 
-__all__ = ["diff", "show_difference"]
-
 
 def diff(  # noqa: PLR0913 - the options of a command
     context: typer.Context,

@@ -10,8 +10,6 @@ from kg.cli.options import Families, Rules, Store
 from kg.cli.session import session
 from kg.errors import GraphError
 
-__all__ = ["lsp"]
-
 
 def lsp(context: typer.Context, *, rules: Rules = None, rule_families: Families = None, store: Store = None) -> None:
     """Serve editors: rules as you type them, and the findings of `kg lint`.

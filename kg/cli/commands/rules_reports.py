@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.rules.authoring.coverage import Coverage
     from kg.rules.authoring.profiling import Profile
 
-__all__ = ["coverage", "graph", "plan", "profile"]
-
 _FORMATS: Final = ("svg", "mermaid", "json")
 _ENDINGS: Final = {".svg": "svg", ".mmd": "mermaid", ".mermaid": "mermaid", ".json": "json", ".jsonl": "json"}
 _PROFILE: Final = (

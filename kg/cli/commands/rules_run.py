@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.rules.reports import RunReport
     from kg.settings import Settings
 
-__all__ = ["limits_of", "run"]
-
 _CHANGES: Final = (Column("rule", "name"), Column("came", "number"), Column("went", "number"))
 _COLUMNS: Final = (
     Column("rule", "name"),

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.search.searching import Search
     from kg.settings import Settings
 
-__all__ = ["search"]
-
 COLUMNS: Final = tuple(map(Column, ("rank", "score", "package", "node", "why", "also in", "file:line")))
 Words = Annotated[list[str] | None, typer.Argument(metavar="TEXT", help="What the node does, in words.")]
 FILTER_OPTIONS: Final = {

@@ -10,9 +10,6 @@ from kg.cli.options import Store, WatchdogSeconds, takes
 from kg.cli.session import session
 from kg.server.options import DECLARED
 
-__all__ = ["serve"]
-
-
 Open = Annotated[bool, typer.Option("--open", help="Open the start page in the browser.")]
 
 

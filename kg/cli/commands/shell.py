@@ -9,8 +9,6 @@ from kg.cli.options import Format, Limit, Queries, Store, Timeout
 from kg.cli.session import session
 from kg.errors import Exit
 
-__all__ = ["shell"]
-
 Once = Annotated[
     str | None,
     typer.Option(

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.query.counting import Counted
     from kg.query.stats import Statistics
 
-__all__ = ["stats"]
-
 _MOST: Final = 12
 
 

@@ -18,8 +18,6 @@ from kg.store.opening import existing, layout_of, writable
 if TYPE_CHECKING:
     from kg.pipeline.updating.changes import Updated
 
-__all__ = ["backup", "restore", "update"]
-
 Text = Annotated[str | None, typer.Argument(metavar="UPDATE", help="SPARQL Update; - reads it from standard input.")]
 File = Annotated[str | None, typer.Option("--file", "-f", metavar="FILE", help="Read the update from FILE.")]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Show what would change, without changing it.")]

@@ -10,21 +10,18 @@ from kg.cli.options import Families, Json, Rules, Store
 from kg.cli.output import json_lines, write
 from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
-from kg.errors import Exit, UsageError
+from kg.errors import Exit, RuleError, UsageError
 from kg.store.opening import existing, reading_with_cache
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
-    from kg.errors import RuleError
     from kg.rules.explain.proof import Proof
     from kg.rules.explain.view import View
     from kg.rules.form import Rule, Term
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["why", "why_not"]
 
 _FORMATS = ("text", "json", "mermaid", "svg")
 _FACT = "For example `kg why patrol subscribes scan_filtered`; quote names that have blanks in them."

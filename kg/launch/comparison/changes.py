@@ -11,8 +11,6 @@ if TYPE_CHECKING:
 
     from kg.facts import Location, NodeType, System
 
-__all__ = ["Change", "Difference", "Finding", "Kind", "Level", "Record", "Side", "Sources"]
-
 
 class Level(StrEnum):
     """The subject of a change, from code to systems."""

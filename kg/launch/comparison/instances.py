@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.holes import anonymous
 from kg.launch.comparison.changes import Change, Kind, Level, Side
-from kg.launch.comparison.pairing import paired, relabelled
-from kg.launch.comparison.values import canonical
+from kg.launch.comparison.pairing import canonical, paired, relabelled
 from kg.launch.comparison.wording import qos_words
 
 if TYPE_CHECKING:
@@ -16,8 +15,6 @@ if TYPE_CHECKING:
 
     from kg.facts import InstanceInterface, LaunchParameter, Location, NodeInstance, Remap, System
     from kg.launch.comparison.renaming import Renames
-
-__all__ = ["Instances", "Told"]
 
 Told: TypeAlias = frozenset[tuple[str | Kind | None, ...]]
 """Changes of interfaces of node types: node type, kind, role, and the name at both sides."""

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from kg.facts import NodeInstance
 
-__all__ = ["Renames", "instance_pairs"]
-
 _Pair = tuple["NodeInstance | None", "NodeInstance | None"]
 
 

@@ -8,16 +8,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from kg.facts import Role
-from kg.launch.comparison.changes import Kind, Level
+from kg.launch.comparison.changes import Change, Difference, Kind, Level, Side
 from kg.launch.comparison.wording import change_words, sign, summary
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from kg.launch.comparison.changes import Change, Difference, Side
-
-__all__ = ["Link", "changed_keys", "changed_systems", "difference_lines", "difference_markdown", "difference_objects"]
 
 _BELOW_NODES: Final = frozenset({Level.END, Level.SETTING, Level.REMAP})
 

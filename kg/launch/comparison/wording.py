@@ -6,14 +6,11 @@ from collections import Counter
 from dataclasses import fields
 from typing import TYPE_CHECKING, Final
 
-from kg.launch.comparison.changes import Kind, Level
+from kg.launch.comparison.changes import Change, Difference, Kind, Level
 from kg.render.text import count
 
 if TYPE_CHECKING:
     from kg.facts import Qos
-    from kg.launch.comparison.changes import Change, Difference, Side
-
-__all__ = ["change_words", "qos_words", "sign", "summary"]
 
 _ROLES: Final = {
     "publishes": "publishes",
@@ -79,7 +76,7 @@ def change_words(change: Change) -> str:
         return f"{change.owner} to {side.value} by {change.role} {side.name}"
     if change.level is Level.FINDING:
         return f"{change.owner} {side.value}"
-    what = _what(change, side)
+    what = f"{_verb(change)} {side.name}"
     if change.before is None or change.after is None:
         return f"{what} ({side.value})" if side.value else what
     if change.kind is Kind.RENAMED:
@@ -107,7 +104,3 @@ def _verb(change: Change) -> str:
     return {Level.PARAMETER: "parameter", Level.SETTING: "sets", Level.INSTANCE: "starts"}.get(
         change.level, _NOUNS[change.level]
     )
-
-
-def _what(change: Change, side: Side) -> str:
-    return f"{_verb(change)} {side.name}"

@@ -14,15 +14,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
-from kg.facts import LaunchProblemKind
+from kg.facts import LaunchProblemKind, StartedNode
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.corpus.reading import Reader
-    from kg.facts import StartedNode
-
-__all__ = ["MOST", "SCHEME", "Budget", "Files", "Found"]
 
 SCHEME: Final = "package://"
 """What the folder of a package begins with in texts; it stands for what `$(find NAME)` gives when it runs."""

@@ -15,8 +15,6 @@ from xml.parsers import expat
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Document", "Markup"]
-
 _MOST_DEPTH: Final = 60
 """Levels of elements; each may be a group or a macro, whose evaluation takes frames of the interpreter's stack."""
 _LARGE_BYTES: Final = 1 << 20

@@ -7,7 +7,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.files import FilePath
+from kg.corpus.files import FilePath, PackageFolder
 from kg.facts import FileKind, LaunchConfiguration, LaunchDialect, LaunchProblem, LaunchProblemKind, Location
 from kg.launch.files.access import Files
 from kg.launch.files.ros1.evaluate import evaluate as evaluate_roslaunch
@@ -17,10 +17,7 @@ from kg.launch.files.ros2.execute import evaluate as evaluate_ros2
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
-
-__all__ = ["read_configuration", "read_launches"]
 
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 _ROS2: Final = 2

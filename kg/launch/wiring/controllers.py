@@ -11,20 +11,16 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import StartKind
 from kg.launch.wiring.inner_nodes import Inner
-from kg.launch.wiring.instances import draft_of
+from kg.launch.wiring.instances import Draft, draft_of
 from kg.launch.wiring.plugin_table import rows
 from kg.launch.wiring.plugins import Framework, Loaded, table
-from kg.launch.wiring.values import shown
+from kg.launch.wiring.values import Server, shown
 from kg.names import normalise
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.launch.wiring.instances import Draft
     from kg.launch.wiring.types import NodeTypes
-    from kg.launch.wiring.values import Server
-
-__all__ = ["attach", "with_controllers"]
 
 _TYPE: Final = "/type"
 

@@ -14,18 +14,14 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import LaunchParameter
+from kg.facts import Interface, LaunchParameter, NodeType
 from kg.holes import anonymous, is_known, is_partial, known_letters, partition, pattern
-from kg.launch.wiring.values import ARGUMENT, COMMAND_LINE, OPTION, is_text, parsed
+from kg.launch.wiring.values import ARGUMENT, COMMAND_LINE, OPTION, Settings, is_text, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from kg.facts import Interface, NodeType
     from kg.launch.wiring.place import Place
-    from kg.launch.wiring.values import Settings
-
-__all__ = ["meant", "members", "switched_on"]
 
 _EACH: Final = "[]"
 _KEY: Final = "[key]"

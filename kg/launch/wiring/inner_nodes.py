@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
-from kg.facts import StartedNode, StartKind
+from kg.facts import Interface, LaunchParameter, NodeType, StartedNode, StartKind
 from kg.holes import ANONYMOUS, anonymous, filled, is_partial
 from kg.launch.wiring.plugin_table import rows
 from kg.names import is_for_node, normalise
@@ -18,11 +18,8 @@ from kg.names import is_for_node, normalise
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.facts import Interface, LaunchParameter, NodeType
     from kg.launch.wiring.place import Place
     from kg.launch.wiring.types import Typed
-
-__all__ = ["Inner", "Spelling", "addressed", "filled_defaults", "inner_nodes", "started_inner", "without_inner"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ import re
 from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Role
+from kg.facts import InstanceInterface, NodeInstance, Role
 from kg.holes import is_known
 from kg.launch.wiring.similar_names import Alike, Related, words_of
 from kg.names import FRAMEWORK
@@ -14,9 +14,6 @@ from kg.names import FRAMEWORK
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.facts import InstanceInterface, NodeInstance
-
-__all__ = ["near_misses"]
 
 _ENDS: Final = {
     Role.PUBLISHES: ("topic", 0),

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.facts import Access, InstanceParameter, Parameter
+from kg.facts import Access, InstanceParameter, LaunchParameter, NodeReference, NodeType, Parameter
 from kg.holes import fits, is_partial
-from kg.launch.wiring.plugins import below_id
+from kg.launch.wiring.plugins import Loaded, below_id
 from kg.launch.wiring.similar_names import Alike
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.facts import LaunchParameter, NodeReference, NodeType
     from kg.launch.wiring.place import Place
-    from kg.launch.wiring.plugins import Loaded
     from kg.launch.wiring.remapping import Remapping
-
-__all__ = ["Asked"]
 
 _Owned: TypeAlias = "tuple[Parameter, NodeReference]"
 

@@ -16,8 +16,6 @@ from kg.names import join, normalise
 if TYPE_CHECKING:
     from kg.facts import NodeType, StartedNode
 
-__all__ = ["Place", "place_of"]
-
 
 @dataclass(frozen=True, slots=True)
 class Place:

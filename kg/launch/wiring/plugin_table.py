@@ -13,8 +13,6 @@ from kg.resources import folder
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["load_rows", "rows"]
-
 _Row = TypeVar("_Row")
 _FILE: Final = "plugins.toml"
 

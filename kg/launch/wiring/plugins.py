@@ -10,21 +10,17 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import TREE_NODE, NodeKind, Resolution
+from kg.facts import TREE_NODE, Interface, NodeKind, PluginSlot, Resolution
 from kg.holes import Hole, hole_of, is_partial, parse, partition, substitute
 from kg.launch.wiring.place import Place
 from kg.launch.wiring.plugin_table import rows
-from kg.launch.wiring.types import class_name
+from kg.launch.wiring.types import NodeTypes, Typed, class_name
 from kg.launch.wiring.values import parsed
 from kg.names import normalise
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
-    from kg.facts import Interface, PluginSlot
-    from kg.launch.wiring.types import NodeTypes, Typed
-
-__all__ = ["Framework", "Loaded", "below_id", "framework_of", "loaded_plugins", "table"]
 
 _CLASS: Final = re.compile(r"[A-Za-z]\w*(?:(?:::|/)[A-Za-z]\w*)+")
 _CLASS_KEYS: Final = ("type", "plugin")

@@ -9,15 +9,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import Qos, Role
+from kg.facts import LaunchParameter, Qos, Role
 from kg.launch.wiring.values import parsed
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.facts import LaunchParameter
-
-__all__ = ["Overrides"]
 
 _PREFIX: Final = "qos_overrides."
 _ENTITIES: Final = {"publisher": Role.PUBLISHES, "subscription": Role.SUBSCRIBES}

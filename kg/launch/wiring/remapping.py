@@ -11,16 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Role
+from kg.facts import Remap, Role
 from kg.holes import is_partial
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.facts import Remap
     from kg.launch.wiring.place import Place
-
-__all__ = ["ACTIONS", "Remapping", "Rule", "rules_of"]
 
 ACTIONS: Final = (Role.ACTION_SERVERS, Role.ACTION_CLIENTS)
 _SERVICES: Final = (Role.SERVICES, Role.CLIENTS)

@@ -24,8 +24,6 @@ from kg.holes import is_partial
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-__all__ = ["Alike", "Related", "Words", "alike", "alike_when_short", "related", "words_of"]
-
 Words: TypeAlias = "tuple[tuple[str, ...], ...]"
 """The words of each segment of a name, in small letters."""
 

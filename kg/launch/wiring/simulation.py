@@ -11,21 +11,37 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import InstanceInterface, Interface, NodeReference, Remap, Resolution
+from kg.facts import (
+    InstanceInterface,
+    Interface,
+    LaunchConfiguration,
+    LaunchPlugin,
+    Location,
+    NodeReference,
+    Remap,
+    Resolution,
+    StartedNode,
+)
 from kg.holes import ANONYMOUS, is_partial
 from kg.launch.wiring.place import Place
 from kg.launch.wiring.remapping import Remapping, rules_of
-from kg.launch.wiring.simulation_table import End, device_of, filled, read_end, simulator_of, spawner_of
+from kg.launch.wiring.simulation_table import (
+    Device,
+    End,
+    Simulator,
+    Spawner,
+    device_of,
+    filled,
+    read_end,
+    simulator_of,
+    spawner_of,
+)
 from kg.names import join, normalise
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.facts import LaunchConfiguration, LaunchPlugin, Location, StartedNode
     from kg.launch.wiring.instances import Draft
-    from kg.launch.wiring.simulation_table import Device, Simulator, Spawner
-
-__all__ = ["ORIGIN", "Simulated", "own_ends", "simulate"]
 
 ORIGIN: Final = "gazebo plugin"
 """The origin of interfaces that the table tells."""

@@ -15,19 +15,6 @@ from kg.resources import folder
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = [
-    "Device",
-    "End",
-    "Simulator",
-    "Spawner",
-    "device_of",
-    "filled",
-    "load",
-    "read_end",
-    "simulator_of",
-    "spawner_of",
-]
-
 _FILE: Final = "simulation.toml"
 _END: Final = re.compile(
     r"(?P<role>[a-z_]+) (?P<type>\w+/\w+) (?P<name>\S+)"

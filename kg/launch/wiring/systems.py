@@ -5,23 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from kg.facts import System
+from kg.facts import LaunchConfiguration, Location, NodeInstance, StartedNode, System
+from kg.launch.wiring.behavior_trees import run_trees
 from kg.launch.wiring.controllers import attach, with_controllers
 from kg.launch.wiring.inner_nodes import started_inner
-from kg.launch.wiring.instances import draft_of, finished, loads
+from kg.launch.wiring.instances import Draft, draft_of, finished, loads
 from kg.launch.wiring.near_misses import near_misses
 from kg.launch.wiring.simulation import simulate
-from kg.launch.wiring.tree_runners import run_trees
 from kg.launch.wiring.values import Server
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.facts import LaunchConfiguration, Location, NodeInstance, StartedNode
-    from kg.launch.wiring.instances import Draft
     from kg.launch.wiring.types import NodeTypes
-
-__all__ = ["wire"]
 
 
 def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:

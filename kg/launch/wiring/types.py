@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from kg.facts import TREE_NODE, MissingType, NodeKind
+from kg.facts import TREE_NODE, DataFile, MissingType, NodeKind, NodeName, NodeReference, NodeType, StartedNode
 from kg.holes import is_partial
 from kg.launch.wiring.similar_names import Alike
 from kg.names import normalise
@@ -13,9 +13,6 @@ from kg.names import normalise
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.facts import DataFile, NodeName, NodeReference, NodeType, StartedNode
-
-__all__ = ["NodeTypes", "Typed", "class_name", "own_name"]
 
 Typed: TypeAlias = "tuple[NodeReference, NodeType]"
 

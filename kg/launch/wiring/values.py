@@ -13,18 +13,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 import yaml
 
-from kg.facts import LaunchParameter
+from kg.facts import LaunchParameter, StartedNode
 from kg.names import normalise
 from kg.yamltext import load_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.facts import StartedNode
     from kg.launch.wiring.place import Place
     from kg.launch.wiring.remapping import Remapping
-
-__all__ = ["ARGUMENT", "COMMAND_LINE", "OPTION", "Server", "Settings", "is_text", "parsed", "shown"]
 
 ARGUMENT: Final = re.compile(r"argv\[(\d+)\]")
 """What stands for a parameter where a name is an argument of the command line, the first of which is `argv[1]`."""

@@ -30,11 +30,10 @@ from kg.robot.capabilities import definitions, read
 from kg.robot.capability import Capabilities
 from kg.robot.lifecycle import available
 from kg.robot.live.systems import Seen, name_of, system_of
-from kg.rules.columns import read_columns, stated, union_of, wanted
+from kg.rules.columns import lines, read_columns, stated, stored, union_of, wanted
 from kg.rules.engine.evaluate import Program, evaluate
 from kg.rules.engine.terms import Dictionary
 from kg.rules.folders import families_in_force
-from kg.rules.lines import lines, stored
 from kg.rules.reading import discover, packs
 from kg.rules.specialise import specialised
 from kg.store import bulk

@@ -5,21 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kg.rules.authoring.firing import fire, holds
+from kg.rules.authoring.firing import Firing, fire, holds
 from kg.rules.authoring.spelling import spell_element, spell_head
-from kg.rules.form import place_of
+from kg.rules.form import Rule, place_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from kg.errors import Place
-    from kg.rules.authoring.firing import Firing
     from kg.rules.authoring.workbench import Try, Workbench
     from kg.rules.engine.limits import Limits
     from kg.rules.files import RuleFile
-    from kg.rules.form import Rule
-
-__all__ = ["Coverage", "Gap", "RuleCoverage", "cover", "coverage_objects"]
 
 
 @dataclass(frozen=True, slots=True)

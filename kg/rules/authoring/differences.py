@@ -6,29 +6,23 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from pyoxigraph import NamedNode
+from pyoxigraph import NamedNode, Triple
 
 from kg.rules.authoring.firing import fire
 from kg.rules.authoring.memory import triples_of
 from kg.rules.authoring.spelling import common_prefixes, spell_term
-from kg.rules.columns import union_of
+from kg.rules.columns import stored, union_of
 from kg.rules.dependencies import depends
 from kg.rules.engine.facts import Facts, intersection, lacking
-from kg.rules.form import Atom
-from kg.rules.lines import stored
+from kg.rules.form import Atom, Rule
 from kg.rules.stratify import edges
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from pyoxigraph import Triple
-
     from kg.rules.authoring.workbench import Try, Workbench
     from kg.rules.engine.limits import Limits
     from kg.rules.files import RuleFile
-    from kg.rules.form import Rule
-
-__all__ = ["Changed", "Difference", "difference", "difference_objects"]
 
 
 @dataclass(frozen=True, slots=True)

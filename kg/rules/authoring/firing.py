@@ -12,7 +12,7 @@ from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver, View, Workshop
-from kg.rules.form import is_auxiliary
+from kg.rules.form import Element, Rule, is_auxiliary
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.plan import RulePlan, Step
     from kg.rules.engine.tables import Table
     from kg.rules.engine.terms import Dictionary
-    from kg.rules.form import Element, Rule
-
-__all__ = ["Firing", "Passage", "fire", "holds"]
 
 
 @dataclass(slots=True)

@@ -6,12 +6,12 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from pyoxigraph import NamedNode
+from pyoxigraph import NamedNode, Triple
 
 from kg.render.flow_picture import Box, Flow, draw_flow
 from kg.rules.authoring.spelling import common_prefixes, spell_term
-from kg.rules.dependencies import depends, reads, writes
-from kg.rules.form import Variable, is_auxiliary
+from kg.rules.dependencies import Read, depends, reads, writes
+from kg.rules.form import Atom, Rule, Variable, is_auxiliary
 from kg.rules.specialise import specialise
 from kg.rules.stratify import edges, stratify
 from kg.syntax.names import PREFIXES
@@ -19,13 +19,7 @@ from kg.syntax.names import PREFIXES
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
-    from pyoxigraph import Triple
-
-    from kg.rules.dependencies import Read
     from kg.rules.files import RuleFile
-    from kg.rules.form import Atom, Rule
-
-__all__ = ["RuleGraph", "RuleNode", "graph_objects", "graph_picture", "mermaid", "rule_graph", "spell_atom"]
 
 _TYPE: Final = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
 _ANY_PROPERTY: Final = "any property"

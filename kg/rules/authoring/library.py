@@ -7,19 +7,15 @@ from typing import TYPE_CHECKING
 
 from kg import resources
 from kg.errors import Place, RuleError
-from kg.rules.files import family_of
+from kg.rules.files import RuleFile, family_of
 from kg.rules.folders import families_in_force, user_folders
-from kg.rules.reading import packs, read, rival, rule_files
+from kg.rules.reading import Pack, packs, read, rival, rule_files
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
     from pathlib import Path
 
-    from kg.rules.files import RuleFile
-    from kg.rules.reading import Pack
     from kg.settings import Settings
-
-__all__ = ["Entry", "Library"]
 
 
 @dataclass(frozen=True, slots=True)

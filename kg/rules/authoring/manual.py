@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kg.errors import RuleError
-from kg.rules.authoring.examples import read_examples
+from kg.rules.authoring.examples import Example, read_examples
 from kg.rules.authoring.graph import RuleGraph, rule_graph, spell_atom
 from kg.rules.dependencies import reads, writes
-from kg.rules.files import HEADINGS, NOTATIONS
-from kg.rules.form import atoms_of, is_auxiliary
+from kg.rules.files import HEADINGS, NOTATIONS, Documentation, RuleFile
+from kg.rules.form import Atom, atoms_of, is_auxiliary
 from kg.rules.header import parse_header
 
 if TYPE_CHECKING:
@@ -18,12 +18,7 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Triple
 
-    from kg.rules.authoring.examples import Example
     from kg.rules.authoring.library import Entry, Library
-    from kg.rules.files import Documentation, RuleFile
-    from kg.rules.form import Atom
-
-__all__ = ["Manual", "documentation", "entry_object", "manual", "manual_object"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,25 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import NamedNode, Quad, RdfFormat, Store, parse
+from pyoxigraph import NamedNode, Quad, RdfFormat, Store, Triple, parse
 
-from kg.rules.columns import stated
-from kg.rules.engine.evaluate import evaluate
+from kg.rules.columns import lines, stated, stored
+from kg.rules.engine.evaluate import Program, RuleReport, evaluate
 from kg.rules.engine.terms import Dictionary
 from kg.rules.explain.view import Vocabulary
-from kg.rules.lines import lines, stored
 from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from pyoxigraph import Triple
-
-    from kg.rules.engine.evaluate import Program, RuleReport
     from kg.rules.engine.facts import Facts
     from kg.rules.engine.limits import Limits
-
-__all__ = ["VOCABULARY", "infer", "triples_of", "world_of"]
 
 VOCABULARY: Final = Vocabulary(NamedNode("urn:kg:inferred"))
 """The graph of the inferred triples of a world."""

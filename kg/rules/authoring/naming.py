@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from kg.rules.authoring.library import Entry, Library
 
-__all__ = ["choose", "find_rule"]
-
 
 def find_rule(rules: Library, name: str) -> Entry:
     """Return the rule called `name`, whole or by its last part, or at that path.

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kg.rules.authoring.firing import fire
+from kg.rules.authoring.firing import Passage, fire
 from kg.rules.authoring.spelling import spell_element
 from kg.rules.form import place_of
 
@@ -14,13 +14,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from kg.errors import Place
-    from kg.rules.authoring.firing import Passage
     from kg.rules.authoring.workbench import Try, Workbench
     from kg.rules.engine.evaluate import RuleReport
     from kg.rules.engine.limits import Limits
     from kg.rules.files import RuleFile
-
-__all__ = ["ElementProfile", "Profile", "RuleProfile", "profile", "profile_objects"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,20 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pyoxigraph import Literal, NamedNode
 
-from kg.rules.engine.facts import unpack
-from kg.rules.form import is_auxiliary
+from kg.rules.engine.facts import Facts, unpack
+from kg.rules.form import Rule, is_auxiliary
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kg.rules.engine.evaluate import RuleReport
-    from kg.rules.engine.facts import Facts
     from kg.rules.engine.terms import Dictionary
-    from kg.rules.form import Rule
     from kg.rules.remote.running import RemoteReport, StratumReport
     from kg.rules.reports import RunReport
-
-__all__ = ["RuleRun", "Share", "remote_objects", "remote_strata", "rule_runs", "run_objects", "shares"]
 
 
 @dataclass(frozen=True, slots=True)

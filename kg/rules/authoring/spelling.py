@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import Literal, NamedNode, Triple
 
 from kg.errors import RuleError
-from kg.rules.form import Atom, TripleTerm, Variable
+from kg.rules.form import Atom, Element, Pattern, Term, TripleTerm, Variable
 from kg.rules.sparql import brief
 from kg.rules.sparql import term as written
 from kg.syntax.names import PREFIXES, shorten
@@ -16,10 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from kg.rules.files import RuleFile
-    from kg.rules.form import Element, Pattern, Term
-
-__all__ = ["common_prefixes", "spell_element", "spell_head", "spell_term", "spell_triple"]
-
 
 _LONGEST: Final = 100
 

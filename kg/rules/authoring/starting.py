@@ -13,8 +13,6 @@ from kg.similar import did_you_mean
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["start"]
-
 _NAME: Final = re.compile(r"[a-z0-9][a-z0-9_-]*(/[a-z0-9][a-z0-9_-]*)+")
 
 

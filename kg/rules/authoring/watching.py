@@ -9,8 +9,6 @@ if TYPE_CHECKING:
 
     from kg.rules.authoring.library import Entry, Library
 
-__all__ = ["Saved", "Watched"]
-
 
 class Saved:
     """The rules that were saved or came, and the names of those that went."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import RdfFormat, parse
+from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 
 from kg.rules.columns import EVERYTHING, Wanted, read_columns, stated, union_of, wanted
-from kg.rules.engine.evaluate import Program, evaluate
+from kg.rules.engine.evaluate import Outcome, Program, evaluate
 from kg.rules.engine.facts import Facts, lacking
 from kg.rules.engine.terms import Dictionary
 from kg.rules.specialise import schema_pattern, specialise
@@ -16,16 +16,11 @@ from kg.rules.specialise import schema_pattern, specialise
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from pyoxigraph import NamedNode, Triple
-
-    from kg.rules.engine.evaluate import Outcome
     from kg.rules.engine.limits import Limits
     from kg.rules.files import RuleFile
     from kg.rules.form import Rule
     from kg.rules.recording import Names
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["Try", "Workbench"]
 
 _NOTHING: Final = Wanted(frozenset())
 _KEPT: Final = 3

@@ -13,40 +13,6 @@ import msgspec
 
 from kg.codes.severities import SEVERITIES
 
-__all__ = [
-    "FAMILY",
-    "Absent",
-    "Compare",
-    "Conclusion",
-    "Condition",
-    "Either",
-    "Fact",
-    "Formula",
-    "Is",
-    "Join",
-    "Known",
-    "Let",
-    "Logic",
-    "Match",
-    "Name",
-    "Not",
-    "Number",
-    "Of",
-    "Only",
-    "Other",
-    "Perhaps",
-    "Present",
-    "Reckon",
-    "Rule",
-    "Says",
-    "Term",
-    "Test",
-    "Text",
-    "Thing",
-    "Truth",
-    "Value",
-]
-
 FAMILY: Final = "mine"
 """The family of a rule whose name says none."""
 

@@ -12,6 +12,7 @@ from pyoxigraph import Literal
 from kg.rules.blocks.tree import (
     Absent,
     Compare,
+    Condition,
     Either,
     Fact,
     Is,
@@ -29,9 +30,12 @@ from kg.rules.blocks.tree import (
     Perhaps,
     Present,
     Reckon,
+    Rule,
+    Test,
     Text,
     Thing,
     Truth,
+    Value,
 )
 from kg.rules.files import HEADINGS
 from kg.syntax.lexer import Kind, tokens_of
@@ -41,9 +45,6 @@ from kg.syntax.printer import renamed
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.rules.blocks.tree import Condition, Rule, Test, Value
-
-__all__ = ["SECTIONS", "Written", "inferred", "known_prefixes", "namespace", "write"]
 
 SECTIONS: Final = dict(zip(("infers", "why", "mend", "limits", "references"), HEADINGS, strict=True))
 """The member of a rule to the heading of its documentation."""

@@ -7,18 +7,14 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
 from kg.rules.authoring.examples import read_examples
-from kg.rules.checks.finding import Finding, at_rule, from_error
-from kg.rules.files import REQUIRED_HEADINGS
+from kg.rules.checks.finding import Context, Finding, at_rule, from_error
+from kg.rules.files import REQUIRED_HEADINGS, Documentation, RuleFile
 from kg.syntax.position import place_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from kg.rules.checks.finding import Context
-    from kg.rules.files import Documentation, RuleFile
-
-__all__ = ["SCAFFOLD", "documentation_missing", "examples_malformed", "examples_missing", "no_rule", "orphan"]
 
 _RULES: Final = {
     ".rq": "A rule derives triples: CONSTRUCT { ... } WHERE { ... }, with filters that can hold.",

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile, RuleSet
     from kg.rules.form import Rule
 
-__all__ = ["SECONDS", "Context", "Finding", "at_offset", "at_rule", "from_error"]
-
 SECONDS: Final = 5.0
 """How long a store may be asked about one rule, where nothing else is said."""
 

@@ -8,23 +8,18 @@ from typing import TYPE_CHECKING
 import pyoxigraph
 
 from kg.query.runner import DeadlineError, in_thread
-from kg.rules.checks.finding import Finding, at_rule
+from kg.rules.checks.finding import Context, Finding, at_rule
 from kg.rules.dependencies import depends
 from kg.rules.explain.derivations import bound_by
-from kg.rules.explain.view import View
-from kg.rules.form import Assignment, Atom, Exists, Filter, atoms_of, is_auxiliary, place_of
+from kg.rules.explain.view import View, Vocabulary
+from kg.rules.form import Assignment, Atom, Element, Exists, Filter, Rule, atoms_of, is_auxiliary, place_of
 from kg.rules.sparql import brief
 from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.rules.checks.finding import Context
-    from kg.rules.explain.view import Vocabulary
     from kg.rules.files import RuleFile
-    from kg.rules.form import Element, Rule
-
-__all__ = ["StoreOf", "always_fires", "never_fires", "nothing"]
 
 
 @dataclass(frozen=True, slots=True)

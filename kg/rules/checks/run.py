@@ -14,18 +14,14 @@ from kg.rules.checks.firing import always_fires, never_fires
 from kg.rules.checks.subsumed import subsumed
 from kg.rules.checks.variables import cartesian_product, variable_used_once
 from kg.rules.checks.vocabulary import head_never_read, unknown_terms
-from kg.rules.files import NOTATIONS, RuleSet
-from kg.rules.reading import read, rival, rule_files
+from kg.rules.files import NOTATIONS, RuleFile, RuleSet
+from kg.rules.reading import Pack, read, rival, rule_files
 from kg.rules.specialise import specialise
 from kg.rules.stratify import failures
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 
-    from kg.rules.files import RuleFile
-    from kg.rules.reading import Pack
-
-__all__ = ["CHECKS", "Read", "beside", "check", "check_file", "read_all"]
 
 CHECKS: Final[Mapping[str, Callable[[RuleFile, Context], Iterator[Finding]]]] = {
     "KG201": no_rule,

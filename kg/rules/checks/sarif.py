@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     from kg.rules.checks.finding import Finding
 
-__all__ = ["as_object", "remark", "sarif"]
-
 
 def as_object(finding: Finding) -> dict[str, object]:
     """Return a finding as plain values: the keys of `Finding`, its place as `file`, `line` and `column`."""

@@ -5,17 +5,13 @@ from __future__ import annotations
 from itertools import islice
 from typing import TYPE_CHECKING, Final
 
-from kg.rules.checks.finding import Finding, at_rule
-from kg.rules.form import Assignment, Atom, Exists, Filter, TripleTerm, Variable
+from kg.rules.checks.finding import Context, Finding, at_rule
+from kg.rules.form import Assignment, Atom, Element, Exists, Filter, Pattern, Rule, TripleTerm, Variable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.rules.checks.finding import Context
     from kg.rules.files import RuleFile
-    from kg.rules.form import Element, Pattern, Rule
-
-__all__ = ["STEPS", "subsumed", "subsumes"]
 
 STEPS: Final = 20_000
 """How many comparisons of two parts a pair of rules may take; those that people write take less than a hundred."""

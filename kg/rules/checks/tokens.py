@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.checks.finding import at_offset, at_rule
-from kg.syntax.lexer import Kind, iri_of, is_name, normalise, tokens
+from kg.syntax.lexer import Kind, Token, iri_of, is_name, normalise, tokens
 from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
@@ -13,10 +13,6 @@ if TYPE_CHECKING:
 
     from kg.errors import Place
     from kg.rules.files import RuleFile
-    from kg.syntax.lexer import Token
-
-__all__ = ["names", "place_of_name", "variables"]
-
 
 _DECLARING: Final = {"PREFIX": 2, "@PREFIX": 2, "BASE": 1, "@BASE": 1, "IMPORTS": 1, "VERSION": 1, "@VERSION": 1}
 """How many tokens belong to a declaration that begins with these."""

@@ -5,21 +5,16 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from kg.errors import Fix
-from kg.rules.checks.finding import Finding, at_offset, at_rule
+from kg.errors import Fix, Place
+from kg.rules.checks.finding import Context, Finding, at_offset, at_rule
 from kg.rules.checks.tokens import variables
-from kg.rules.form import Atom, Exists, Variable, atoms_of, binds, mentions
+from kg.rules.form import Atom, Exists, Rule, Variable, atoms_of, binds, mentions
 from kg.similar import asked, similar
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.errors import Place
-    from kg.rules.checks.finding import Context
     from kg.rules.files import RuleFile
-    from kg.rules.form import Rule
-
-__all__ = ["cartesian_product", "variable_used_once"]
 
 
 def cartesian_product(file: RuleFile, _context: Context) -> Iterator[Finding]:

@@ -15,11 +15,14 @@ from kg.syntax.tree import (
     Alternative,
     Bind,
     Exists,
+    Expression,
     Filter,
     GraphBlock,
     Inverse,
     Minus,
+    Node,
     Optional,
+    Path,
     Repeat,
     Sequence,
     SubSelect,
@@ -33,9 +36,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kg.errors import Place
-    from kg.syntax.tree import Expression, Node, Path
-
-__all__ = ["block", "is_monotone", "pattern_text", "reads"]
 
 _ANY: Final = None
 """Stands among predicates for all of them."""

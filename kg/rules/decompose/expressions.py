@@ -9,26 +9,12 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.form import Expression
-from kg.syntax.lexer import Kind, tokens_of
+from kg.syntax.lexer import Kind, Token, tokens_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
 
     from kg.errors import Place
-    from kg.syntax.lexer import Token
-
-__all__ = [
-    "bare",
-    "can_fail",
-    "conjuncts",
-    "existence",
-    "expression",
-    "fails",
-    "is_strict",
-    "resolved",
-    "simplified",
-    "variables",
-]
 
 UNBOUND: Final = "(!<urn:kg:unbound>)"
 """An expression that is always in error, as an unbound variable is: an IRI has no effective boolean value."""

@@ -23,22 +23,18 @@ from typing import TYPE_CHECKING, Final
 
 from kg.rules.decompose import expressions
 from kg.rules.decompose.blocks import block
-from kg.rules.decompose.parts import EMPTY, IndivisibleError, Scope, attached, joined, placed
+from kg.rules.decompose.parts import EMPTY, IndivisibleError, Part, Scope, attached, joined, placed
 from kg.rules.decompose.patterns import basic, known
 from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.selects import selected
 from kg.rules.decompose.uses import certain, uses
-from kg.rules.form import Assignment, Exists, Filter, Values, Variable
+from kg.rules.form import Assignment, Element, Exists, Filter, Term, Values, Variable
 from kg.syntax import tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.rules.decompose.parts import Part
     from kg.rules.decompose.work import Work
-    from kg.rules.form import Element, Term
-
-__all__ = ["MOST_PARTS", "Groups"]
 
 MOST_PARTS: Final = 64
 """With more parts than this, the store's engine evaluates the rule as written."""

@@ -7,15 +7,23 @@ from typing import TYPE_CHECKING, Final
 
 from kg.rules import sparql
 from kg.rules.decompose import expressions
-from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Filter, Variable, binds, bound_in
+from kg.rules.form import (
+    Aggregate,
+    Assignment,
+    Atom,
+    Element,
+    EngineBlock,
+    Expression,
+    Filter,
+    Variable,
+    binds,
+    bound_in,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.rules.decompose.names import Names
-    from kg.rules.form import Element, Expression
-
-__all__ = ["EMPTY", "IndivisibleError", "Part", "Scope", "attached", "joined", "placed", "same"]
+    from kg.rules.decompose.work import Names
 
 
 class IndivisibleError(Exception):

@@ -24,8 +24,6 @@ from pyoxigraph import NamedNode
 from kg.rules.form import Variable
 from kg.syntax.tree import Alternative, Inverse, Negated, Path, Repeat, Sequence
 
-__all__ = ["Avoid", "Closure", "Link", "Normal", "Step", "Steps", "inverse", "is_plain", "key", "normal"]
-
 
 @dataclass(frozen=True, slots=True)
 class Link:

@@ -11,6 +11,7 @@ from kg.rules.form import (
     Aggregate,
     Assignment,
     Atom,
+    Element,
     EngineBlock,
     Exists,
     Expression,
@@ -23,10 +24,6 @@ from kg.syntax import printer
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
-
-    from kg.rules.form import Element
-
-__all__ = ["everywhere", "renamed", "renamed_expression"]
 
 
 def renamed(body: Iterable[Element], names: Mapping[Variable, Variable]) -> tuple[Element, ...]:

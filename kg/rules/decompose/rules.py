@@ -13,11 +13,12 @@ from kg.rules.decompose.groups import Groups
 from kg.rules.decompose.parts import IndivisibleError, Scope
 from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.uses import possible
-from kg.rules.decompose.work import Work, head_variables
+from kg.rules.decompose.work import Names, Work, head_variables
 from kg.rules.form import (
     Aggregate,
     Assignment,
     Atom,
+    Element,
     EngineBlock,
     Exists,
     Filter,
@@ -32,12 +33,7 @@ from kg.rules.form import (
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.rules.decompose.names import Names
-    from kg.rules.form import Element
     from kg.syntax.tree import RuleText, TriplePattern
-
-__all__ = ["decompose"]
-
 
 Statement = tuple[tuple[Atom, ...], tuple["Element", ...]]
 """A head and a body."""

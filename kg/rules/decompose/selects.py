@@ -18,18 +18,15 @@ from kg.rules.decompose import expressions
 from kg.rules.decompose.parts import EMPTY, IndivisibleError, Part, Scope
 from kg.rules.decompose.renaming import renamed
 from kg.rules.decompose.uses import possible
-from kg.rules.form import Aggregate, Assignment, Column, Filter, Variable
+from kg.rules.form import Aggregate, Assignment, Column, Expression, Filter, Variable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from kg.rules.decompose.work import Work
-    from kg.rules.form import Expression
     from kg.syntax import tree
 
     Decompose = Callable[[tree.Group, Scope], list[Part]]
-
-__all__ = ["selected"]
 
 _NEVER_FAIL_ON_TERMS = frozenset({"MIN", "MAX", "SAMPLE"})
 

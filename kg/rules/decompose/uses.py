@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.rules.form import Variable, variables_of
+from kg.rules.form import Pattern, Variable, variables_of
 from kg.syntax.tree import (
     Bind,
+    Expression,
     Filter,
     GraphBlock,
+    Node,
+    Path,
     SubSelect,
     TriplePattern,
     Union,
@@ -21,10 +24,6 @@ from kg.syntax.tree import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.rules.form import Pattern
-    from kg.syntax.tree import Expression, Node, Path
-
-__all__ = ["Uses", "certain", "possible", "uses"]
 
 Uses: TypeAlias = "Counter[str]"
 """The names of variables with how often they occur."""

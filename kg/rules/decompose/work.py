@@ -6,22 +6,41 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from kg.rules.decompose.names import Names
-from kg.rules.decompose.uses import uses
-from kg.rules.form import has_blank, variables_of
+from kg.rules.decompose.uses import Uses, uses
+from kg.rules.form import Atom, Element, Variable, has_blank, variables_of
 from kg.syntax.lexer import normalise
 from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
-    from kg.errors import Place
-    from kg.rules.decompose.uses import Uses
-    from kg.rules.form import Atom, Element
-    from kg.syntax.tree import Node, RuleText, Span, TriplePattern
+    from collections.abc import Iterable
 
-__all__ = ["AuxiliaryRules", "Work", "head_variables"]
+    from kg.errors import Place
+    from kg.syntax.tree import Node, RuleText, Span, TriplePattern
 
 AuxiliaryRules = dict[str, list[tuple["tuple[Atom]", "tuple[Element, ...]"]]]
 """The IRI of a predicate to the heads and bodies that derive it."""
+
+
+class Names:
+    """Gives new variables; `taken` are the names that the rule has, blank nodes' with their `.`."""
+
+    def __init__(self, taken: Iterable[str]) -> None:
+        self._taken = set(taken)
+
+    def hidden(self) -> Variable:
+        """Return a variable that no expression and no text will mention: its name begins with `.`."""
+        return self._first(".{}")
+
+    def like(self, variable: Variable) -> Variable:
+        """Return a variable that SPARQL can write, named after another."""
+        return self._first(variable.name.lstrip(".").partition("·")[0] + "·{}")
+
+    def _first(self, form: str) -> Variable:
+        number = 1
+        while (name := form.format(number)) in self._taken:
+            number += 1
+        self._taken.add(name)
+        return Variable(name)
 
 
 @dataclass(slots=True)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import pyoxigraph as ox
 
+from kg.rules.columns import lines
 from kg.rules.engine.tables import Table
-from kg.rules.lines import lines
 from kg.rules.sparql import spelling
 from kg.store.terms import spell
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.limits import Clock
     from kg.rules.engine.plan import Block
     from kg.rules.engine.terms import Dictionary
-
-__all__ = ["Blocks"]
 
 _REMEMBERED: Final = 64
 

@@ -18,20 +18,15 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import NamedNode
 
-from kg.rules.engine.facts import EMPTY, Facts, difference, distinct, flipped, pack, union, unpack
-from kg.rules.engine.terms import BLANK, IRI
-from kg.rules.form import Atom, Variable
+from kg.rules.engine.facts import EMPTY, Facts, Keys, difference, distinct, flipped, pack, union, unpack
+from kg.rules.engine.terms import BLANK, IRI, Dictionary
+from kg.rules.form import Atom, Rule, Variable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from numpy.typing import NDArray
 
-    from kg.rules.engine.facts import Keys
-    from kg.rules.engine.terms import Dictionary
-    from kg.rules.form import Rule
-
-__all__ = ["Closure", "Equality", "equalities"]
 
 _SUBJECT, _PREDICATE, _OBJECT = range(3)
 _ATOMS: Final = 2

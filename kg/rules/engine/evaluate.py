@@ -18,21 +18,19 @@ from kg.rules.dependencies import depends, mints
 from kg.rules.engine.blocks import Blocks
 from kg.rules.engine.equality import Closure, equalities
 from kg.rules.engine.expressions import Expressions
-from kg.rules.engine.facts import Facts, absorb
+from kg.rules.engine.facts import Facts, Keys, absorb
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver, View, Workshop
-from kg.rules.form import Atom, is_auxiliary
+from kg.rules.form import Atom, Rule, is_auxiliary
 from kg.rules.stratify import Stratum, stratify
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from kg.rules.engine.facts import Keys
     from kg.rules.engine.plan import RulePlan
     from kg.rules.engine.terms import Dictionary
-    from kg.rules.form import Rule
 
 __all__ = ["Limits", "Outcome", "Program", "RuleReport", "evaluate"]
 

@@ -2,36 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
-    from typing import TypeAlias
 
     from numpy.typing import NDArray
 
-    Keys: TypeAlias = NDArray[np.int64]
-
-__all__ = [
-    "EMPTY",
-    "Facts",
-    "absorb",
-    "common",
-    "difference",
-    "distinct",
-    "flipped",
-    "intersection",
-    "lacking",
-    "merged",
-    "pack",
-    "parted",
-    "starts",
-    "take_out",
-    "union",
-    "unpack",
-]
+Keys: TypeAlias = "NDArray[np.int64]"
+"""Packed pairs of identifiers."""
 
 _LOW: Final = 0xFFFFFFFF
 _FEW: Final = 8

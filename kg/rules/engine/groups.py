@@ -12,19 +12,15 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import pyoxigraph as ox
 
-from kg.rules.engine.facts import distinct, pack
+from kg.rules.engine.facts import Keys, distinct, pack
 from kg.rules.engine.tables import Table, distinct_rows
-from kg.rules.engine.terms import BLANK
+from kg.rules.engine.terms import BLANK, Dictionary
 
 if TYPE_CHECKING:
     from kg.rules.engine.expressions import Expressions
-    from kg.rules.engine.facts import Keys
     from kg.rules.engine.limits import Clock
     from kg.rules.engine.plan import Grouped
-    from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Column
-
-__all__ = ["grouped"]
 
 _BATCH: Final = 50_000
 _ON_INTEGERS: Final = {"SUM": np.add, "MIN": np.minimum, "MAX": np.maximum}

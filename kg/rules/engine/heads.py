@@ -8,21 +8,16 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import BlankNode
 
-from kg.rules.engine.facts import Facts, distinct, pack
-from kg.rules.engine.plan import Fresh
+from kg.rules.engine.facts import Facts, Keys, distinct, pack
+from kg.rules.engine.plan import Fresh, Head, HeadNode, RulePlan
 from kg.rules.engine.tables import Table, distinct_rows
-from kg.rules.engine.terms import IRI
+from kg.rules.engine.terms import IRI, Dictionary
 from kg.store.terms import spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.rules.engine.facts import Keys
-    from kg.rules.engine.plan import Head, HeadNode, RulePlan
-    from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Rule, Term
-
-__all__ = ["Collector", "made_node"]
 
 _SUBJECTS: Final = np.array([False, True, True, False, False])
 """By kind: IRIs and blank nodes may be subjects."""

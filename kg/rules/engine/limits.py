@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from kg.errors import RuleError
 
-__all__ = ["Clock", "Limits"]
-
 
 @dataclass(frozen=True, slots=True)
 class Limits:

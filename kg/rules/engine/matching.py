@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from kg.rules.engine.facts import pack, unpack
+from kg.rules.engine.facts import Facts, Keys, pack, unpack
 from kg.rules.engine.tables import CHUNK, Table, TooManyRowsError, among, concatenate, positions
 
 if TYPE_CHECKING:
@@ -16,10 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kg.rules.engine.facts import Facts, Keys
     from kg.rules.engine.plan import Match, Node
-
-__all__ = ["Reading", "joined", "match", "spread"]
 
 _LOW: Final = 0xFFFFFFFF
 _MANY: Final = 512

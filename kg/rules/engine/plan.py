@@ -8,31 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.rules.form import Atom, EngineBlock
+from kg.rules.form import Atom, Column, EngineBlock, Expression, Rule
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-    from kg.rules.form import Column, Expression, Rule
-
-__all__ = [
-    "Assign",
-    "Block",
-    "Body",
-    "Fresh",
-    "Grouped",
-    "Head",
-    "Match",
-    "Nested",
-    "Node",
-    "Rows",
-    "RulePlan",
-    "Source",
-    "Step",
-    "Structure",
-    "Test",
-]
 
 
 @dataclass(frozen=True, slots=True)

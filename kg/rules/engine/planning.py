@@ -21,11 +21,14 @@ from kg.rules.engine.plan import (
     Fresh,
     Grouped,
     Head,
+    HeadNode,
     Match,
     Nested,
+    Node,
     Rows,
     RulePlan,
     Source,
+    Step,
     Structure,
     Test,
 )
@@ -33,9 +36,13 @@ from kg.rules.form import (
     Aggregate,
     Assignment,
     Atom,
+    Element,
     EngineBlock,
     Exists,
+    Expression,
     Filter,
+    Pattern,
+    Rule,
     TripleTerm,
     Values,
     Variable,
@@ -45,11 +52,7 @@ from kg.rules.form import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.rules.engine.plan import HeadNode, Node, Step
     from kg.rules.engine.terms import Dictionary
-    from kg.rules.form import Element, Expression, Pattern, Rule
-
-__all__ = ["plan"]
 
 
 def plan(rule: Rule, dictionary: Dictionary) -> RulePlan:

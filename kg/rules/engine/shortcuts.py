@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import NamedNode
 
-from kg.rules.engine.facts import distinct
-from kg.rules.engine.terms import BLANK, IRI, LITERAL
+from kg.rules.engine.facts import Keys, distinct
+from kg.rules.engine.terms import BLANK, IRI, LITERAL, Dictionary
 from kg.store.terms import datatype, spell
 from kg.syntax.lexer import END, token_at
 
@@ -20,14 +20,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kg.rules.engine.facts import Keys
     from kg.rules.engine.tables import Table
-    from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Expression
 
     Mask = NDArray[np.bool_]
-
-__all__ = ["bare", "has_shortcut", "shortcut"]
 
 _IRI: Final = r"<[^<>\"{}|^`\\\s]*>"
 _OPERAND: Final = rf"(\?\w+|{_IRI})"

@@ -10,10 +10,10 @@ import numpy as np
 
 from kg.rules.engine.groups import grouped
 from kg.rules.engine.matching import Reading, joined, match, spread
-from kg.rules.engine.plan import Assign, Block, Grouped, Match, Nested, Rows, Structure, Test
+from kg.rules.engine.plan import Assign, Block, Body, Grouped, Match, Nested, Rows, Step, Structure, Test
 from kg.rules.engine.shortcuts import has_shortcut
 from kg.rules.engine.tables import CHUNK, UNIT, Table, TooManyRowsError, concatenate, distinct_rows, join
-from kg.rules.engine.terms import TRIPLE
+from kg.rules.engine.terms import TRIPLE, Dictionary
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -24,10 +24,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.expressions import Expressions
     from kg.rules.engine.facts import Facts
     from kg.rules.engine.limits import Clock
-    from kg.rules.engine.plan import Body, Step
-    from kg.rules.engine.terms import Dictionary
-
-__all__ = ["Solver", "View", "Workshop"]
 
 _DEDUPLICATE: Final = 2048
 """Smaller tables are not searched for rows that are twice in it."""
@@ -99,7 +95,7 @@ class Solver:
                 return
             ((table, step),) = ways
             first = None
-            rest = _without(steps, step)
+            rest = tuple(other for other in steps if other is not step)
             self.shop.clock.check()
             try:
                 table = self._after(table, step, rest, outputs, bag=bag)
@@ -325,10 +321,6 @@ def _binding(steps: Iterable[Step]) -> frozenset[str]:
     return frozenset().union(
         *(step.names for step in steps if isinstance(step, Match | Structure | Rows | Grouped | Block))
     )
-
-
-def _without(steps: tuple[Step, ...], step: Step) -> tuple[Step, ...]:
-    return tuple(other for other in steps if other is not step)
 
 
 def _reads(step: Step) -> frozenset[str]:

@@ -7,27 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from kg.rules.engine.facts import EMPTY, distinct, pack
+from kg.rules.engine.facts import EMPTY, Keys, distinct, pack
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
-
-    from kg.rules.engine.facts import Keys
-
-__all__ = [
-    "CHUNK",
-    "UNIT",
-    "Table",
-    "TooManyRowsError",
-    "among",
-    "concatenate",
-    "distinct_rows",
-    "join",
-    "positions",
-    "ranks",
-]
 
 
 CHUNK: Final = 1 << 21

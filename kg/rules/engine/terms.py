@@ -10,19 +10,13 @@ from zlib import crc32
 import numpy as np
 from pyoxigraph import Triple
 
-from kg.store.terms import of_spelling, spell
+from kg.store.terms import Term, of_spelling, spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
-    from kg.store.terms import Term
-
-__all__ = ["BLANK", "IRI", "LITERAL", "MAX_TERMS", "TRIPLE", "Dictionary", "Kept"]
-
-MAX_TERMS = 1 << 31
-"""Two identifiers share one signed integer of 64 bits."""
 
 IRI, BLANK, LITERAL, TRIPLE = range(1, 5)
 """The kinds of terms; 0 is that of "unbound"."""

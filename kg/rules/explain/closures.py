@@ -10,22 +10,16 @@ from collections import deque
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import NamedNode
+from pyoxigraph import NamedNode, Triple
 
 from kg.rules import sparql
-from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, Variable, is_auxiliary
+from kg.rules.form import Aggregate, Atom, Element, EngineBlock, Exists, Pattern, Rule, Term, Variable, is_auxiliary
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from pyoxigraph import Triple
-
-    from kg.rules.form import Element, Pattern, Rule, Term
-
     Bodies = Mapping[str, tuple[tuple[Element, ...], ...]]
     Stepper = Callable[[tuple[Element, ...], Term], Iterable[tuple[Term, tuple[Triple, ...]]]]
-
-__all__ = ["Closures"]
 
 _FROM: Final = Variable(".from")
 _MOST_STEPS: Final = 20_000

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kg.rules.explain.proof import Condition, Derivation
 from kg.rules.explain.unify import heads, instance, instances
-from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, bound_in, is_auxiliary
+from kg.rules.form import Aggregate, Atom, Element, EngineBlock, Exists, Rule, Term, bound_in, is_auxiliary
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from pyoxigraph import Triple
 
     from kg.rules.explain.view import View
-    from kg.rules.form import Element, Rule, Term
-
-__all__ = ["bound_by", "derivation_of", "derivations"]
 
 _SAMPLE = 5
 _BREADTH = 1000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.rules.explain.proof import Proof
+from kg.rules.explain.proof import Attempt, Condition, Proof, WhyNot
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -12,11 +12,8 @@ if TYPE_CHECKING:
     from pyoxigraph import Triple
 
     from kg.errors import Place
-    from kg.rules.explain.proof import Attempt, Condition, WhyNot
     from kg.rules.explain.view import View
     from kg.rules.form import Term
-
-__all__ = ["mermaid", "proof_object", "why_not_object"]
 
 
 def proof_object(proof: Proof, view: View) -> dict[str, object]:

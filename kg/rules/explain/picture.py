@@ -5,16 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 from xml.sax.saxutils import escape
 
-from kg.rules.explain.text import proof_lines
+from kg.rules.explain.text import Line, proof_lines
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kg.rules.explain.proof import Proof
-    from kg.rules.explain.text import Line
     from kg.rules.explain.view import View
-
-__all__ = ["picture"]
 
 _ROW: Final = 22
 _CHAR: Final = 7.9

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Rule, Term
 
-__all__ = ["Attempt", "Condition", "Derivation", "Evidence", "Premise", "Proof", "WhyNot"]
-
 
 @dataclass(frozen=True, slots=True)
 class Evidence:

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.rules.explain.view import View
     from kg.rules.form import Rule, Term
 
-__all__ = ["RowProof", "why_row"]
-
 _NAME: Final = "query"
 _ROW: Final = "<urn:kg:row>"
 _WHOLE: Final = re.compile(

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kg.rules.explain.proof import Proof
-from kg.rules.form import Variable, place_of
+from kg.rules.explain.proof import Attempt, Condition, Evidence, Premise, Proof, WhyNot
+from kg.rules.form import Term, Variable, place_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -15,11 +15,7 @@ if TYPE_CHECKING:
     from pyoxigraph import Triple
 
     from kg.errors import Place
-    from kg.rules.explain.proof import Attempt, Condition, Evidence, Premise, WhyNot
     from kg.rules.explain.view import View
-    from kg.rules.form import Term
-
-__all__ = ["Line", "proof_lines", "why_not_lines"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,14 +6,10 @@ from typing import TYPE_CHECKING, cast
 
 from pyoxigraph import BlankNode, NamedNode, Triple
 
-from kg.rules.form import Atom, TripleTerm, Variable
+from kg.rules.form import Atom, Element, Pattern, Rule, Term, TripleTerm, Variable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
-
-    from kg.rules.form import Element, Pattern, Rule, Term
-
-__all__ = ["filled", "heads", "instance", "instances", "unify"]
 
 
 def unify(atom: Atom, fact: Triple) -> dict[str, Term] | None:

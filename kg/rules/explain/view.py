@@ -6,22 +6,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol, cast
 
 import pyoxigraph
-from pyoxigraph import Literal, NamedNode
+from pyoxigraph import Literal, NamedNode, QueryBoolean, QuerySolutions, QueryTriples, Triple
 
 from kg.rules.explain.closures import Closures
 from kg.rules.explain.proof import Evidence
-from kg.rules.form import Variable
+from kg.rules.form import Element, Rule, Term, Variable
 from kg.rules.sparql import brief, select, spelling, substitutions
 from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples, Triple
-
-    from kg.rules.form import Element, Rule, Term
-
-__all__ = ["Queryable", "View", "Vocabulary"]
 
 _LABEL: Final = "http://www.w3.org/2000/01/rdf-schema#label"
 _STRING: Final = "http://www.w3.org/2001/XMLSchema#string"

@@ -14,18 +14,15 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.errors import RuleError
 from kg.rules.explain.derivations import derivations
-from kg.rules.explain.proof import Derivation, Proof
+from kg.rules.explain.proof import Derivation, Premise, Proof
 
 if TYPE_CHECKING:
     from pyoxigraph import Triple
 
-    from kg.rules.explain.proof import Premise
     from kg.rules.explain.view import View
     from kg.rules.form import Rule
 
     _Step: TypeAlias = tuple[int, int, Triple, Derivation | None]
-
-__all__ = ["why", "why_all"]
 
 _WIDTHS: Final = (4, 64, 4096)
 """How many applications of one rule are looked at for one fact; the next where these give no proof."""

@@ -9,7 +9,20 @@ from typing import TYPE_CHECKING, Final
 from kg.rules.explain.derivations import bound_by
 from kg.rules.explain.proof import Attempt, WhyNot
 from kg.rules.explain.unify import filled, heads, instance, instances
-from kg.rules.form import Aggregate, Atom, Exists, Filter, Values, Variable, binds, mentions
+from kg.rules.form import (
+    Aggregate,
+    Atom,
+    Element,
+    Exists,
+    Filter,
+    Pattern,
+    Rule,
+    Term,
+    Values,
+    Variable,
+    binds,
+    mentions,
+)
 from kg.similar import similar
 
 if TYPE_CHECKING:
@@ -18,9 +31,6 @@ if TYPE_CHECKING:
     from pyoxigraph import Triple
 
     from kg.rules.explain.view import View
-    from kg.rules.form import Element, Pattern, Rule, Term
-
-__all__ = ["why_not"]
 
 _FEW: Final = 3
 _CANDIDATES: Final = 500

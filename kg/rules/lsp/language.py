@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
-from kg.rules.checks.finding import from_error
+from kg.rules.checks.finding import Context, Finding, from_error
 from kg.rules.checks.run import check_file
 from kg.rules.reading import read_text
 from kg.syntax.functions import FUNCTIONS
@@ -19,10 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from kg.rules.checks.finding import Context, Finding
-    from kg.rules.lsp.terms import DefinedTerm, Terms
-
-__all__ = ["Suggestion", "complete", "diagnose", "hover", "prefixes_of", "term_at", "width"]
+    from kg.rules.lsp.symbols import DefinedTerm, Terms
 
 _WORD: Final = re.compile(r"[?$]?[\w.-]*(?::[\w.-]*)?$")
 _KEYWORDS: Final = {

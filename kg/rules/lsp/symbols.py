@@ -2,28 +2,32 @@
 
 Offsets count characters of the text as it is. A file is a rule in one of the three notations, an ontology or a stored
 query (`.ttl`, `.rq`), a page of examples (`.md`), or `kg.toml`.
+
+The terms that ontologies define, with where they do, for editors.
 """
 
 from __future__ import annotations
 
 import re
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 from urllib.parse import unquote, urlsplit
 
-from kg.errors import UsageError
+import pyoxigraph
+from pyoxigraph import Literal, NamedNode, RdfFormat
+
+from kg.errors import Place, UsageError
+from kg.rules.documents import statements
 from kg.rules.notations.shacl.graph import StringToken
 from kg.syntax.lexer import Kind, Token, iri_of, is_name, quoted, token_at, tokens, unescape, unescape_local
-from kg.syntax.names import PREFIXES, is_absolute, resolve
+from kg.syntax.names import PREFIXES, is_absolute, resolve, shorten
 from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
-
-__all__ = ["Occurrence", "Symbol", "occurrences", "renamed", "symbol_at"]
 
 _LOCAL: Final = re.compile(r"[^#/]*\Z")
 _BLOCK: Final = re.compile(r"^```turtle[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -32,6 +36,88 @@ _QUERIES: Final = frozenset(PREFIXES["sh"] + name for name in ("construct", "sel
 _PREBOUND: Final = frozenset({"this", "value", "PATH", "currentShape", "shapesGraph"})
 """Variables of SHACL with a meaning of their own."""
 _TURTLE, _QUERY = "turtle", "query"
+
+_KINDS: Final = {
+    PREFIXES["owl"] + "Class": "class",
+    PREFIXES["rdfs"] + "Class": "class",
+    PREFIXES["owl"] + "ObjectProperty": "property",
+    PREFIXES["owl"] + "DatatypeProperty": "property",
+    PREFIXES["owl"] + "AnnotationProperty": "property",
+    PREFIXES["rdf"] + "Property": "property",
+    PREFIXES["owl"] + "NamedIndividual": "individual",
+    PREFIXES["skos"] + "Concept": "individual",
+}
+_TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
+_LABEL: Final = NamedNode(PREFIXES["rdfs"] + "label")
+_COMMENTS: Final = (NamedNode(PREFIXES["rdfs"] + "comment"), NamedNode(PREFIXES["skos"] + "definition"))
+
+
+@dataclass(frozen=True, slots=True)
+class DefinedTerm:
+    """A class, property or individual: `kind` is which, `uses` how often the store has it (None: not known)."""
+
+    iri: str
+    kind: str
+    label: str = ""
+    comment: str = ""
+    place: Place | None = None
+    uses: int | None = None
+
+    @property
+    def short(self) -> str:
+        """The term with its prefix, where it has a known one."""
+        return shorten(self.iri)
+
+    def described(self) -> str:
+        """Return the Markdown of the hover on a term."""
+        lines = [f"**{self.short}** ({self.kind})" + (f": {self.label}" if self.label else "")]
+        lines += [self.comment] if self.comment else []
+        lines += [f"{self.uses:,} triples in the store"] if self.uses is not None else []
+        lines += [f"`{self.iri}`"]
+        return "\n\n".join(lines)
+
+
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """The terms of some ontologies by their IRI."""
+
+    by_iri: Mapping[str, DefinedTerm] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, files: Iterable[Path], uses: Mapping[str, int] | None = None) -> Terms:
+        """Read the terms of files in Turtle; `uses` has how often a store uses terms, those of no ontology too."""
+        found: dict[str, DefinedTerm] = {}
+        counted = uses or {}
+        for path in files:
+            store = pyoxigraph.Store()
+            store.load(path=path, format=RdfFormat.TURTLE)
+            stated = statements([path])
+            for quad in store.quads_for_pattern(None, _TYPE, None):
+                kind = _KINDS.get(quad.object.value) if isinstance(quad.object, NamedNode) else None
+                if kind and isinstance(quad.subject, NamedNode):
+                    iri = quad.subject.value
+                    place = Place(str(path), stated[iri].line, 1) if iri in stated else None
+                    found.setdefault(iri, _term(store, quad.subject, kind, place, counted.get(iri)))
+        for iri, number in counted.items():
+            found.setdefault(iri, DefinedTerm(iri, "property", uses=number))
+        return cls(found)
+
+    def in_namespace(self, namespace: str) -> list[DefinedTerm]:
+        """Return the terms of a namespace, sorted by name."""
+        return sorted(
+            (each for each in self.by_iri.values() if each.iri.startswith(namespace)), key=lambda one: one.iri
+        )
+
+
+def _term(store: pyoxigraph.Store, subject: NamedNode, kind: str, place: Place | None, uses: int | None) -> DefinedTerm:
+    label = _text(store, subject, _LABEL)
+    comment = next((text for each in _COMMENTS if (text := _text(store, subject, each))), "")
+    return DefinedTerm(subject.value, kind, label, comment, place, uses)
+
+
+def _text(store: pyoxigraph.Store, subject: NamedNode, predicate: NamedNode) -> str:
+    texts = (quad.object for quad in store.quads_for_pattern(subject, predicate, None))
+    return next((text.value for text in texts if isinstance(text, Literal)), "")
 
 
 class Symbol(NamedTuple):
@@ -209,13 +295,8 @@ def _words(text: str, path: Path) -> Iterator[_Word]:
     for token in found:
         depth += (token.text == "{") - (token.text == "}")
         if path.suffix == ".srl" and depth == 0 and token.kind is Kind.WORD and token.text.upper() in {"RULE", "DATA"}:
-            number += not _follows_where(text, token.start)
+            number += text[: token.start].rstrip()[-5:].upper() != "WHERE"  # `WHERE DATA` begins no statement
         yield _Word(token, f"rule {number}", "", prefixes)
-
-
-def _follows_where(text: str, start: int) -> bool:
-    """Return whether the word before an offset is WHERE: `WHERE DATA` begins no statement."""
-    return text[:start].rstrip()[-5:].upper() == "WHERE"
 
 
 def _turtle(found: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[_Word]:

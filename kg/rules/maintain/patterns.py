@@ -2,27 +2,48 @@
 
 A pattern is `predicate << 32 | object`, where 0 stands for any object; `ANY` is that of all triples. Of some hundred
 strata a small change reaches few. Disjoint sets of patterns exclude the others without a join.
+
+The data at one moment, and the triples added or removed between two moments.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from kg.rules.engine.facts import distinct
+from kg.rules.engine.facts import Facts, distinct
 from kg.rules.engine.tables import among
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.rules.engine.facts import Facts
-
-__all__ = ["ANY", "Patterns", "pattern"]
 
 ANY: Final = 0
 _LOW: Final = 0xFFFFFFFF
+
+
+@dataclass(slots=True)
+class World:
+    """The data at one moment: the asserted triples, and all triples."""
+
+    asserted: Facts
+    known: Facts
+
+    def copy(self) -> World:
+        """Return a world that can be changed by itself."""
+        return World(self.asserted.copy(), self.known.copy())
+
+
+@dataclass(slots=True)
+class Delta:
+    """Triples added or removed: among the asserted ones, and among all; `patterns` has those of all."""
+
+    asserted: Facts
+    known: Facts
+    patterns: set[int]
 
 
 def pattern(predicate: object, value: object) -> int:

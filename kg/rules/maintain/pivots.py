@@ -15,16 +15,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.rules.engine.plan import Assign, Block, Body, Grouped, Match, Nested, Rows, Structure, Test
+from kg.rules.engine.plan import Assign, Block, Body, Grouped, Match, Nested, Rows, RulePlan, Step, Structure, Test
 from kg.rules.maintain.patterns import pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.rules.engine.plan import RulePlan, Step
     from kg.rules.engine.terms import Dictionary
-
-__all__ = ["Link", "Pivot", "Reading", "pivots"]
 
 _Inner: TypeAlias = Nested | Grouped
 

@@ -13,12 +13,12 @@ from urllib.parse import unquote, urlsplit
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
-from kg.errors import Fix, RuleError
+from kg.errors import Fix, Place, RuleError
 from kg.rules.decompose.expressions import expression
-from kg.rules.decompose.names import Names
 from kg.rules.decompose.paths import Link, normal
 from kg.rules.decompose.uses import uses
-from kg.rules.form import Assignment, Atom, Exists, Filter, Rule, TripleTerm, Variable
+from kg.rules.decompose.work import Names
+from kg.rules.form import Assignment, Atom, Element, Exists, Filter, Pattern, Rule, Term, TripleTerm, Variable
 from kg.similar import asked, similar
 from kg.syntax import tree
 from kg.syntax.lexer import normalise
@@ -28,11 +28,7 @@ from kg.syntax.position import place_at
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.errors import Place
-    from kg.rules.form import Element, Pattern, Term
     from kg.syntax.tree import Expression, Group, Node, RuleText, RuleUnit, Span, TriplePattern
-
-__all__ = ["data", "imported", "rules"]
 
 _DIGITS: Final = 20
 

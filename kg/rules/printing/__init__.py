@@ -6,8 +6,8 @@ Each function takes rules of one file. A rule that a notation cannot express rai
 from __future__ import annotations
 
 from kg.rules.printing.form import to_form
-from kg.rules.printing.rq import to_rq
 from kg.rules.printing.srl import to_srl
 from kg.rules.printing.turtle import to_turtle
+from kg.rules.printing.words import to_rq
 
 __all__ = ["to_form", "to_rq", "to_srl", "to_turtle"]

@@ -7,16 +7,12 @@ from typing import TYPE_CHECKING
 from kg.rules import sparql
 from kg.rules.decompose.expressions import bare
 from kg.rules.dependencies import reads
-from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter
+from kg.rules.form import Aggregate, Assignment, Atom, Element, EngineBlock, Exists, Filter, Rule
 from kg.rules.printing.words import shortened
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from kg.rules.form import Element, Rule
-
-__all__ = ["to_form"]
 
 
 def to_form(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES, strata: Sequence[int] = ()) -> str:

@@ -6,7 +6,19 @@ from typing import TYPE_CHECKING
 
 from kg.rules import sparql
 from kg.rules.decompose.expressions import bare
-from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Values, atoms_of
+from kg.rules.form import (
+    Aggregate,
+    Assignment,
+    Atom,
+    Element,
+    EngineBlock,
+    Exists,
+    Expression,
+    Filter,
+    Rule,
+    Values,
+    atoms_of,
+)
 from kg.rules.printing.words import head, refusal, with_prefixes
 from kg.syntax.functions import FUNCTIONS, RULE_FUNCTIONS
 from kg.syntax.lexer import Kind, tokens_of
@@ -15,9 +27,6 @@ from kg.syntax.names import PREFIXES
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kg.rules.form import Element, Expression, Rule
-
-__all__ = ["to_srl"]
 
 _MISSING = {
     Aggregate: "aggregates",

@@ -15,17 +15,13 @@ from typing import TYPE_CHECKING
 from pyoxigraph import BlankNode, Literal, NamedNode
 
 from kg.rules import sparql
-from kg.rules.form import Atom, Variable
-from kg.rules.printing.rq import construct
-from kg.rules.printing.words import shortened, with_prefixes
+from kg.rules.form import Atom, Pattern, Rule, Variable
+from kg.rules.printing.words import construct, shortened, with_prefixes
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.rules.form import Pattern, Rule
-
-__all__ = ["to_turtle"]
 
 _SH = "http://www.w3.org/ns/shacl#"
 

@@ -1,4 +1,4 @@
-"""Parts shared by the printed notations: short names, heads, and rules that none can express."""
+"""Rules as SPARQL CONSTRUCT (`.rq`), and what all printed notations share: short names, heads, refusals."""
 
 from __future__ import annotations
 
@@ -6,17 +6,34 @@ from typing import TYPE_CHECKING
 
 from kg.errors import RuleError
 from kg.rules import sparql
-from kg.syntax.lexer import Kind
+from kg.rules.form import Atom, Rule, atoms_of
+from kg.syntax.lexer import Kind, Token
 from kg.syntax.names import PREFIXES, prefixed
 from kg.syntax.printer import respelt
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.rules.form import Atom, Rule
-    from kg.syntax.lexer import Token
 
-__all__ = ["head", "refusal", "shortened", "with_prefixes"]
+def to_rq(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:
+    """Return a CONSTRUCT query for each rule, behind a comment with its name where there are several.
+
+    A file of rules has one: several are files of their own. RuleError KG209 for atoms that match asserted triples
+    only, and for blank nodes of the data.
+    """
+    texts = [with_prefixes(construct(rule), prefixes) for rule in rules]
+    if len(texts) > 1:
+        texts = [f"# {rule}\n{text}" for rule, text in zip(rules, texts, strict=True)]
+    return "\n\n".join(texts)
+
+
+def construct(rule: Rule) -> str:
+    """Return the CONSTRUCT query of one rule, names as IRIs in brackets."""
+    if any(atom.asserted for atom, _ in atoms_of(rule.body)):
+        hint = "SPARQL RL says that: print it as .srl."
+        raise refusal(rule, "reads asserted data alone, which SPARQL has no word for", hint)
+    body = sparql.indented(sparql.group(rule.body))
+    return f"CONSTRUCT {{\n{sparql.indented(head(rule.head))}\n}}\nWHERE {{\n{body}\n}}"
 
 
 def shortened(text: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, tuple[str, ...]]:

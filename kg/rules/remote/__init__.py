@@ -1,8 +1,4 @@
-"""Rules on a SPARQL 1.1 server: the fixpoint is reached by updates that the server runs; no triple leaves it.
-
-`graphs` names the temporary graphs and fills the one of what is asserted, `updates` writes a rule as an update,
-`running` runs the strata.
-"""
+"""Rules on a SPARQL 1.1 server: the fixpoint is reached by updates that the server runs; no triple leaves it."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.server.pages import channel, lists, node, query, resource, robot, rule_blocks, rules, search, start, system, why
+from kg.server.pages import channel, lists, node, query, resource, robot, rules, search, start, system, why
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -20,7 +20,6 @@ ROUTES: Final[list[BaseRoute]] = [
     *channel.ROUTES,
     *resource.ROUTES,
     *rules.ROUTES,
-    *rule_blocks.ROUTES,
     *query.ROUTES,
     *robot.ROUTES,
     *why.ROUTES,

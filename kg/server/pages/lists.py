@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     from starlette.requests import Request
 
-__all__ = ["LISTS", "ROUTES"]
-
 _PAGE: Final = 100
 _MOST: Final = 1000
 _FORMATS: Final = (

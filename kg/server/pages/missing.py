@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from kg.errors import KgError
 
-__all__ = ["ABSENT", "SEVERAL", "missing"]
-
 ABSENT: Final = frozenset({"KG001", "KG226", "KG422"})
 """Codes of errors about what is not there."""
 SEVERAL: Final = "KG003"

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from starlette.requests import Request
 
-__all__ = ["ROUTES", "TAGS"]
-
 TAGS: Final = {
     "publishes": "publisher",
     "subscribes": "subscriber",

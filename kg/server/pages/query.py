@@ -6,7 +6,7 @@ values. `snapshot` is the data that a shared link is about. With any of them the
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 from starlette.routing import Route
@@ -19,8 +19,6 @@ from kg.server.state import state
 if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
-
-__all__ = ["ROUTES"]
 
 _OWN: Final = frozenset({"query", "name", "snapshot", "limit", "timeout"})
 _ROWS: Final = {"json": "JSON", "csv": "CSV", "tsv": "TSV", "xml": "XML", "markdown": "Markdown"}
@@ -55,15 +53,10 @@ async def _query(request: Request) -> Response:
         title=chosen["title"] if chosen else "Query",
         twin=url("/api/stored"),
         text=data["text"],
-        data=_embedded(data),
+        data=msgspec.json.encode(data).decode(),
         rows=(_ROWS | ({parquet.NAME: "Parquet"} if parquet.is_installed() else {})).items(),
         graphs=_GRAPHS.items(),
     )
-
-
-def _embedded(data: dict[str, Any]) -> str:
-    """Return data as the value of an attribute, which the template escapes."""
-    return msgspec.json.encode(data).decode()
 
 
 ROUTES = [Route("/query", _query)]

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["ROUTES"]
-
 _PAGES: Final = {
     "node": ("/node", "iri", "All of this node on one page"),
     "configuration": ("/system", "name", "The nodes that it starts, as a graph"),

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["ROUTES"]
-
 
 async def _robot(request: Request) -> Response:
     server = state(request)

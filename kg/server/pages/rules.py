@@ -1,10 +1,13 @@
-"""`/rules`, `/rule?name=`: rules by family with their documentation, who feeds whom, what the last run did."""
+"""`/rules`, `/rule?name=`: rules by family with their documentation, who feeds whom, what the last run did.
+
+`/rule-blocks` composes rules of blocks.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from starlette.responses import RedirectResponse
+from starlette.responses import RedirectResponse, Response
 from starlette.routing import Route
 
 from kg.errors import KgError
@@ -14,9 +17,6 @@ from kg.server.rendering import page, view
 
 if TYPE_CHECKING:
     from starlette.requests import Request
-    from starlette.responses import Response
-
-__all__ = ["ROUTES"]
 
 _SEE_OTHER: Final = 303
 
@@ -38,4 +38,10 @@ async def _rule(request: Request) -> Response:
     return page(request, "rule.html", title=f"Rule {rule['rule']}", twin=url("/api/rule", name=rule["rule"]), rule=rule)
 
 
-ROUTES = [Route("/rules", _rules), Route("/rule", _rule)]
+async def _rule_blocks(request: Request) -> Response:
+    # The script of the page asks views for the rest; a rule of a shared link is behind the `#`, unseen by the server.
+    name = request.query_params.get("name", "")
+    return page(request, "rule_blocks.html", title="Rule made of blocks", twin=url("/api/blocks"), rule=name)
+
+
+ROUTES = [Route("/rules", _rules), Route("/rule", _rule), Route("/rule-blocks", _rule_blocks)]

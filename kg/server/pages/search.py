@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["ROUTES"]
-
 _FILTERS: Final = {
     "subscribes": "Subscribes to",
     "publishes": "Publishes",

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["ROUTES"]
-
 
 async def _start(request: Request) -> Response:
     empty = state(request).readers.layout.current() is None

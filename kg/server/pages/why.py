@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["ROUTES"]
-
 
 async def _why(request: Request) -> Response:
     form = await request.body() if media_type(request) == FORM else b""

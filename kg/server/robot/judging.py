@@ -9,9 +9,9 @@ import msgspec
 
 from kg.errors import CATALOGUE, RobotError
 from kg.robot.programs.check import check, doubts
-from kg.robot.programs.events import place_at
+from kg.robot.programs.events import Problem, place_at
 from kg.robot.programs.parse import parse_with_places
-from kg.robot.programs.places import placed
+from kg.robot.programs.places import Places, placed
 from kg.robot.programs.tree import Program
 from kg.robot.programs.write import write
 from kg.server.addresses import url
@@ -22,10 +22,6 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
-    from kg.robot.programs.events import Problem
-    from kg.robot.programs.places import Places
-
-__all__ = ["LONGEST", "Robot", "hint_of", "identified", "judged", "told"]
 
 LONGEST: Final = 1 << 18
 """How many bytes a program may have, as text or as JSON."""

@@ -10,16 +10,16 @@ import asyncio
 from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.errors import RobotError
+from kg.errors import KgError, RobotError
 from kg.facts import Role
 from kg.robot.capabilities import find
 from kg.robot.capability import Capabilities
 from kg.robot.connecting import connect, of_robot
 from kg.robot.driving import Driver, Watchdog
 from kg.robot.live import infer
-from kg.robot.live.asking import running
+from kg.robot.live.asking import Subject, running
 from kg.robot.live.inference import knowledge, now
-from kg.robot.programs.places import offered, offers, read_places
+from kg.robot.programs.places import Places, offered, offers, read_places
 from kg.robot.tasks import ended
 from kg.server.robot.listeners import failure
 from kg.views import evidence
@@ -28,14 +28,8 @@ from kg.views.why_tree import Telling
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from kg.errors import KgError
     from kg.robot.connection import ComputationGraph, Connection, GraphProblem
-    from kg.robot.live.asking import Subject
-    from kg.robot.programs.places import Places
     from kg.settings import Settings
-
-__all__ = ["LARGEST", "TOPIC", "Link", "Picture", "Proofs", "has_picture"]
-
 
 TOPIC: Final = "/simulator/view"
 """Where `kg.robot.simulation` publishes it, which is not imported here because it loads the physics."""

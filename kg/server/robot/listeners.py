@@ -14,9 +14,6 @@ from kg.server.errors import RequestError
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-__all__ = ["MOST", "Listener", "Listeners", "failure"]
-
-
 MOST: Final = 64
 """How many pages may look on at a time."""
 _WAITING: Final = 2000

@@ -21,7 +21,7 @@ from kg.robot.programs.trees import behavior_tree, program_of
 from kg.server.errors import RequestError
 from kg.server.methods import route
 from kg.server.parameters import media_type
-from kg.server.robot.judging import LONGEST, judged
+from kg.server.robot.judging import LONGEST, Robot, judged
 from kg.server.safety.tokens import is_trusted
 from kg.server.state import state
 
@@ -31,11 +31,8 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.types import Receive, Scope, Send
 
-    from kg.server.robot.judging import Robot
     from kg.server.robot.listeners import Listener
     from kg.server.robot.session import Session
-
-__all__ = ["ROUTES"]
 
 _Body = TypeVar("_Body")
 _PICTURE: Final = "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'"

@@ -16,7 +16,7 @@ from kg.server.addresses import url
 from kg.server.errors import problem
 from kg.server.robot.judging import Robot
 from kg.server.robot.link import Link
-from kg.server.robot.listeners import MOST, Listeners
+from kg.server.robot.listeners import MOST, Listener, Listeners
 from kg.server.robot.work import Hands, Readings, Running
 
 if TYPE_CHECKING:
@@ -26,11 +26,7 @@ if TYPE_CHECKING:
     from kg.robot.capability import Capabilities, Capability, Way
     from kg.robot.connection import GraphProblem
     from kg.robot.programs.tree import Program
-    from kg.server.robot.listeners import Listener
     from kg.settings import Settings
-
-__all__ = ["Session", "described"]
-
 
 _WORDS: Final = {
     ("topic", "write"): "Its node `{node}` subscribes to `{name}` (`{type}`).",

@@ -17,7 +17,7 @@ from kg.robot.programs.runner import Runner
 from kg.robot.tasks import ended
 from kg.server.errors import problem
 from kg.server.robot.judging import told
-from kg.server.robot.listeners import failure
+from kg.server.robot.listeners import Listener, Listeners, failure
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,10 +26,6 @@ if TYPE_CHECKING:
     from kg.robot.driving import Driver, Outcome
     from kg.robot.programs.events import Ended
     from kg.robot.programs.tree import Program
-    from kg.server.robot.listeners import Listener, Listeners
-
-__all__ = ["SILENT", "Hands", "Readings", "Running", "plain"]
-
 
 _VALUES_EVERY: Final = 0.1
 """Seconds between two values of a capability that are told; the newest is never left out."""

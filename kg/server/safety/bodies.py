@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from kg.server.safety.gate import Check
 
-__all__ = ["ADDRESS_BYTES", "HEADERS", "HEADER_BYTES", "QUERY_BYTES", "Bodies", "announced"]
-
 ADDRESS_BYTES: Final = 8192
 """How long path and query of an address may be together."""
 HEADERS: Final = 100

@@ -25,8 +25,6 @@ from kg.server.safety.headers import HEADERS
 if TYPE_CHECKING:
     import asyncio
 
-__all__ = ["Guarded", "guarded"]
-
 HEAD_SECONDS: Final = 10.0
 """How long the first line and the headers of a request may take."""
 HEAD_BYTES: Final = 64 << 10

@@ -13,8 +13,6 @@ from kg.server.safety.hosts import is_loopback
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Receive, Scope, Send
 
-__all__ = ["ALWAYS", "Floods"]
-
 ALWAYS: Final = frozenset({"/health", "/metrics"})
 """Paths that are answered however busy the server is: a supervisor must not take a busy server for a dead one."""
 

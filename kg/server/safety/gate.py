@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     Check: TypeAlias = Callable[[HTTPConnection], KgError | Response | None]
 
-__all__ = ["Check", "Gate"]
-
 
 class Gate:
     """Let pass what all checks let pass; a check returns None, an error to be told, or an answer."""

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from starlette.types import Message
 
-__all__ = ["HEADERS", "policy", "with_headers"]
-
 
 def policy(*scripts: str) -> str:
     """Return the Content-Security-Policy; `scripts` are further sources of scripts, such as `'sha256-…'`."""

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from kg.server.options import Options
 
-__all__ = ["LOOPBACK", "Hosts", "is_loopback"]
-
 LOOPBACK: Final = frozenset({"localhost", "127.0.0.1", "::1"})
 """Names of this machine for itself."""
 _HOST: Final = re.compile(r"(?:\[(?P<six>[0-9a-fA-F:.]+)\]|(?P<name>[\w.-]+))(?::\d{1,5})?", re.ASCII)

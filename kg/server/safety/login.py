@@ -6,7 +6,7 @@ import asyncio
 import re
 from typing import TYPE_CHECKING, Final
 
-from starlette.responses import RedirectResponse
+from starlette.responses import RedirectResponse, Response
 from starlette.routing import Route
 
 from kg.server.addresses import url
@@ -16,9 +16,6 @@ from kg.server.safety.tokens import Tokens, cookie_name
 
 if TYPE_CHECKING:
     from starlette.requests import Request
-    from starlette.responses import Response
-
-__all__ = ["ROUTES"]
 
 _LOCAL: Final = re.compile(r"/(?![/\\])[^\x00-\x20\\]*")
 """A path on this server: nothing that a browser could take for another host."""

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from kg.server.options import Options
 
-__all__ = ["Observed"]
-
 
 class Observed:
     """Note status, size, time and outcome of every request, and add the headers for browsers to every answer.

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from starlette.requests import HTTPConnection
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-__all__ = ["READING", "SAFE", "CrossOrigin", "Sites"]
-
 SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS", "QUERY"})
 """Methods that change nothing (RFC 9110, section 9.2.1, and the method QUERY)."""
 READING: Final = frozenset({"/sparql", "/sparql/"})

@@ -12,8 +12,6 @@ from kg.server.safety.tokens import LEAST, Tokens
 if TYPE_CHECKING:
     from kg.server.options import Options
 
-__all__ = ["check", "listen"]
-
 
 def check(options: Options) -> None:
     """Refuse options that would let others in unasked.

@@ -11,7 +11,7 @@ import hmac
 import secrets
 from typing import TYPE_CHECKING, Final
 
-from starlette.responses import RedirectResponse
+from starlette.responses import RedirectResponse, Response
 
 from kg.server.addresses import url
 from kg.server.errors import RequestError
@@ -23,11 +23,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from starlette.requests import HTTPConnection
-    from starlette.responses import Response
 
     from kg.server.options import Options
-
-__all__ = ["CHANGING", "LEAST", "MOVING", "Doors", "Tokens", "client", "cookie_name", "is_trusted"]
 
 LEAST: Final = 16
 """How many characters a token has at least."""

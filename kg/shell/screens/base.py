@@ -10,8 +10,6 @@ from textual.screen import Screen, ScreenResultType
 if TYPE_CHECKING:
     from kg.shell.app import Shell
 
-__all__ = ["UpperScreen"]
-
 
 class UpperScreen(Screen[ScreenResultType | None]):
     """A screen that closes once; its result is None when the person leaves it.

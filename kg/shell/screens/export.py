@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.query.result import Result
     from kg.shell.link import Link
 
-__all__ = ["ExportScreen"]
-
 
 class ExportScreen(ModalScreen[None], UpperScreen[None]):
     """Asks for file and format; an answer that the limit cut is asked for again without limit."""

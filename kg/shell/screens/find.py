@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from kg.errors import KgError
 
-__all__ = ["FindScreen"]
-
 _SHOWN = 30
 
 

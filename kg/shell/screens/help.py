@@ -6,23 +6,18 @@ from typing import TYPE_CHECKING, ClassVar
 
 from rich.table import Table
 from rich.text import Text
-from textual.binding import Binding
+from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
 from textual.screen import ModalScreen
 from textual.widgets import Static
 
-from kg.shell.actions import CONTEXTS, key_words
+from kg.shell.actions import CONTEXTS, Action, key_words
 from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from textual.app import ComposeResult
-    from textual.binding import BindingType
-
-    from kg.shell.actions import Action
-
-__all__ = ["HelpScreen"]
 
 
 class HelpScreen(ModalScreen[None], UpperScreen[None]):

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from textual.events import Key
     from textual.widget import Widget
 
-__all__ = ["JumpScreen"]
-
 
 class JumpScreen(ModalScreen[Any], UpperScreen[Any]):
     """Its answer is the panel whose letter was typed, or None."""

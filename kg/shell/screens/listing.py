@@ -1,7 +1,8 @@
-"""A list that is searched while typing: the base of history and stored queries."""
+"""Lists to choose from: of few words, and those that are searched while typing, as the history is."""
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rich.text import Text
@@ -11,20 +12,53 @@ from textual.screen import ModalScreen
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
-from kg.render.text import printable
+from kg.render.text import count, printable
 from kg.shell.actions import bindings
 from kg.shell.options import Options
 from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from textual.app import ComposeResult
     from textual.binding import BindingType
     from textual.events import Key
 
-__all__ = ["ListScreen"]
+    from kg.shell.state import Entry
 
 _MOST = 500
 _MOVES = {"up": "cursor_up", "down": "cursor_down", "pageup": "page_up", "pagedown": "page_down"}
+
+
+class ChoiceScreen(ModalScreen[str | None], UpperScreen[str]):
+    """Asks for one of `choices`; its answer is None when the person chose nothing."""
+
+    CONTEXTS = ("list",)
+    BINDINGS: ClassVar[list[BindingType]] = bindings("list")
+
+    def __init__(self, title: str, choices: Sequence[str]) -> None:
+        super().__init__()
+        self._title = title
+        self._choices = list(choices)
+
+    def compose(self) -> ComposeResult:
+        """Yield the list."""
+        with Vertical(classes="dialog small"):
+            yield Static(self._title, classes="title", markup=False)
+            yield Options(*(Option(choice, id=choice) for choice in self._choices), markup=False)
+            yield Static("Enter: choose. Esc: back.", classes="hint")
+
+    def on_mount(self) -> None:
+        """Begin at the first."""
+        self.query_one(OptionList).highlighted = 0
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Answer with the choice."""
+        self.dismiss(event.option.id)
+
+    def action_choose(self) -> None:
+        """Answer with what is highlighted."""
+        self.query_one(OptionList).action_select()
 
 
 class ListScreen(ModalScreen[str | None], UpperScreen[str]):
@@ -113,3 +147,28 @@ class ListScreen(ModalScreen[str | None], UpperScreen[str]):
 
 def _option(title: str, note: str) -> Option:
     return Option(Text.assemble(printable(title), "  ", (printable(note), "dim"), no_wrap=True, overflow="ellipsis"))
+
+
+class HistoryScreen(ListScreen):
+    """Searches the history; its answer is the text of a query."""
+
+    TITLE_WORDS = "History"
+    EMPTY = "Nothing was run yet."
+
+    def __init__(self, entries: Sequence[Entry]) -> None:
+        super().__init__()
+        self.entries = list(entries)
+
+    def words(self, entry: Entry) -> tuple[str, str]:
+        """Return the query on one line, and what came of it."""
+        came = count(entry.rows, "row") if entry.outcome == "ok" else entry.outcome
+        return " ".join(entry.text.split()), came
+
+    def preview(self, entry: Entry) -> str:
+        """Return the whole query, with when and where it ran."""
+        when = time.strftime("%Y-%m-%d %H:%M", time.localtime(entry.when))
+        return f"{entry.text}\n\n{when} · {entry.seconds:.2f} s · {entry.store}"
+
+    def choose(self, entry: Entry) -> None:
+        """Answer with the query."""
+        self.dismiss(entry.text)

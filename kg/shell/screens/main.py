@@ -3,36 +3,42 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
+from pyoxigraph import Literal, NamedNode
 from textual import on
 from textual.containers import Horizontal
-from textual.widgets import Footer, TabbedContent, TextArea
+from textual.screen import Screen
+from textual.widgets import Footer, Static, TabbedContent, TextArea
 
+from kg.query.formats import display
+from kg.query.result import Graph, Solutions
+from kg.query.statements import statements
+from kg.render.text import count, printable
 from kg.shell.actions import bindings
 from kg.shell.buffers import Buffer, Buffers
 from kg.shell.completing import Completions, begins_word
 from kg.shell.delivery import deliver, is_open
-from kg.shell.editor import QueryEditor
-from kg.shell.problems import diagnosed
-from kg.shell.results import AnswerTable
+from kg.shell.editor import Problem, QueryEditor
+from kg.shell.results import AnswerTable, ResultView, columns_of
 from kg.shell.runs import Runs
-from kg.shell.screens.answering import Answering
-from kg.shell.screens.browsing import Browsing
-from kg.shell.status import Status
 from kg.shell.tree import KnowledgeTree
+from kg.shell.writing import copied, formats_of
+from kg.syntax.names import shorten
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from textual.app import ComposeResult
     from textual.binding import BindingType
     from textual.timer import Timer
 
     from kg.errors import KgError
-    from kg.shell.editor import Problem
+    from kg.query.readers.pool import Job
+    from kg.shell.app import Shell
     from kg.shell.link import Link
     from kg.shell.state import State
-
-__all__ = ["MainScreen"]
 
 _FOLLOW_SECONDS: Final = 2.0
 """How often the pointer of the store is looked at."""
@@ -42,9 +48,65 @@ _TYPING_SECONDS: Final = 0.15
 _CHECK_SECONDS: Final = 0.4
 
 
-class MainScreen(Answering, Browsing):
+class Status(Static):
+    """Says what is worked on."""
+
+    def __init__(self, store: Path) -> None:
+        super().__init__(markup=False)
+        self._store = _short(store)
+        self._snapshot: int | None = None
+        self._work = ""
+        self._note = ""
+
+    def tell(self, snapshot: int | None, note: str = "") -> None:
+        """Say which generation of the store is in force, None when it is not there, and what became of it."""
+        self._snapshot, self._note = snapshot, note
+        self._draw()
+
+    def run(self, job: Job | None, rows: int = 0) -> None:
+        """Say what runs; None when nothing does."""
+        if job is None:
+            self._work = ""
+        else:
+            found = f", {count(rows, 'row')} so far" if rows else ""
+            self._work = f"running {job.elapsed:.1f} s{found} (Esc stops)"
+        self._draw()
+
+    def _draw(self) -> None:
+        state = "store is gone" if self._snapshot is None else f"snapshot {self._snapshot}"
+        parts = [self._work, self._note, state, self._store]
+        self.update(printable("  ·  ".join(part for part in parts if part)))
+
+
+def _short(path: Path) -> str:
+    """Return the path of a store, below the home folder with a tilde."""
+    home = path.home()
+    folder = path.parent if path.name == ".kg" else path
+    return f"~/{folder.relative_to(home)}" if folder.is_relative_to(home) else str(folder)
+
+
+async def diagnosed(link: Link, text: str) -> list[Problem]:
+    """Return the problems of each query in a buffer; KgError when the store cannot be asked."""
+    found = []
+    starts = [one.start for one in statements(text)]
+    for begin, end in pairwise([*starts, len(text)]):
+        answer = await link.call("diagnose", text=text[begin:end].rstrip())
+        found += [_problem(one, begin) for one in answer["problems"]]
+    return found
+
+
+def _problem(found: dict[str, Any], begin: int) -> Problem:
+    words = ". ".join(str(found[key]).rstrip(".") for key in ("message", "hint") if found.get(key))
+    fix = next(iter(found["fixes"]), None)
+    edits = tuple((begin + one["start"], begin + one["end"], one["text"]) for one in fix["edits"]) if fix else ()
+    place = (begin + found["start"], begin + found["end"])
+    return Problem(*place, found["severity"], words, fix["title"] if fix else "", edits)
+
+
+class MainScreen(Screen[None]):
     """What the shell shows first."""
 
+    app: Shell
     CONTEXTS = ("main", "editor", "results", "tree")
     BINDINGS: ClassVar[list[BindingType]] = bindings("main")
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (100, "-wide")]  # noqa: RUF012 - textual declares it without ClassVar
@@ -91,6 +153,11 @@ class MainScreen(Answering, Browsing):
     def _begin(self) -> None:
         if self.buffers.current:
             self.buffers.current.editor.focus()
+
+    @property
+    def buffers(self) -> Buffers:
+        """The tabs."""
+        return self.query_one(Buffers)
 
     @property
     def status(self) -> Status:
@@ -184,7 +251,7 @@ class MainScreen(Answering, Browsing):
 
     def action_history(self) -> None:
         """Choose from what was run before."""
-        from kg.shell.screens.history import HistoryScreen  # noqa: PLC0415 - start-up time
+        from kg.shell.screens.listing import HistoryScreen  # noqa: PLC0415 - start-up time
 
         self.app.push_screen(HistoryScreen(self.state.history()), self._take)
 
@@ -203,6 +270,126 @@ class MainScreen(Answering, Browsing):
             panels |= {"e": self.buffers.current.editor, "r": self.buffers.current.results.table}
         shown = {key: widget for key, widget in panels.items() if widget.display and widget.region}
         self.app.push_screen(JumpScreen(shown), lambda widget: widget.focus() if widget else None)
+
+    def _view(self) -> ResultView | None:
+        """Return the answer on the screen, if there is one."""
+        buffer = self.buffers.current
+        return buffer.results if buffer and buffer.results.result is not None else None
+
+    def action_next_page(self) -> None:
+        """Show the next page of rows."""
+        if view := self._view():
+            view.turn(1)
+
+    def action_previous_page(self) -> None:
+        """Show the page of rows before."""
+        if view := self._view():
+            view.turn(-1)
+
+    def action_all_rows(self) -> None:
+        """Ask again without the limit of rows, where it cut the answer."""
+        buffer = self.buffers.current
+        view = self._view()
+        if buffer and view and view.result and view.result.limit is not None:
+            self.runs.start(buffer, buffer.asked, max(buffer.text.find(buffer.asked), 0), whole=True)
+
+    def action_open_row(self) -> None:
+        """Open what the row rests on."""
+        from kg.shell.screens.page import PageScreen, row_page  # noqa: PLC0415 - start-up time
+
+        view, buffer = self._view(), self.buffers.current
+        row = view.row() if view else None
+        if buffer is None or view is None or row is None or view.result is None:
+            return
+        query = buffer.asked if isinstance(view.result, Solutions) else ""
+        fact = row if isinstance(view.result, Graph) else None
+        self.app.push_screen(
+            PageScreen(self.link, row_page(columns_of(view.result), row, view.row_number(), query, fact))
+        )
+
+    def action_open_cell(self) -> None:
+        """Open the thing that the cell names."""
+        from kg.shell.screens.page import PageScreen, thing  # noqa: PLC0415 - start-up time
+
+        cell = view.cell() if (view := self._view()) else None
+        if isinstance(cell, NamedNode):
+            self.app.push_screen(PageScreen(self.link, thing(cell.value, display(cell))))
+        elif view:
+            self.app.notify("The cell names no thing; Enter shows the whole row.", timeout=3)
+
+    def action_edit_place(self) -> None:
+        """Open the line that the row names."""
+        view = self._view()
+        row = view.row() if view else None
+        if view is None or view.result is None or row is None:
+            return
+        named = dict(zip(columns_of(view.result), row, strict=True))
+        file, line = (named.get(name) for name in ("file", "line"))
+        if not isinstance(file, Literal):
+            self.app.notify("A row needs the column ?file (and ?line); Enter shows what it rests on.", timeout=5)
+            return
+        deliver(
+            self, partial(self.link.call, "place", path=file.value, line=display(line)), self.app.edit, self.app.report
+        )
+
+    def action_copy_as(self) -> None:
+        """Copy the cell, or the rows in a format."""
+        from kg.shell.screens.listing import ChoiceScreen  # noqa: PLC0415 - start-up time
+
+        view = self._view()
+        if view is None or view.result is None:
+            return
+        choices = ["cell", *formats_of(view.result)]
+        self.app.push_screen(ChoiceScreen("Copy as", choices), self._copy)
+
+    def _copy(self, chosen: str | None) -> None:
+        view = self._view()
+        if not chosen or view is None or view.result is None:
+            return
+        if chosen == "cell":
+            cell = view.cell()
+            self.app.copy(display(cell), "the cell")
+        else:
+            self.app.copy(copied(view.result, chosen), f"the answer as {chosen}")
+
+    def action_export(self) -> None:
+        """Write the whole answer to a file."""
+        from kg.shell.screens.export import ExportScreen  # noqa: PLC0415 - start-up time
+
+        view, buffer = self._view(), self.buffers.current
+        if buffer and view is not None and view.result is not None:
+            self.app.push_screen(ExportScreen(self.link, view.result, buffer.asked))
+
+    def action_reload(self) -> None:
+        """Read the tree again."""
+        self.query_one(KnowledgeTree).reload()
+
+    def action_open_entry(self) -> None:
+        """Open the page of the entry; a folder opens and closes."""
+        from kg.shell.screens.page import PageScreen, thing  # noqa: PLC0415 - start-up time
+
+        tree = self.query_one(KnowledgeTree)
+        entry = tree.entry
+        if entry.get("iri"):
+            self.app.push_screen(PageScreen(self.link, thing(entry["iri"], entry["label"])))
+        elif tree.cursor_node:
+            tree.cursor_node.toggle()
+
+    def action_insert_entry(self) -> None:
+        """Put the name of the entry into the query."""
+        iri = self.query_one(KnowledgeTree).entry.get("iri")
+        buffer = self.buffers.current
+        if iri and buffer:
+            editor = buffer.editor
+            editor.insert(shorten(iri))
+            editor.focus()
+
+    async def action_ask_entry(self) -> None:
+        """Write a query for the facts about the entry."""
+        entry = self.query_one(KnowledgeTree).entry
+        if entry.get("iri"):
+            text = f"# {entry['label']}\nSELECT ?property ?value {{ <{entry['iri']}> ?property ?value }}\n"
+            await self.open_text(text)
 
     async def open_text(self, text: str) -> None:
         """Put a query into a buffer of its own."""

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from kg.shell.link import Link
     from kg.store.terms import Term
 
-__all__ = ["LineTree", "PageScreen", "proof_page", "row_page", "thing"]
-
 _Lines: TypeAlias = "Callable[[Mapping[str, Any]], tuple[Line, ...]]"
 _LINES: dict[str, _Lines] = {
     "node": lines_of_node,

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from textual.app import ComposeResult
     from textual.binding import BindingType
 
-__all__ = ["RulesScreen"]
-
 
 class RulesScreen(UpperScreen[None]):
     """The rules of the view `rules`."""

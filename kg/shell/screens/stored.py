@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.errors import KgError
     from kg.shell.link import Link
 
-__all__ = ["FormScreen", "StoredScreen"]
-
 
 class StoredScreen(ListScreen):
     """Lists the stored queries; its answer is the text of one with its parameters bound."""

@@ -11,7 +11,7 @@ from textual.widgets import Footer, Static, Tree
 from kg.render.text import count, printable
 from kg.shell.actions import bindings
 from kg.shell.delivery import deliver
-from kg.shell.pages import lines_of_system, place_words
+from kg.shell.pages import Line, lines_of_system, place_words
 from kg.shell.screens.base import UpperScreen
 from kg.shell.screens.page import LineTree, PageScreen, proof_page, thing
 
@@ -20,10 +20,6 @@ if TYPE_CHECKING:
 
     from textual.app import ComposeResult
     from textual.binding import BindingType
-
-    from kg.shell.pages import Line
-
-__all__ = ["SystemsScreen"]
 
 
 _PART = 500

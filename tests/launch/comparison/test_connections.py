@@ -6,7 +6,7 @@ import pytest
 from render.systems import end, instance, system
 
 from kg.facts import Role
-from kg.launch.comparison.systems import came_apart, joined
+from kg.launch.comparison.states import came_apart, joined
 
 if TYPE_CHECKING:
     from kg.facts import InstanceInterface, NodeInstance

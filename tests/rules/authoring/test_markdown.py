@@ -3,7 +3,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.rules.authoring.markdown import Fence, Heading, parts
+from kg.rules.authoring.examples import Fence, Heading, parts
 
 
 def test_headings_and_blocks_have_their_lines() -> None:

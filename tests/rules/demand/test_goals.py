@@ -12,8 +12,7 @@ from rules.demand.test_magic import SHAPES, graph, graphs, on_demand, rules_of
 from rules.engine.comparing import tuples
 from rules.engine.oracle import infer
 
-from kg.rules.demand.deriving import Base, derive
-from kg.rules.demand.goals import goals_of, open_ended
+from kg.rules.demand.deriving import Base, derive, goals_of, open_ended
 from kg.rules.engine.limits import Limits
 from kg.rules.files import Documentation, RuleFile, RuleSet
 from kg.rules.recording import Names

@@ -5,9 +5,8 @@ import pytest
 from pyoxigraph import BlankNode, Literal, NamedNode
 from rules.forms import expression
 
-from kg.rules.engine.expressions import Expressions
+from kg.rules.engine.expressions import Expressions, text_test
 from kg.rules.engine.limits import Clock, Limits
-from kg.rules.engine.strings import text_test
 from kg.rules.engine.tables import Table
 from kg.rules.engine.terms import Dictionary
 

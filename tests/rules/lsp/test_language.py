@@ -12,7 +12,7 @@ from kg.errors import Place
 from kg.rules.checks.finding import Context
 from kg.rules.files import RuleSet
 from kg.rules.lsp.language import complete, diagnose, hover, term_at, width
-from kg.rules.lsp.terms import Terms
+from kg.rules.lsp.symbols import Terms
 
 TURTLE = """\
 @prefix : <https://example.org/> .

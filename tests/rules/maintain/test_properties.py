@@ -18,7 +18,7 @@ from rules.maintain.generating import facts as dense
 from kg.errors import RuleError
 from kg.rules.engine.evaluate import Program, evaluate
 from kg.rules.engine.terms import Dictionary
-from kg.rules.maintain import Maintained, strata
+from kg.rules.maintain import Maintained, maintaining
 from kg.rules.stratify import stratify
 
 if TYPE_CHECKING:
@@ -59,8 +59,8 @@ def test_changes_of_equal_terms_equal_starting_over(
 ) -> None:
     """Maintained rule by rule, evaluated again, or the one in one step and the other in the next."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(strata, "_FEW_ROWS", rows)
-        patch.setattr(strata, "_ROWS_PER_TRIPLE", 0)
+        patch.setattr(maintaining, "_FEW_ROWS", rows)
+        patch.setattr(maintaining, "_ROWS_PER_TRIPLE", 0)
         compare(rules, asserted, data, equal_facts(1, 3))
 
 

@@ -19,7 +19,7 @@ from kg.errors import RuleError, StoreError
 from kg.rules.engine.limits import Limits
 from kg.rules.form import AUXILIARY, Aggregate, Assignment, Column, EngineBlock, Exists, Values, Variable
 from kg.rules.remote import run
-from kg.rules.remote.gathering import _OF_VIRTUOSO
+from kg.rules.remote.running import _OF_VIRTUOSO
 from kg.store.remote import RemoteStore
 
 if TYPE_CHECKING:

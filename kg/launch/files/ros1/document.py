@@ -10,8 +10,6 @@ from kg.launch.files.markup import Document, Markup
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["Element", "read_document"]
-
 _WITH_TEXT: Final = "rosparam"
 
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import LaunchArgument, LaunchConfiguration, LaunchInclude, LaunchProblemKind
-from kg.launch.files.ros1.document import read_document
+from kg.facts import LaunchArgument, LaunchConfiguration, LaunchDialect, LaunchInclude, LaunchProblemKind
+from kg.launch.files.ros1.document import Element, read_document
 from kg.launch.files.ros1.nodes import enter, read_environment, read_node, read_remap
 from kg.launch.files.ros1.parameterfile import HOLE, shown
 from kg.launch.files.ros1.parameters import read_param, read_rosparam
@@ -19,11 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.corpus.files import FilePath
-    from kg.facts import LaunchDialect
     from kg.launch.files.access import Files
-    from kg.launch.files.ros1.document import Element
-
-__all__ = ["evaluate"]
 
 _MOST_DEPTH: Final = 100
 _MOST_LEVELS: Final = 150

@@ -10,7 +10,7 @@ import shlex
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import LaunchParameter, Remap, StartedNode, StartKind
+from kg.facts import LaunchParameter, Location, Remap, StartedNode, StartKind
 from kg.holes import ANONYMOUS, is_partial
 from kg.launch.files.ros1.parameterfile import HOLE, join, leaf_of, read_scalar, shown
 from kg.launch.files.ros1.parameters import read_param, read_rosparam
@@ -19,11 +19,8 @@ from kg.names import normalise, resolve
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.facts import Location
     from kg.launch.files.ros1.document import Element
     from kg.launch.files.ros1.state import Scope, State
-
-__all__ = ["read_environment", "read_node", "read_remap"]
 
 _MAPPING: Final = re.compile(rf"(?:[~/A-Za-z]|__?)[\w/{HOLE}]*:=.*|{HOLE}[\w/{HOLE}]*:=.*", re.DOTALL)
 _SETTINGS: Final = ("machine", "respawn", "respawn_delay", "required", "output", "cwd", "launch-prefix", "clear_params")

@@ -10,21 +10,17 @@ import shlex
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import LaunchProblemKind
+from kg.facts import LaunchPlugin, LaunchProblemKind
 from kg.launch.files.access import SCHEME
 from kg.launch.files.ros1.parameterfile import HOLE, MOST_TEXT, Leaf, converted, join, leaf_of, read_tree, shown
-from kg.launch.files.ros1.state import Private
+from kg.launch.files.ros1.state import Private, Scope, State
 from kg.launch.files.xacro.plugins import named_description, started
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kg.corpus.files import FilePath
-    from kg.facts import LaunchPlugin
     from kg.launch.files.ros1.document import Element
-    from kg.launch.files.ros1.state import Scope, State
-
-__all__ = ["read_param", "read_rosparam"]
 
 _SOURCES: Final = ("value", "textfile", "binfile", "command")
 _TYPES: Final = {

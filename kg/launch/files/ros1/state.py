@@ -10,23 +10,26 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import LaunchInclude, LaunchParameter, LaunchProblem, LaunchProblemKind, Location, Remap, StartedNode
-from kg.launch.files.access import MOST, Budget, Found
-from kg.launch.files.ros1.parameterfile import HOLE, canonical, global_namespace, join, shown, truth
-from kg.launch.files.ros1.substitute import Substituter
+from kg.facts import (
+    LaunchInclude,
+    LaunchParameter,
+    LaunchPlugin,
+    LaunchProblem,
+    LaunchProblemKind,
+    Location,
+    Remap,
+    StartedNode,
+)
+from kg.launch.files.access import MOST, Budget, Files, Found
+from kg.launch.files.ros1.parameterfile import HOLE, Leaf, canonical, global_namespace, join, shown, truth
+from kg.launch.files.ros1.substitute import Note, Substituter
 from kg.launch.files.xacro.plugins import Descriptions
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.corpus.files import FilePath
-    from kg.facts import LaunchPlugin
-    from kg.launch.files.access import Files
     from kg.launch.files.ros1.document import Element
-    from kg.launch.files.ros1.parameterfile import Leaf
-    from kg.launch.files.ros1.substitute import Note
-
-__all__ = ["Given", "Place", "Private", "Scope", "State"]
 
 
 @dataclass(frozen=True, slots=True)

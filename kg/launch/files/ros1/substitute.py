@@ -20,15 +20,12 @@ from kg.extract.python.evaluation import (
     is_builtin,
 )
 from kg.facts import LaunchProblemKind
-from kg.launch.files.access import SCHEME
+from kg.launch.files.access import SCHEME, Files
 from kg.launch.files.ros1.parameterfile import HOLE, MOST_CHARACTERS, automatic
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.launch.files.access import Files
-
-__all__ = ["Note", "Substituter", "Surroundings"]
 
 _PACKAGE: Final = re.compile(r"[\w.+-]{1,200}")
 _COMMAND: Final = re.compile(r"\$\(([^$()]*)([$()]?)")

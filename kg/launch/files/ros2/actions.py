@@ -15,29 +15,6 @@ if TYPE_CHECKING:
     from kg.facts import Location
     from kg.launch.files.ros2.context import Context
 
-__all__ = [
-    "Action",
-    "Condition",
-    "DeclareArgument",
-    "Executable",
-    "Group",
-    "Include",
-    "LoadComponents",
-    "NodeAction",
-    "Opaque",
-    "ParameterFile",
-    "ParameterSource",
-    "ParameterValue",
-    "Part",
-    "ResetConfigurations",
-    "SetParameters",
-    "Setting",
-    "Substitution",
-    "Text",
-    "join",
-    "unknown_text",
-]
-
 _MOST_PARTS: Final = 2_000
 
 

@@ -11,20 +11,26 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
-from kg.facts import LaunchProblem, LaunchProblemKind, Location
+from kg.facts import (
+    LaunchArgument,
+    LaunchInclude,
+    LaunchParameter,
+    LaunchPlugin,
+    LaunchProblem,
+    LaunchProblemKind,
+    Location,
+    Remap,
+    StartedNode,
+)
 from kg.holes import ANONYMOUS
-from kg.launch.files.access import SCHEME, Budget
+from kg.launch.files.access import SCHEME, Budget, Files
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, LaunchPlugin, Remap, StartedNode
-    from kg.launch.files.access import Files
     from kg.launch.files.ros2.actions import Text
     from kg.launch.files.ros2.parameters import Entry
     from kg.launch.files.ros2.substitute import Generated
-
-__all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "find", "place", "read", "unreadable"]
 
 HOLE: Final = ANONYMOUS
 """Stands in a text for a part that cannot be known."""

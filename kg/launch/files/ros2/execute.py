@@ -17,11 +17,12 @@ from kg.facts import (
     LaunchDialect,
     LaunchInclude,
     LaunchParameter,
+    LaunchProblem,
     LaunchProblemKind,
     Remap,
 )
 from kg.launch.files.ros2 import actions as kinds
-from kg.launch.files.ros2.actions import DeclareArgument
+from kg.launch.files.ros2.actions import Action, DeclareArgument, Include
 from kg.launch.files.ros2.context import HOLE, Context, GlobalFile, Scope, find, unreadable
 from kg.launch.files.ros2.frontend import read_xml, read_yaml
 from kg.launch.files.ros2.nodes import execute_process, load_components, start_node
@@ -34,11 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from kg.corpus.files import FilePath
-    from kg.facts import LaunchProblem
     from kg.launch.files.access import Files
-    from kg.launch.files.ros2.actions import Action, Include
-
-__all__ = ["dialect_by_ending", "evaluate", "include"]
 
 Tree = tuple["Sequence[Action]", "tuple[LaunchProblem, ...]"]
 

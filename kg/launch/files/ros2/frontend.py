@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Final, TypedDict
 
 import yaml
 
-from kg.facts import LaunchProblem, LaunchProblemKind
+from kg.facts import LaunchProblem, LaunchProblemKind, Location
 from kg.holes import ANONYMOUS
 from kg.launch.files.markup import Markup
 from kg.launch.files.ros2 import actions as kinds
-from kg.launch.files.ros2.actions import Condition, Substitution
+from kg.launch.files.ros2.actions import Action, Condition, Part, Substitution, Text
 from kg.launch.files.ros2.context import HOLE, place
 from kg.launch.files.ros2.template import TemplateError, parse_template
 from kg.launch.files.ros2.values import of_yaml, truth
@@ -26,11 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from kg.corpus.files import FilePath
-    from kg.facts import Location
     from kg.launch.files.access import Files
-    from kg.launch.files.ros2.actions import Action, Part, Text
-
-__all__ = ["read_xml", "read_yaml"]
 
 Attribute = str | list[str]
 

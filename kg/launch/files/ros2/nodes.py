@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import LaunchParameter, LaunchProblemKind, Remap, StartedNode, StartKind
-from kg.launch.files.ros2.context import HOLE, GlobalFile
+from kg.launch.files.ros2.context import HOLE, Context, GlobalFile
 from kg.launch.files.ros2.parameters import Asked, node_parameters
 from kg.launch.files.ros2.substitute import holds
 from kg.launch.files.ros2.values import of_text
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kg.launch.files.ros2.actions import Executable, LoadComponents, NodeAction, Text
-    from kg.launch.files.ros2.context import Context
-
-__all__ = ["execute_process", "load_components", "start_node"]
 
 _REMAP: Final = {"-r", "--remap"}
 _PARAMETER: Final = {"-p", "--param"}

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 import yaml
 
-from kg.facts import LaunchParameter, LaunchProblemKind, Location
-from kg.launch.files.ros2.actions import ParameterFile, ParameterValue
-from kg.launch.files.ros2.context import HOLE, GlobalFile, place, read
+from kg.facts import LaunchParameter, LaunchProblemKind, Location, StartedNode
+from kg.launch.files.ros2.actions import ParameterFile, ParameterSource, ParameterValue
+from kg.launch.files.ros2.context import HOLE, Context, GlobalFile, place, read
 from kg.launch.files.ros2.template import TemplateError, parse_template
 from kg.launch.files.ros2.values import Performed, of_object, of_text, of_yaml
 from kg.names import is_for_node
@@ -27,11 +27,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.corpus.files import FilePath
-    from kg.facts import StartedNode
-    from kg.launch.files.ros2.actions import ParameterSource
-    from kg.launch.files.ros2.context import Context
-
-__all__ = ["Asked", "Entry", "Rewriting", "given_parameter", "node_parameters", "read_parameters", "without_others"]
 
 _PARAMETERS: Final = "ros__parameters"
 

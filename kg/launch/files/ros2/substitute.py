@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python.evaluation import Dialect, ExpressionError, UnsupportedError, evaluate_text, failure
-from kg.facts import LaunchParameter, LaunchProblemKind
+from kg.facts import LaunchParameter, LaunchPlugin, LaunchProblemKind, StartedNode
 from kg.holes import ANONYMOUS
 from kg.launch.files.access import SCHEME
-from kg.launch.files.ros2.actions import ParameterFile
-from kg.launch.files.ros2.context import HOLE, find, read
-from kg.launch.files.ros2.parameters import Rewriting, read_parameters
+from kg.launch.files.ros2.actions import Condition, ParameterFile, Substitution, Text
+from kg.launch.files.ros2.context import HOLE, Context, Found, find, read
+from kg.launch.files.ros2.parameters import Entry, Rewriting, read_parameters
 from kg.launch.files.ros2.values import truth
 from kg.launch.files.xacro.plugins import Descriptions, named_description, started
 from kg.names import normalise
@@ -26,12 +26,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from kg.corpus.files import FilePath
-    from kg.facts import LaunchPlugin, StartedNode
-    from kg.launch.files.ros2.actions import Condition, Substitution, Text
-    from kg.launch.files.ros2.context import Context, Found
-    from kg.launch.files.ros2.parameters import Entry
-
-__all__ = ["Generated", "described", "holds", "perform"]
 
 
 def describe(context: Context, words: Sequence[str]) -> None:

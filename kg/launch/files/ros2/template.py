@@ -8,14 +8,9 @@ from __future__ import annotations
 
 import re
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from kg.launch.files.ros2.actions import Substitution
-
-if TYPE_CHECKING:
-    from kg.launch.files.ros2.actions import Part, Text
-
-__all__ = ["TemplateError", "parse_template"]
+from kg.launch.files.ros2.actions import Part, Substitution, Text
 
 _MOST_DEPTH: Final = 40
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")

@@ -16,8 +16,6 @@ import yaml
 from kg.launch.files.ros2.context import HOLE
 from kg.yamltext import Walk, compose_yaml, load_yaml
 
-__all__ = ["Performed", "of_object", "of_text", "of_yaml", "quoted", "truth"]
-
 _TEXT: Final = "string"
 _NULL: Final = "tag:yaml.org,2002:null"
 _INTEGER: Final = re.compile(r"[-+]?(?:0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath
     from kg.launch.files.access import Files
 
-__all__ = ["Description", "Made", "Trouble", "evaluate_description"]
-
 _MOST_FILES: Final = 500
 _MOST_ELEMENTS: Final = 100_000
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.launch.files.access import Files
 
-__all__ = ["Descriptions", "Read", "named_description", "started"]
-
 _INTERPRETERS: Final = frozenset({"python", "python2", "python3"})
 _XACRO: Final = frozenset({"xacro", "xacro.py"})
 _DESCRIPTIONS: Final = (".urdf", ".sdf", ".xml", ".gazebo")

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath
     from kg.launch.files.xacro.texts import Texts
 
-__all__ = ["DESCRIPTION", "Block", "Element", "Macro", "Table", "called", "grab_macro", "truth"]
-
 _PREFIX: Final = "xacro:"
 _OLD_STYLE: Final = {
     "property": {"name"},

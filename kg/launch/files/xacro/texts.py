@@ -21,7 +21,7 @@ from kg.extract.python.evaluation import (
     is_builtin,
 )
 from kg.facts import LaunchProblemKind
-from kg.launch.files.access import SCHEME, Found
+from kg.launch.files.access import SCHEME, Files, Found
 from kg.launch.files.ros1.parameterfile import HOLE, MOST_CHARACTERS, read_value, shown
 from kg.launch.files.xacro.scopes import Table
 
@@ -29,10 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from kg.corpus.files import FilePath
-    from kg.launch.files.access import Files
     from kg.launch.files.ros1.substitute import Note, Substituter
-
-__all__ = ["Around", "Loading", "Texts"]
 
 
 class Loading:

@@ -7,7 +7,7 @@ targets of its shape bind `?this`, its conditions become filters (`conditions`),
 
 from __future__ import annotations
 
-from kg.rules.notations.shacl.compiling import rules
 from kg.rules.notations.shacl.graph import prefixes
+from kg.rules.notations.shacl.statements import rules
 
 __all__ = ["prefixes", "rules"]

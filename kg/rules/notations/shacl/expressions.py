@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import BlankNode
 
-from kg.rules.notations.shacl.paths import Branch, path_of, steps
+from kg.rules.notations.shacl.paths import Branch, Names, path_of, steps
 from kg.rules.notations.shacl.query import variables
 from kg.rules.notations.shacl.vocabulary import SH, sh
 
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from kg.rules.notations.shacl.conditions import Conditions
     from kg.rules.notations.shacl.functions import Function, Functions
     from kg.rules.notations.shacl.graph import ShapesGraph
-    from kg.rules.notations.shacl.paths import Names
-
-__all__ = ["Expressions"]
 
 _BOOLEAN: Final = {
     True: '"true"^^<http://www.w3.org/2001/XMLSchema#boolean>',

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
-from kg.rules.notations.shacl.query import closing, query_of, rename, spell, top_level, variables
+from kg.rules.notations.shacl.query import Query, Word, Words, closing, query_of, rename, spell, top_level, variables
 from kg.rules.notations.shacl.vocabulary import XSD, local_name, sh
 from kg.syntax.lexer import Kind
 
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
-    from kg.rules.notations.shacl.query import Query, Word, Words
-
-__all__ = ["Function", "Functions"]
 
 _ERROR: Final = "(1/0)"
 """An expression that is always in error: what an optional parameter without an argument is."""

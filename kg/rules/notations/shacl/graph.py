@@ -7,12 +7,12 @@ from collections import defaultdict, deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, parse
+from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Triple, parse
 
-from kg.errors import Fix, RuleError
+from kg.errors import Fix, Place, RuleError
 from kg.rules.notations.shacl.vocabulary import FIRST, KNOWN, NIL, REST, SH, SUBCLASS, TYPE, sh
 from kg.similar import asked, similar
-from kg.syntax.lexer import END, Kind, normalise, quoted, token_at, unescape, unescape_local
+from kg.syntax.lexer import END, Kind, Token, normalise, quoted, token_at, unescape, unescape_local
 from kg.syntax.names import PREFIXES, WELL_KNOWN, shorten
 from kg.syntax.position import place_at, place_of
 from kg.syntax.prologue import declaration, declared
@@ -20,13 +20,7 @@ from kg.syntax.prologue import declaration, declared
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from pyoxigraph import Triple
-
-    from kg.errors import Place
     from kg.rules.form import Term
-    from kg.syntax.lexer import Token
-
-__all__ = ["Places", "ShapesGraph", "StringToken", "prefixes"]
 
 _ESCAPE: Final = re.compile(r"\\(?:u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8}|.)", re.DOTALL)
 

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from kg.rules.notations.shacl.paths import Branch
 
-__all__ = ["FALSE", "MAX_CASES", "TRUE", "Cases", "check", "every", "exists", "for_all", "group", "none", "some"]
-
 Cases: TypeAlias = list[list[str]]
 """Alternatives; each is a list of elements of a SPARQL group, in no order."""
 

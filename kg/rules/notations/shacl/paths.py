@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
 
-__all__ = ["Branch", "Names", "Path", "path_of", "steps"]
-
 
 @dataclass(frozen=True, slots=True)
 class Path:

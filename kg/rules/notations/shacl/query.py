@@ -15,7 +15,7 @@ from pyoxigraph import Literal, NamedNode
 from kg.errors import Fix
 from kg.rules.notations.shacl.vocabulary import IMPORTS, sh
 from kg.similar import asked, similar
-from kg.syntax.lexer import Kind, normalise, tokens, unescape, unescape_local
+from kg.syntax.lexer import Kind, Token, normalise, tokens, unescape, unescape_local
 from kg.syntax.names import PREFIXES, is_absolute
 
 if TYPE_CHECKING:
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
-    from kg.syntax.lexer import Token
-
-__all__ = ["Query", "Word", "Words", "closing", "plain", "query_of", "rename", "spell", "top_level", "variables"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,31 +1,42 @@
-"""Rules of a shapes graph as CONSTRUCT queries: one for each target of the shape and each case of the conditions."""
+"""Rules of a shapes graph as CONSTRUCT queries: one for each target of the shape and each case of the conditions.
+
+From the text of a file to rules: its queries are parsed and decomposed, their places put back into the file.
+
+Pre-binding (SHACL, appendix A): `$this` has its value everywhere in a query, also inside its groups.
+
+The patterns that bind the focus node are at the beginning of the whole group. SPARQL joins from inside to outside,
+so a group inside it that uses the variable in an expression must bind it too, in a sub-SELECT once for each node,
+since aggregates count solutions.
+"""
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from itertools import pairwise, product
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import Literal, NamedNode
 
+from kg.errors import Place, RuleError
+from kg.rules.decompose import decompose
 from kg.rules.notations.shacl.conditions import Conditions
 from kg.rules.notations.shacl.expressions import Expressions
 from kg.rules.notations.shacl.functions import Functions
+from kg.rules.notations.shacl.graph import ShapesGraph
 from kg.rules.notations.shacl.paths import Names
-from kg.rules.notations.shacl.prebound import bind_inside
-from kg.rules.notations.shacl.query import closing, plain, query_of, variables
+from kg.rules.notations.shacl.query import Query, Words, closing, plain, query_of, variables
 from kg.rules.notations.shacl.targets import targets
 from kg.rules.notations.shacl.vocabulary import RDFS, SUBCLASS, TYPE, sh
+from kg.syntax.lexer import Kind
+from kg.syntax.parser import parse_rq
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
 
-    from kg.rules.form import Term
-    from kg.rules.notations.shacl.graph import ShapesGraph
-    from kg.rules.notations.shacl.query import Query, Words
-
-__all__ = ["Statement", "statements"]
+    from kg.rules.form import Rule, Term
 
 _REGIME: Final = "http://www.w3.org/ns/entailment/"
 _PROPERTY: Final = f"<{RDFS}subPropertyOf>"
@@ -40,6 +51,140 @@ _RDFS: Final = (
 )
 """rdfs2, 3, 5, 7, 9 and 11 of RDF 1.1 Semantics (section 9.2.1). Those that say of each name that it is a resource, a
 property or a class, and a part of itself, derive nothing that a rule could tell apart."""
+
+_THIS: Final = "this"
+
+
+def rules(text: str, name: str, path: Path | str) -> tuple[Rule, ...]:
+    """Return the rules of a shapes graph in Turtle, their parts numbered from one through the file.
+
+    `name` is that of the rules, `path` the path in errors. Raises `RuleError`: KG201 for text that does not parse and
+    shapes that are ill-formed, KG230 for features that are not supported, with the node and the way out.
+    """
+    graph = ShapesGraph(text, str(path))
+    found: dict[tuple[object, ...], Rule] = {}
+    for statement in statements(graph):
+        for rule in _compiled(graph, statement, name):
+            found.setdefault((rule.head, rule.body), rule)
+    return tuple(replace(rule, part=part) for part, rule in enumerate(found.values(), 1))
+
+
+def _compiled(graph: ShapesGraph, statement: Statement, name: str) -> tuple[Rule, ...]:
+    """Return the rules of one query."""
+
+    def moved(place: Place) -> Place:
+        offset = _offset(statement.text, place)
+        return place_at(graph.text, statement.source(offset), graph.path)
+
+    try:
+        unit = parse_rq(statement.text, graph.path)
+        found = decompose(unit.rules[0], name, graph.path, statement.text)
+    except RuleError as error:
+        where = moved(error.place) if error.place else None
+        fixes = [each for each in error.fixes if each.place is None]
+        raise RuleError(error.code, error.message, place=where, hint=error.hint, fixes=fixes) from None
+    return tuple(replace(_with_places(rule, moved), order=statement.order) for rule in found)
+
+
+def _offset(text: str, place: Place) -> int:
+    """Return the offset of a place in a text."""
+    start = 0
+    for _ in range((place.line or 1) - 1):
+        start = text.find("\n", start) + 1
+    return start + (place.column or 1) - 1
+
+
+def _with_places(part: Any, moved: Callable[[Place], Place]) -> Any:
+    """Return a part of the internal form with other places."""
+    if isinstance(part, Place):
+        return moved(part)
+    if isinstance(part, tuple):
+        return tuple(_with_places(one, moved) for one in part)
+    if is_dataclass(part) and not isinstance(part, type):
+        changed = {field.name: _with_places(getattr(part, field.name), moved) for field in fields(part)}
+        return replace(part, **changed)
+    return part
+
+
+def bind_inside(graph: ShapesGraph, owner: Term, words: Words, binder: str) -> Words:
+    """Return the inside of a group with `binder` at the beginning of each inner group that needs `$this`.
+
+    Raises `RuleError` KG201 for a sub-SELECT that uses `$this` and does not project it, and for an assignment to it.
+    """
+    return _Groups(graph, owner, binder).inside(words)
+
+
+class _Groups:
+    def __init__(self, graph: ShapesGraph, owner: Term, binder: str) -> None:
+        self._graph = graph
+        self._owner = owner
+        self._binder = plain(binder)
+        self._once = plain(f"{{ SELECT DISTINCT ?this WHERE {{ {binder} }} }}")
+
+    def inside(self, words: Words) -> Words:
+        """Handle the groups in `words`, which are between braces."""
+        if words and words[0].text.upper() == "SELECT":
+            return self._select(words)
+        found: Words = []
+        index = 0
+        while index < len(words):
+            if words[index].text != "{":
+                self._check(words, index)
+                found.append(words[index])
+                index += 1
+                continue
+            end = closing(words, index)
+            inner = words[index + 1 : end]
+            before = words[index - 1].text.upper() if index else ""
+            found.append(words[index])
+            found += inner if before == "EXISTS" else self._group(inner)
+            found += words[end : end + 1]
+            index = end + 1
+        return found
+
+    def _group(self, inner: Words) -> Words:
+        return [self._binder, *self.inside(inner)] if _needs(inner) else self.inside(inner)
+
+    def _select(self, words: Words) -> Words:
+        opening = next((index for index, word in enumerate(words) if word.text == "{"), len(words))
+        end = closing(words, opening)
+        head = words[:opening]
+        uses = _THIS in variables(words[opening:end])
+        if uses and _THIS not in variables(head) and "*" not in [word.text for word in head]:
+            hint = "Project it, and group by it to aggregate: SELECT $this (COUNT(?x) AS ?n) ... GROUP BY $this."
+            raise self._graph.error(
+                "a sub-SELECT uses $this and does not project it", self._owner, hint=hint, offset=words[0].offset
+            )
+        start = [self._once] if _needs(words[opening + 1 : end]) else []
+        return [*head, *words[opening : opening + 1], *start, *self.inside(words[opening + 1 : end]), *words[end:]]
+
+    def _check(self, words: Words, index: int) -> None:
+        """Refuse a query that gives `$this` another value (SHACL, appendix A)."""
+        word = words[index]
+        assigned = word.kind is Kind.VARIABLE and word.text[1:] == _THIS and index > 0
+        if assigned and words[index - 1].text.upper() == "AS":
+            hint = "Take another variable; $this is the focus node."
+            raise self._graph.error("$this has a value already", self._owner, hint=hint, offset=word.offset)
+
+
+def _needs(words: Words) -> bool:
+    """Return whether a group uses `$this` in an expression of its own: inside brackets, or inside EXISTS."""
+    if words and words[0].text.upper() == "SELECT":
+        return False
+    index = depth = 0
+    while index < len(words):
+        word = words[index]
+        if word.text == "{":
+            end = closing(words, index)
+            if words[index - 1].text.upper() == "EXISTS" and _THIS in variables(words[index:end]):
+                return True
+            index = end
+        elif word.text in {"(", ")"}:
+            depth += 1 if word.text == "(" else -1
+        elif depth > 0 and word.kind is Kind.VARIABLE and word.text[1:] == _THIS:
+            return True
+        index += 1
+    return False
 
 
 def entailed(graph: ShapesGraph) -> tuple[tuple[str, ...], int]:

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
 
-__all__ = ["INSTANCE", "targets"]
-
 INSTANCE: Final = f"({TYPE}|({TYPE}/{SUBCLASS}+))"
 """The path from a node to the classes that it is a SHACL instance of; no part of it is empty, for that would be a read
 of all nodes."""

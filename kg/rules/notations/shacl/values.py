@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
-from kg.rules.notations.shacl.logic import check
+from kg.rules.notations.shacl.logic import Cases, check
 from kg.rules.notations.shacl.targets import INSTANCE
 from kg.rules.notations.shacl.vocabulary import RDF, SH, XSD, sh
 
@@ -15,9 +15,6 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
-    from kg.rules.notations.shacl.logic import Cases
-
-__all__ = ["VALUE_TESTS", "constant", "same_as_one"]
 
 _KINDS: Final = {
     "IRI": ("isIRI",),

@@ -9,24 +9,6 @@ from pyoxigraph import Literal, NamedNode
 if TYPE_CHECKING:
     from kg.rules.form import Term
 
-__all__ = [
-    "CLASSES",
-    "FIRST",
-    "IMPORTS",
-    "KNOWN",
-    "NIL",
-    "OWL_CLASS",
-    "RDF",
-    "RDFS",
-    "REST",
-    "SH",
-    "SUBCLASS",
-    "TYPE",
-    "XSD",
-    "local_name",
-    "sh",
-]
-
 SH: Final = "http://www.w3.org/ns/shacl#"
 RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
 RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"

@@ -15,16 +15,19 @@ from typing import TYPE_CHECKING, Final
 from kg.holes import ANONYMOUS
 from kg.launch.files.ros2 import actions as kinds
 from kg.launch.files.ros2.actions import (
+    Action,
     Condition,
     Group,
     LoadComponents,
     NodeAction,
     ParameterFile,
+    ParameterSource,
     ParameterValue,
     Substitution,
     join,
     unknown_text,
 )
+from kg.launch.files.ros2.actions import Text as LaunchText
 from kg.launch.files.ros2.python.values import (
     Made,
     condition_of,
@@ -47,11 +50,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from kg.facts import Location
-    from kg.launch.files.ros2.actions import Action, ParameterSource
-    from kg.launch.files.ros2.actions import Text as LaunchText
     from kg.launch.files.ros2.python.reading import Reading
-
-__all__ = ["ENTITIES", "NODES"]
 
 _MAX_DEPTH: Final = 20
 _MAX_ENTRIES: Final = 20_000

@@ -45,8 +45,6 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Expression
     from kg.symbolic.state import Arguments, Frame
 
-__all__ = ["LaunchPython", "parse"]
-
 _REMEMBERED = 256
 
 

@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros2.python.language import LaunchPython
     from kg.launch.files.ros2.python.machine import LaunchMachine
 
-__all__ = ["CONFIGURATIONS", "NAMES", "PATH_METHODS", "call", "joined_path", "made_of", "method", "with_holes"]
-
 
 def read_yaml(machine: LaunchMachine, text: str, file: FilePath | None) -> Value:
     """Return what `yaml.safe_load` or `json.load` gives, within bounds; keys remember their lines of the file."""

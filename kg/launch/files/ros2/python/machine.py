@@ -30,7 +30,7 @@ from kg.symbolic import form
 from kg.symbolic.binding import unpack
 from kg.symbolic.machine import Machine
 from kg.symbolic.operators import NULL, plain, truth
-from kg.symbolic.state import UNSET, Alias
+from kg.symbolic.state import UNSET, Alias, Frame, Slot, Written
 from kg.symbolic.values import (
     Either,
     Guard,
@@ -43,6 +43,7 @@ from kg.symbolic.values import (
     Truth,
     Unknown,
     Value,
+    Way,
     paths,
     rows,
 )
@@ -54,10 +55,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros2.actions import Substitution
     from kg.launch.files.ros2.python.language import LaunchPython
     from kg.symbolic.form import Expression, Function
-    from kg.symbolic.state import Frame, Slot, Written
-    from kg.symbolic.values import Way
-
-__all__ = ["EXIT", "Halt", "LaunchMachine"]
 
 EXIT: Final = Object(Kind(("sys", "exit")))
 """What a call gives that ends the program."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import LaunchProblem, LaunchProblemKind
-from kg.launch.files.ros2.actions import Action, Group
-from kg.launch.files.ros2.context import HOLE, place
+from kg.facts import LaunchProblem, LaunchProblemKind, Location
+from kg.launch.files.ros2.actions import Action, Condition, Group
+from kg.launch.files.ros2.context import HOLE, Context, place
 from kg.launch.files.ros2.python import library
 from kg.launch.files.ros2.python.entities import ENTITIES, NODES
 from kg.launch.files.ros2.python.language import LaunchPython, parse
@@ -29,7 +29,7 @@ from kg.symbolic.descriptions import Descriptions
 from kg.symbolic.effects import Framework
 from kg.symbolic.operators import NULL, negated_term
 from kg.symbolic.state import Arguments
-from kg.symbolic.values import Closure, Either, Sequence, Text, TypeValue, Unknown, Value, paths
+from kg.symbolic.values import Closure, Either, Sequence, Text, TypeValue, Unknown, Value, Way, paths
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -37,13 +37,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import FilePath
     from kg.extract.python.modules import PythonUnit
-    from kg.facts import Location
     from kg.launch.files.access import Files
-    from kg.launch.files.ros2.actions import Action, Condition
-    from kg.launch.files.ros2.context import Context
-    from kg.symbolic.values import Value, Way
-
-__all__ = ["Reading", "read_python"]
 
 _MAX_DEPTH: Final = 100
 _TOO_MUCH: Final = "the file needs more steps to be read than are allowed"

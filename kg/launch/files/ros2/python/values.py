@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.holes import Hole
-from kg.launch.files.ros2.actions import Condition, ParameterFile, Substitution, join, unknown_text
+from kg.launch.files.ros2.actions import Condition, ParameterFile, Part, Substitution, join, unknown_text
+from kg.launch.files.ros2.actions import Text as LaunchText
 from kg.symbolic import form
 from kg.symbolic.operators import NULL, plain
 from kg.symbolic.spelling import spelled
@@ -34,35 +35,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from kg.facts import Location
-    from kg.launch.files.ros2.actions import Part
-    from kg.launch.files.ros2.actions import Text as LaunchText
     from kg.symbolic.form import Expression, Unit
     from kg.symbolic.state import Arguments
-
-__all__ = [
-    "CONDITIONS",
-    "MARK",
-    "PLAIN",
-    "SUBSTITUTIONS",
-    "Fork",
-    "Later",
-    "Made",
-    "condition",
-    "condition_of",
-    "condition_on",
-    "entries_of",
-    "file_of",
-    "guarded",
-    "is_substitution",
-    "later",
-    "launch_text",
-    "options",
-    "pair_of",
-    "reason_of",
-    "terms_of_way",
-    "text_of",
-    "words",
-]
 
 _MOST_PARTS: Final = 2_000
 _LONGEST: Final = 200
