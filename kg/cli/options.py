@@ -29,7 +29,6 @@ __all__ = [
     "Queries",
     "Robot",
     "Rules",
-    "SearchModel",
     "Store",
     "Stores",
     "System",
@@ -109,7 +108,6 @@ Calls = Annotated[str | None, from_setting("calls")]
 MaxFileBytes = Annotated[str | None, from_setting("max_file_bytes")]
 Memory = Annotated[str | None, from_setting("memory")]
 NlpModel = Annotated[str | None, from_setting("nlp_model")]
-SearchModel = Annotated[str | None, from_setting("search_model", "--model")]
 Timeout = Annotated[str | None, from_setting("timeout")]
 Limit = Annotated[str | None, from_setting("limit", "-n")]
 Format = Annotated[str | None, from_setting("format")]

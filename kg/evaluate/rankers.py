@@ -11,8 +11,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from kg.errors import UsageError
+from kg.evaluate.encoding import FolderModel
 from kg.evaluate.matching import Patterns
-from kg.search.encoding import FolderModel
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -112,7 +112,7 @@ class Subgraphs:
 
 
 class Embeddings:
-    """Cosine of sentence embeddings by a model in a folder (`kg.search.encoding`)."""
+    """Cosine of sentence embeddings by a model in a folder (`kg.evaluate.encoding`)."""
 
     name = "sentence embeddings"
 
