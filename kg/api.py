@@ -115,21 +115,19 @@ def find(
     filters: Mapping[str, Sequence[str]] | None = None,
     limit: int = 10,
     store: str | Path | None = None,
-    model: str | Path | None = None,
 ) -> list[dict[str, Any]]:
     """Return the nodes that do what a text says, best first, as `kg search --json` writes them (docs/formats.md).
 
     `filters` has the values of the options of `kg search` by their names, `{"subscribes": ["LaserScan"]}`; nodes have
-    to fulfil all of them. There are at most `limit` hits, each with its reasons. `model` is the folder of a model of
-    sentence embeddings, to weigh meaning too; the setting `search_model` does not count here.
+    to fulfil all of them. There are at most `limit` hits, each with its reasons.
 
     Raises:
         StoreError: KG301 when there is no store.
-        UsageError: KG701, KG702, KG703 for the name in a filter that no node has, KG704 for a model that fails.
+        UsageError: KG701, KG702, KG703 for the name in a filter that no node has.
     """
     from kg.search.searching import hit_object, open_search  # noqa: PLC0415 - who asks otherwise needs no index
 
-    search = open_search(open_store(store), model=None if model is None else Path(model))
+    search = open_search(open_store(store))
     answer = search.find(text, filters, limit)
     return [hit_object(hit) for hit in answer.hits]
 

@@ -174,9 +174,6 @@ class Settings:
         "PIPELINE",
         "Name or path of the spaCy pipeline that tags descriptions; by default kg's own.",
     )
-    search_model: Path | None = setting(
-        None, forms.path, "FOLDER", "Folder of a model of sentence embeddings, for searches by meaning too."
-    )
     timeout: float = setting(60.0, forms.number(0), "SECONDS", "How long a query may run; 0 is without end.")
     limit: int = setting(1000, forms.whole(0), "N", "How many rows a table shows; 0 shows all.")
     format: str = setting(

@@ -21,7 +21,7 @@ SIGNATURES: Final = {
     "ros: 'int | None' = None, length: 'int | None' = None, limit: 'int' = 5, store: 'str | Path | None' = None) "
     "-> 'list[dict[str, Any]]'",
     "find": "(text: 'str' = '', *, filters: 'Mapping[str, Sequence[str]] | None' = None, limit: 'int' = 10, "
-    "store: 'str | Path | None' = None, model: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
+    "store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "findings": "(sources: 'Sequence[str | Path]' = (), *, launch: 'str | None' = None, package: 'str | None' = None, "
     "level: 'str' = 'note', store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "infer": "(*, rules: 'Sequence[str | Path] | None' = None, full: 'bool' = False, dry_run: 'bool' = False, "

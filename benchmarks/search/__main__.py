@@ -1,8 +1,7 @@
 """Answers needs of developers by a store, writes the ranked nodes for a scorer, and measures what that takes.
 
     python benchmarks/search --store FOLDER --queries QUERIES.jsonl --ranked RANKED.jsonl [--limit 10] [--half odd|even]
-                             [--model FOLDER]
-    python benchmarks/search --store FOLDER --needs benchmarks/search/needs.jsonl [--model FOLDER]
+    python benchmarks/search --store FOLDER --needs benchmarks/search/needs.jsonl
     python benchmarks/search --store FOLDER --judge QUERIES.jsonl... [--fit]
     python benchmarks/search --store FOLDER --times [--nodes 10000]
 
@@ -61,7 +60,6 @@ def main() -> None:
     parser.add_argument("--limit", type=int, default=10, help="how many nodes a query gets")
     parser.add_argument("--half", choices=("even", "odd"), help="only the queries at even or odd places")
     parser.add_argument("--needs", type=Path, help="JSON Lines with `query` and the `nodes` that do")
-    parser.add_argument("--model", type=Path, help="a model of sentence embeddings, to weigh meaning too")
     parser.add_argument("--judge", type=Path, nargs="+", help="JSON Lines with `query` and graded `relevant` nodes")
     parser.add_argument("--fit", action="store_true", help="cross-validate the weights")
     parser.add_argument("--times", action="store_true", help="measure")
@@ -71,16 +69,16 @@ def main() -> None:
         measure(options.store, options.nodes)
     elif options.judge:
         store = opening.existing(settings.load({"store": options.store}))
-        judge(open_search(store, model=options.model), options.judge, fit=options.fit)
+        judge(open_search(store), options.judge, fit=options.fit)
     elif options.needs:
-        check(options.store, options.needs, options.model)
+        check(options.store, options.needs)
     else:
         rank(options)
 
 
 def rank(options: argparse.Namespace) -> None:
     """Write the ranked nodes of each query."""
-    search = open_search(opening.existing(settings.load({"store": options.store})), model=options.model)
+    search = open_search(opening.existing(settings.load({"store": options.store})))
     queries = [json.loads(line) for line in options.queries.read_text("utf-8").splitlines()]
     chosen = queries if options.half is None else queries[options.half == "odd" :: 2]
     with options.ranked.open("w", encoding="utf-8") as file:
@@ -90,9 +88,9 @@ def rank(options: argparse.Namespace) -> None:
             file.write(json.dumps({"id": query["id"], "nodes": nodes}) + "\n")
 
 
-def check(store: str, needs: Path, model: Path | None) -> None:
+def check(store: str, needs: Path) -> None:
     """Print for how many needs the first node, or one of the first five, is one that does."""
-    search = open_search(opening.existing(settings.load({"store": store})), model=model)
+    search = open_search(opening.existing(settings.load({"store": store})))
     ranks = []
     for need in map(json.loads, needs.read_text("utf-8").splitlines()):
         hits = search.find(need["query"], limit=TEN).hits

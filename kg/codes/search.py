@@ -24,8 +24,8 @@ CODES: Final = {
     ),
     "KG704": CodeEntry(
         "embedding model not loaded",
-        "The model for search by meaning is not a model folder, cannot be loaded, or lacks its library.",
-        "Name a folder that contains a model, install `kg-ros[semantic]`, or search without a model.",
+        "The model of sentence embeddings is not a model folder, cannot be loaded, or lacks its library.",
+        "Name a folder that contains a model, install `kg-ros[semantic]`, or compare without a model.",
     ),
     "KG705": CodeEntry(
         "type not used by startable nodes",

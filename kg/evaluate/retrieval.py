@@ -24,12 +24,12 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from kg.errors import UsageError
+from kg.evaluate.encoding import FolderModel
 from kg.evaluate.intervals import bootstrap, bounds
 from kg.evaluate.judged_needs import Constraints, Need, Ranked, ndcg
 from kg.evaluate.paper import beside
 from kg.evaluate.tables import Cell, Score, Table
 from kg.render.text import count
-from kg.search.encoding import FolderModel
 from kg.search.searching import Hit, Search
 
 if TYPE_CHECKING:
@@ -186,7 +186,7 @@ class Subgraphs:
 
 
 class Embeddings:
-    """Cosine of sentence embeddings by a model in a folder (`kg.search.encoding`)."""
+    """Cosine of sentence embeddings by a model in a folder (`kg.evaluate.encoding`)."""
 
     name = "sentence embeddings"
 

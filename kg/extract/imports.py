@@ -7,32 +7,24 @@ class counts for the program that uses it. The C++ standard library (headers wit
 
 from __future__ import annotations
 
-import posixpath
 import re
-from bisect import bisect_right
-from collections import defaultdict
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.cpp.units import included
+from kg.extract.python.importing import imported
 from kg.facts import FileKind, Import, Location
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.corpus.files import PackageFolder
+    from kg.corpus.files import FilePath, PackageFolder
     from kg.corpus.reading import Reader
     from kg.facts import NodeType
 
 __all__ = ["add_imports"]
 
-_INCLUDE: Final = re.compile(rb"^[ \t]*#[ \t]*include[ \t]*[<\"]([^>\"\n]+)[>\"]", re.MULTILINE)
-_IMPORT: Final = re.compile(
-    rb"^[ \t]*(?:from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+\(?([^#\n\\)]*)|import[ \t]+([\w., \t]+))", re.MULTILINE
-)
-_NEWLINE: Final = re.compile(rb"\n")
 _NAME: Final = re.compile(r"[\w./+-]+", re.ASCII)
-_PARTS: Final = 3
-"""How many last parts of a path the folders of a package are searched for; no include of one has more to tell."""
 
 
 def add_imports(reader: Reader, package: PackageFolder, nodes: tuple[NodeType, ...]) -> tuple[NodeType, ...]:
@@ -49,9 +41,6 @@ class _Files:
         self._kinds = {
             entry.path: entry.kind for entry in package.files if entry.kind in (FileKind.CPP, FileKind.PYTHON)
         }
-        self._named: dict[str, list[str]] = defaultdict(list)
-        for path in sorted(self._kinds):
-            self._named[posixpath.basename(path)].append(path)
         self._needs: dict[str, tuple[list[str], list[Import]]] = {}
 
     def outside(self, sources: Iterable[str]) -> tuple[Import, ...]:
@@ -70,56 +59,29 @@ class _Files:
     def _of(self, path: str) -> tuple[list[str], list[Import]]:
         if path not in self._needs:
             text = self._reader.read(path) or b""
-            python = self._kinds[path] is FileKind.PYTHON
+            read = self._imported if self._kinds[path] is FileKind.PYTHON else self._included
             own: list[str] = []
             foreign: list[Import] = []
-            lines = [match.start() for match in _NEWLINE.finditer(text)]
-            for names, at in (_imported if python else _included)(text):
-                places = [self._own(name, path, python=python) for name in names]
-                own += filter(None, places)
-                if not any(places) and _counts(names[0], python=python):
-                    foreign.append(Import(names[0], Location(path, bisect_right(lines, at) + 1)))
+            for name, line, files in read(text, self._reader.file(path)):
+                inside = [file.path for file in files if self._is_own(file)]
+                own += inside
+                if not inside and _NAME.fullmatch(name) and not name.startswith("."):
+                    foreign.append(Import(name, Location(path, line)))
             self._needs[path] = own, foreign
         return self._needs[path]
 
-    def _own(self, name: str, path: str, *, python: bool) -> str | None:
-        """Return the file of the package that a name means in the file `path`, the nearest one if there are several."""
-        if not python:
-            return self._nearest(name, path)
-        levels = len(name) - len(name.lstrip("."))
-        module = name.lstrip(".").replace(".", "/")
-        return self._nearest(f"{module}.py", path, relative=levels > 0) or self._nearest(f"{module}/__init__.py", path)
+    def _is_own(self, file: FilePath) -> bool:
+        return file.repository == self._reader.repository and file.path in self._kinds
 
-    def _nearest(self, wanted: str, path: str, *, relative: bool = False) -> str | None:
-        beside = posixpath.normpath(posixpath.join(posixpath.dirname(path), wanted))
-        if beside in self._kinds:
-            return beside
-        end = "/" + "/".join(wanted.split("/")[-_PARTS:])
-        fit = [one for one in self._named[posixpath.basename(wanted)] if f"/{one}".endswith(end)]
-        return fit[0] if fit and ("/" in wanted or relative or len(fit) == 1) else None
+    def _included(self, text: bytes, near: FilePath) -> Iterator[tuple[str, int, list[FilePath]]]:
+        """Yield what C++ includes, but for the standard library: the path as written, its line, the file meant."""
+        for path, line in included(text).items():
+            if "/" in path or "." in path:
+                found = self._reader.workspace.include(path, near=near)
+                yield path, line, [found] if found is not None else []
 
-
-def _included(text: bytes) -> Iterator[tuple[list[str], int]]:
-    """Yield the path of each header that C++ includes, and where."""
-    for match in _INCLUDE.finditer(text):
-        yield [match[1].decode("utf-8", "replace").strip()], match.start(1)
-
-
-def _imported(text: bytes) -> Iterator[tuple[list[str], int]]:
-    """Yield each module that Python imports, and where; behind it names that may be modules in it."""
-    for match in _IMPORT.finditer(text):
-        if match[3] is not None:
-            for each in match[3].decode().split(","):
-                yield [(each.split() or [""])[0]], match.start(3)
-            continue
-        module = match[1].decode()
-        inside = [(each.split() or [""])[0] for each in match[2].decode("utf-8", "replace").split(",")]
-        joint = "" if module.endswith(".") else "."
-        yield [module, *(f"{module}{joint}{each}" for each in inside if each.isidentifier())], match.start(1)
-
-
-def _counts(name: str, *, python: bool) -> bool:
-    """Check whether a name means something outside of the package and of the C++ standard library."""
-    if _NAME.fullmatch(name) is None or name.startswith("."):
-        return False
-    return python or "/" in name or "." in name
+    def _imported(self, text: bytes, near: FilePath) -> Iterator[tuple[str, int, list[FilePath]]]:
+        """Yield what Python imports: the module as written, its line, its file and those of modules in it."""
+        for names, line in imported(text):
+            found = (self._reader.workspace.module(name, near=near) for name in names if name)
+            yield names[0], line, [file for file in found if file is not None]

@@ -27,6 +27,7 @@ ONTOLOGIES: Final = (
     "capability-parameters.ttl",
     "function.ttl",
     "hardware.ttl",
+    "hardware-products.ttl",
     "architecture.ttl",
     "ontobot-alignment.ttl",
 )

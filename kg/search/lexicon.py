@@ -24,8 +24,8 @@ class Lexicon:
 
     `stop_words` tell nothing; `compounds` has the words of a word written as one; `families` the word that stands for
     another; `synonyms` are groups of phrases; `types` the last parts of message types by phrase; `directions` the
-    phrases before them; `asides` the phrases that begin and end asides; `meaning` the numbers that
-    likeness in meaning is weighed by; `weights` those of the ranking (`fields`, `rank`, `wishes`, `down`).
+    phrases before them; `asides` the phrases that begin and end asides; `weights` those of the ranking (`fields`,
+    `rank`, `wishes`, `down`).
     """
 
     stop_words: frozenset[str]
@@ -35,7 +35,6 @@ class Lexicon:
     types: Mapping[str, tuple[str, ...]]
     directions: Mapping[str, tuple[str, ...]]
     asides: Mapping[str, tuple[str, ...]]
-    meaning: Mapping[str, float]
     weights: Mapping[str, Mapping[str, float]]
 
 
@@ -51,6 +50,5 @@ def lexicon() -> Lexicon:
         {phrase: tuple(types) for phrase, types in content["types"].items()},
         {direction: tuple(phrases) for direction, phrases in content["directions"].items()},
         {turn: tuple(phrases) for turn, phrases in content["asides"].items()},
-        {name: float(value) for name, value in content["meaning"].items()},
         {kind: {name: float(one) for name, one in table.items()} for kind, table in content["weights"].items()},
     )

@@ -1,13 +1,12 @@
 """The worth of each node for a need, from 0 to about 1; its parts are the reasons that hits give.
 
-    worth = (covered + named + wishes + meaning) * prior
+    worth = (covered + named + wishes) * prior
 
 `covered` is the share of what the need tells that the node has: each word counts by how few nodes have it, less in an
 aside, times what it is worth to the node (`kg.search.fields`) by the best of its alternatives.
 `named` is how much of the node's name was asked for: of two nodes with a voxel grid the one that has nothing else in
-its name. A wish adds its weight times its rarity to the nodes that have it. `meaning` is there with a model of sentence
-embeddings only. The prior marks down what is rarely meant, tests and examples, and prefers what launch files start. The
-numbers are in `ontology/search.toml`.
+its name. A wish adds its weight times its rarity to the nodes that have it. The prior marks down what is rarely meant,
+tests and examples, and prefers what launch files start. The numbers are in `ontology/search.toml`.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     from kg.search.index import Columns, Floats, Index
     from kg.search.needs import Alternative, Need, Wish, Wording
 
-__all__ = ["covered", "fits", "gain", "meant", "prior", "scores", "share", "wish_rows", "wording_scores"]
+__all__ = ["covered", "fits", "gain", "prior", "scores", "share", "wish_rows", "wording_scores"]
 
 _RAREST: Final = 2.0
 _ABOUT: Final = ("ros", "license", "kind", "package")
@@ -35,14 +34,9 @@ _FILTERED: Final = 0.01
 """What fulfils the filters is a hit, whatever else the words say."""
 
 
-def scores(index: Index, need: Need, likeness: Floats | None = None) -> Floats:
-    """Return the worth of each node, zero for those that a strict wish leaves out.
-
-    `likeness` has the cosine of the need to each node (`kg.search.meaning`); without it meaning counts nothing.
-    """
+def scores(index: Index, need: Need) -> Floats:
+    """Return the worth of each node, zero for those that a strict wish leaves out."""
     total = covered(index, need) + np.float32(_rank("named")) * _named(index, need) + _wished(index, need)
-    if likeness is not None:
-        total += meant(likeness)
     asked = {term for wording in need.wordings for one in wording.alternatives for term in one.terms}
     total *= prior(index, frozenset(asked))
     strict = [wish for wish in need.wishes if wish.strict]
@@ -52,14 +46,6 @@ def scores(index: Index, need: Need, likeness: Floats | None = None) -> Floats:
     for wish in strict:
         kept[wish_rows(index, wish)] += 1
     return np.where(kept == len(strict), total + _FILTERED, 0).astype(np.float32)
-
-
-def meant(likeness: Floats) -> Floats:
-    """Return what its likeness in meaning adds to the worth of each node (`[meaning]` of `ontology/search.toml`)."""
-    weights = lexicon().meaning
-    least = weights["least"]
-    found: Floats = np.maximum(0, likeness - np.float32(least)) * np.float32(weights["weight"] / (1 - least))
-    return found
 
 
 def covered(index: Index, need: Need) -> Floats:

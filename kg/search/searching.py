@@ -12,7 +12,7 @@ from kg.search import cache
 from kg.search.filters import wishes
 from kg.search.names import Names
 from kg.search.needs import Need, parse
-from kg.search.ranking import fits, meant, scores
+from kg.search.ranking import fits, scores
 from kg.search.reasons import Reason, reasons
 
 if TYPE_CHECKING:
@@ -20,16 +20,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kg.search.documents import Document, PackageDocument
-    from kg.search.encoding import Encoder
-    from kg.search.index import Floats, Index
-    from kg.search.meaning import Meaning
+    from kg.search.index import Index
     from kg.store.embedded import EmbeddedStore
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["Answer", "Hit", "Search", "hit_object", "open_search", "search_of"]
 
 _REASONS = 5
-_ALIKE = "is like it in meaning"
 _DIGITS = 4
 """Scores are compared to so many decimals, so that sums of floats in another order change nothing."""
 
@@ -70,21 +67,20 @@ class Answer:
 class Search:
     """Searches over one index; a process that stays keeps it."""
 
-    def __init__(self, index: Index, meaning: Meaning | None = None) -> None:
-        self.index, self.meaning = index, meaning
+    def __init__(self, index: Index) -> None:
+        self.index = index
         self.names = Names(index.features.names, index.concepts, index.text.names)
 
     def find(self, text: str, filters: Mapping[str, Sequence[str]] | None = None, limit: int = 10) -> Answer:
         """Return the best hits for a need in words, of which filters leave out some (`kg.search.filters`).
 
         Raises:
-            UsageError: KG701, KG702, KG703 for the name in a filter that no node has, KG704 for a model that fails.
+            UsageError: KG701, KG702, KG703 for the name in a filter that no node has.
         """
         given = wishes(filters or {}, self.names)
         need = parse(text, self.names)
         need = Need(need.text, need.wordings, (*given, *need.wishes))
-        likeness = self.meaning.likeness(text) if self.meaning is not None and text.strip() else None
-        worth = np.round(scores(self.index, need, likeness), _DIGITS)
+        worth = np.round(scores(self.index, need), _DIGITS)
         places = np.flatnonzero(worth > 0)
         places = places[np.lexsort((self.index.order[places], -worth[places]))]
         groups: dict[int, list[int]] = {}
@@ -92,36 +88,30 @@ class Search:
             groups.setdefault(int(self.index.group[place]), []).append(place)
         chosen = list(groups.values())[:limit]
         fitting = fits(self.index, need, [members[0] for members in chosen])
-        found = [self._hit(rank, members, worth, need, likeness) for rank, members in enumerate(chosen, 1)]
+        found = [self._hit(rank, members, worth, need) for rank, members in enumerate(chosen, 1)]
         return Answer(need, tuple(replace(hit, fits=fitting) for hit in found), len(groups), fitting)
 
-    def _hit(self, rank: int, members: Sequence[int], worth: Any, need: Need, likeness: Floats | None) -> Hit:
+    def _hit(self, rank: int, members: Sequence[int], worth: Any, need: Need) -> Hit:
         place, *others = members
         node = self.index.nodes[place]
-        why = reasons(self.index, need, place, _REASONS)
-        if likeness is not None and (added := float(meant(likeness[place]))):
-            why = tuple(sorted((*why, Reason(_ALIKE, added)), key=lambda one: -one.weight))[:_REASONS]
         return Hit(
             rank,
             float(worth[place]),
             node,
             self.index.packages[node.package],
-            why,
+            reasons(self.index, need, place, _REASONS),
             tuple((self.index.packages[other.package], other) for other in map(self.index.nodes.__getitem__, others)),
         )
 
 
-def open_search(store: EmbeddedStore, indexing: Callable[[], None] | None = None, model: Path | None = None) -> Search:
+def open_search(store: EmbeddedStore, indexing: Callable[[], None] | None = None) -> Search:
     """Return the search over the generation in force; its index is read from the store's cache, or built and put there.
 
-    `indexing` is called before it is built, which takes seconds in a large store. `model` is the folder of a model of
-    sentence embeddings, for a search that weighs meaning too.
+    `indexing` is called before it is built, which takes seconds in a large store.
 
     Raises:
         StoreError: KG301 for a store without data, KG303 for a damaged one.
-        UsageError: KG704 for a folder without a model.
     """
-    encoder = None if model is None else _encoder(model)
     generation = store.layout.current()
     index = None if generation is None else cache.load(store.layout.cache, str(generation))
     if index is None:
@@ -129,14 +119,13 @@ def open_search(store: EmbeddedStore, indexing: Callable[[], None] | None = None
             indexing()
         with store.read() as snapshot:
             index = _indexed(snapshot, store.layout.cache)
-    return _over(index, store.layout.cache, encoder)
+    return Search(index)
 
 
-def search_of(snapshot: EmbeddedSnapshot, folder: Path, model: Path | None = None) -> Search:
-    """Return the search over a snapshot that is open; `folder` is the cache of its store; the rest as `open_search`."""
-    encoder = None if model is None else _encoder(model)
+def search_of(snapshot: EmbeddedSnapshot, folder: Path) -> Search:
+    """Return the search over a snapshot that is open; `folder` is the cache of its store."""
     index = cache.load(folder, snapshot.identity)
-    return _over(_indexed(snapshot, folder) if index is None else index, folder, encoder)
+    return Search(_indexed(snapshot, folder) if index is None else index)
 
 
 def _indexed(snapshot: EmbeddedSnapshot, folder: Path) -> Index:
@@ -151,20 +140,6 @@ def _indexed(snapshot: EmbeddedSnapshot, folder: Path) -> Index:
         with suppress(OSError):
             cache.save(folder, snapshot.identity, index)
     return index
-
-
-def _over(index: Index, folder: Path, encoder: Encoder | None) -> Search:
-    if encoder is None:
-        return Search(index)
-    from kg.search.meaning import Meaning  # noqa: PLC0415 - only with a model
-
-    return Search(index, Meaning(folder, index, encoder))
-
-
-def _encoder(model: Path) -> Encoder:
-    from kg.search.encoding import FolderModel  # noqa: PLC0415 - only with a model
-
-    return FolderModel(model)
 
 
 def hit_object(hit: Hit) -> dict[str, Any]:

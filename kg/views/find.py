@@ -72,12 +72,12 @@ def choices(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, list[st
 
 def search_over(snapshot: EmbeddedSnapshot, settings: Settings) -> Search:
     """Return the search over a snapshot, whose index is built where the store does not keep it yet."""
-    return _opened(snapshot, layout_of(settings).cache, settings.search_model)
+    return _opened(snapshot, layout_of(settings).cache)
 
 
 @once
-def _opened(snapshot: EmbeddedSnapshot, cache: Path, model: Path | None) -> Search:
-    return search_of(snapshot, cache, model)
+def _opened(snapshot: EmbeddedSnapshot, cache: Path) -> Search:
+    return search_of(snapshot, cache)
 
 
 def _values(text: str) -> list[str]:

@@ -17,9 +17,6 @@ def prepare(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, int]:
     """Build the index of the search, the statistics of completion and all lists, which the store then keeps.
 
     Returns how many nodes (`nodes`) the index has.
-
-    Raises:
-        UsageError: KG704 for a folder without a model.
     """
     search = search_over(snapshot, settings)
     kept_of(snapshot, settings).statistics(fresh=True)

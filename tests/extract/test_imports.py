@@ -76,3 +76,13 @@ def test_files_of_other_nodes_do_not_count(tmp_path: Path) -> None:
     """Each node has the imports of its own sources."""
     files: dict[str, str | bytes] = {"demo/src/a.cpp": "#include <a.h>\n", "demo/src/b.cpp": "#include <b.h>\n"}
     assert imports(tmp_path, files, "demo/src/a.cpp", "demo/src/a.cpp") == ["a.h demo/src/a.cpp:1"]
+
+
+def test_headers_of_other_packages_are_imports(tmp_path: Path) -> None:
+    """A header that the build finds in another package comes from outside; what it includes is not followed."""
+    files: dict[str, str | bytes] = {
+        "lib/package.xml": manifest("lib"),
+        "lib/include/lib/port.h": "#include <serial/serial.h>\n",
+        "demo/src/a.cpp": "#include <lib/port.h>\n",
+    }
+    assert imports(tmp_path, files, "demo/src/a.cpp") == ["lib/port.h demo/src/a.cpp:1"]

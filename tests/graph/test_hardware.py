@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 RNKG = Namespace("https://w3id.org/rnkg/ns#")
 HARDWARE = Namespace("https://w3id.org/rnkg/hardware#")
-ONTOLOGY = ontologies.named()["hardware"]
+ONTOLOGY = ontologies.together("hardware")
 
 
 def _all(of_class: URIRef) -> set[URIRef]:

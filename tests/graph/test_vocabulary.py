@@ -43,7 +43,8 @@ ONTO_ROS_TERMS = {
     "hasModality",
 }
 KINDS = (OWL.Class, OWL.ObjectProperty, OWL.DatatypeProperty, OWL.AnnotationProperty, OWL.NamedIndividual)
-GRAPHS = ontologies.named()
+GRAPHS = {name: graph for name, graph in ontologies.named().items() if name != "hardware-products"}
+"""The ontologies that declare terms."""
 ONTO_ROS, RNKG = GRAPHS["onto-ros"], GRAPHS["rnkg"]
 BOTH = ONTO_ROS + RNKG + GRAPHS["architecture"]
 ALL = ontologies.together()

@@ -9,7 +9,7 @@ import typer
 from kg.cli.completion import features
 from kg.cli.diagnostics import note
 from kg.cli.numbers import whole
-from kg.cli.options import Json, PackageName, SearchModel, Store, with_options
+from kg.cli.options import Json, PackageName, Store, with_options
 from kg.cli.output import Column, listing, terminal
 from kg.cli.search_view import row, show_hits, tell
 from kg.cli.session import session
@@ -45,7 +45,6 @@ def search(  # noqa: PLR0913 - the options of a command
     text: Words = None,
     *,
     package: PackageName = None,
-    model: SearchModel = None,
     limit: Most = "10",
     interactive: Interactive = False,
     json: Json = False,
@@ -74,10 +73,8 @@ def search(  # noqa: PLR0913 - the options of a command
         hint = 'For example `kg search "merge two laser scans"`, or `kg search --publishes LaserScan`.'
         raise UsageError("KG003", "no search words or filters given", hint=hint)
     most = whole(limit, "--limit", 1)
-    settings = session(context).settings(store=store, search_model=model)
+    settings = session(context).settings(store=store)
     with _opened(settings) as found:
-        if words:
-            _embedding(found)
         if interactive:
             from kg.cli.narrowing import narrow  # noqa: PLC0415 - start-up time
 
@@ -103,9 +100,9 @@ def _opened(settings: "Settings") -> "Iterator[Search]":
 
     if isinstance(settings.store, str):
         with reading_with_cache(settings) as (snapshot, cache):
-            yield search_of(snapshot, cache, settings.search_model)
+            yield search_of(snapshot, cache)
     else:
-        yield open_search(existing(settings), _indexing, settings.search_model)
+        yield open_search(existing(settings), _indexing)
 
 
 def _links(settings: "Settings") -> "Links":
@@ -120,8 +117,3 @@ def _links(settings: "Settings") -> "Links":
 def _indexing() -> None:
     if sys.stderr.isatty():
         note("indexing the store (once after each change)")
-
-
-def _embedding(found: "Search") -> None:
-    if found.meaning is not None and sys.stderr.isatty() and (new := found.meaning.unknown()):
-        note(f"embedding {count(new, 'text')}; needed once per text and model, may take minutes")

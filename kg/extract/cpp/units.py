@@ -24,18 +24,21 @@ if TYPE_CHECKING:
 __all__ = ["CppClass", "CppUnit", "Macro"]
 
 
-def included(source: bytes) -> list[str]:
-    """Return the paths of the `#include` lines of a file, in order."""
-    found = []
+def included(source: bytes) -> dict[str, int]:
+    """Return the paths of the `#include` lines of a file, in order, with the first line of each, from 1."""
+    found: dict[str, int] = {}
+    line, counted = 1, 0
     position = source.find(b"#")
     while position >= 0:
         end = source.find(b"\n", position)
-        line = source[position + 1 : end if end >= 0 else len(source)].strip()
-        if line.startswith(b"include"):
-            path = line.removeprefix(b"include").strip()
+        directive = source[position + 1 : end if end >= 0 else len(source)].strip()
+        begin = source.rfind(b"\n", 0, position) + 1
+        if directive.startswith(b"include") and not source[begin:position].strip():
+            path = directive.removeprefix(b"include").strip()
             closing = path.find(b">" if path.startswith(b"<") else b'"', 1)
             if path[:1] in (b"<", b'"') and closing > 0:
-                found.append(path[1:closing].decode("utf-8", "replace"))
+                line, counted = line + source.count(b"\n", counted, position), position
+                found.setdefault(path[1:closing].decode("utf-8", "replace").strip(), line)
         position = source.find(b"#", max(end, position + 1)) if end >= 0 else -1
     return found
 
@@ -208,7 +211,7 @@ class CppUnit(Unit):
         self._read(syntax.parse(self.source).root_node, ())
         self._add_local_namespaces()
         self.includes = included(self.source)
-        """The paths that it includes, as written."""
+        """The paths that it includes, as written, with their lines."""
         self.names: dict[str, Collection[str]] = {
             "class": self.classes,
             "function": self.functions,

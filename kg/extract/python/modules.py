@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 from kg.corpus.files import Place
 from kg.extract.constants import Constants
 from kg.extract.python.expressions import Expressions
+from kg.extract.python.importing import imported
 from kg.extract.python.statements import Statements
 from kg.extract.python.syntax import first_error, parse
 from kg.resources import folder
@@ -105,7 +106,6 @@ _STARTERS: Final = (
     b".create_publisher(", b".create_subscription(", b".create_service(", b".create_client(",
 )  # fmt: skip
 """One of these words is in a module of every program that starts a node, or uses one that others start."""
-_IMPORTS: Final = re.compile(r"^[ \t]*(?:from[ \t]+(\S+)[ \t]+)?import[ \t]+([^#\n]+)", re.MULTILINE)
 _SUFFIXES: Final = ("Request", "Response", "Goal", "Result", "Feedback", "Action")
 
 
@@ -179,10 +179,8 @@ class Modules:
             file = pending.pop()
             if any(word in seen[file] for word in _STARTERS):
                 return True
-            for module, names in _IMPORTS.findall(seen[file].decode("utf-8", "replace")):
-                base = f"{module}." if module and not module.endswith(".") else module
-                parts = [one.split()[0] for one in names.strip(" (").split(",") if one.split()]
-                for dotted in (module, *(f"{base}{part}" for part in parts)):
+            for names, _ in imported(seen[file]):
+                for dotted in names:
                     found = self.reader.workspace.module(dotted, near=file) if dotted.strip(".") else None
                     data = self.reader.read(found) if found and found not in seen and self._follows(dotted) else None
                     if found and data is not None:

@@ -119,7 +119,7 @@ def _prune(place: Path) -> None:
 
 FAMILIES: Final = ("capability", "communication")
 """The families of rules that capabilities follow from, with rules of these names that users keep."""
-_LEFT_OUT: Final = ("function.ttl", "hardware.ttl", "architecture.ttl")
+_LEFT_OUT: Final = ("function.ttl", "hardware.ttl", "hardware-products.ttl", "architecture.ttl")
 """Ontologies that these rules do not read."""
 
 _MODALITY: Final = v.ros("hasModality").encode()

@@ -6,9 +6,8 @@ The library is that of the extra `semantic`; it takes seconds to load, and is lo
 from __future__ import annotations
 
 import os
-from hashlib import blake2b
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
     from kg.search.index import Floats
 
-__all__ = ["Encoder", "FolderModel"]
+__all__ = ["FolderModel"]
 
 _MARKS: Final = ("modules.json", "config.json")
 """Files of which a folder with a model has one: that of sentence-transformers, or that of a bare transformer."""
@@ -33,16 +32,6 @@ _SWITCHES: Final = {
 }
 _BATCH: Final = 32
 _LONGEST_CAUSE: Final = 200
-
-
-class Encoder(Protocol):
-    """Maps texts of similar meaning to vectors of similar direction; `identity` distinguishes encoders."""
-
-    identity: str
-
-    def encode(self, texts: Sequence[str]) -> Floats:
-        """Return a vector of length 1 for each text, as the rows of an array."""
-        ...
 
 
 class FolderModel:
@@ -61,7 +50,6 @@ class FolderModel:
             raise UsageError("KG704", f"the folder {folder} holds no model", hint=hint)
         self._folder = folder
         self._model: Any = None
-        self.identity = _identity(folder)
 
     def encode(self, texts: Sequence[str]) -> Floats:
         """Return a vector of length 1 for each text.
@@ -96,15 +84,6 @@ def _loaded(folder: Path) -> Any:
     try:
         library = import_module("sentence_transformers")
     except ImportError:
-        message = "a search by meaning needs sentence-transformers, which is not installed"
+        message = "sentence embeddings need sentence-transformers, which is not installed"
         raise UsageError("KG704", message, hint="pip install 'kg-ros[semantic]'") from None
     return library.SentenceTransformer(str(folder), local_files_only=True)
-
-
-def _identity(folder: Path) -> str:
-    """Return a digest of names, sizes and times of the files of the model."""
-    digest = blake2b(digest_size=12)
-    for path in sorted(path for path in folder.rglob("*") if path.is_file()):
-        state = path.stat()
-        digest.update(f"{path.relative_to(folder)}\0{state.st_size}\0{state.st_mtime_ns}\n".encode(errors="replace"))
-    return digest.hexdigest()
