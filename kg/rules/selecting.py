@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 __all__ = ["Columns", "columns_of"]
 
 _T = TypeVar("_T")
-_MANY: Final = 20_000
+_MANY: Final = 2_000
 """With fewer triples of its smallest pattern, a query is left to the store: it takes no longer than columns do."""
 
 
