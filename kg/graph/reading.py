@@ -220,14 +220,16 @@ def references(graph: Queryable, iris: Collection[str]) -> dict[str, NodeReferen
     """Return what stands for the node types of some IRIs; those that are not in the store are left out."""
     return {
         row["node"].value: NodeReference(*(_text(row[key]) for key in ("repository", "package", "name")))
-        for row in select(graph, _REFERENCES % these("node", iris))
+        for row in select(graph, _REFERENCES % these(graph, "node", iris))
         if row["node"].value in iris
     }
 
 
-def these(name: str, iris: Collection[str]) -> str:
-    """Return a pattern that binds a variable to some node types: to all of the store where they are many."""
-    return f"VALUES ?{name} {{ {_listing(iris)} }}" if len(iris) <= _FEW else f"?{name} a rnkg:NodeType ."
+def these(graph: Queryable, name: str, iris: Collection[str]) -> str:
+    """Return a pattern that binds a variable to some node types, or to all where these are read as soon."""
+    if len(iris) > _FEW and isinstance(graph, Readable):
+        return f"?{name} a rnkg:NodeType ."
+    return f"VALUES ?{name} {{ {_listing(iris)} }}"
 
 
 def _plugins(graph: Queryable, classes: set[str]) -> dict[str, list[tuple[NodeReference, str]]]:

@@ -284,7 +284,7 @@ class _Records:
             for term in (v.INSTANCE_OF, v.LOADS_PLUGIN)
             for iri in properties.get(v.bare(term), ())
         }
-        every = f"{these('owner', types)} ?owner ros:hasComponent|rnkg:hasParameter ?subject ."
+        every = f"{these(graph, 'owner', types)} ?owner ros:hasComponent|rnkg:hasParameter ?subject ."
         found = facts(graph, declared or every) if types else {}
         self._by_iri = references(graph, types) if types else {}
         self.ends = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Interface)}
