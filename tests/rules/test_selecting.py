@@ -54,7 +54,7 @@ QUERIES: Final = [
     "SELECT ?s { GRAPH ?g { ?s :p ?o . ?o :q ?s } }",
     "SELECT ?s { GRAPH ?g { ?s :p/:q ?o } }",
     "SELECT ?s { GRAPH ?g { ?s :p ?o } GRAPH ?g { ?o :q ?other } }",
-    "SELECT ?s ?o { GRAPH ?g { ?s :p|^:q ?o } FILTER(CONTAINS(STR(?g), '/a')) }",
+    "SELECT DISTINCT ?s ?o { GRAPH ?g { ?s :p|^:q ?o } FILTER(CONTAINS(STR(?g), '/a')) }",
     "SELECT ?s { { GRAPH ?g { ?s :p ?o } FILTER(STRENDS(STR(?g), '/b')) } UNION { GRAPH ?g { ?s :q ?o } } }",
     "SELECT ?s { { GRAPH ?g { ?s :p ?o } } UNION { GRAPH ?g { ?s :q ?o } } FILTER(STRENDS(STR(?g), '/b')) }",
     "SELECT ?s ?o { { SELECT ?s { GRAPH ?g { ?s :p ?x } } } { SELECT ?o { GRAPH ?g { ?o :q ?x } } } }",
@@ -128,6 +128,23 @@ def test_the_order_is_that_of_the_store(placed: dict[tuple[str, str, str], int])
             found = [list(rows([row])) for row in columns.query(text, prefixes=PREFIXES)]  # type: ignore[union-attr]  # a SELECT
             expected = [list(rows([row])) for row in snapshot.query(text, prefixes=PREFIXES)]  # type: ignore[union-attr]  # a SELECT
             assert found == expected, text
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "SELECT ?s { GRAPH ?g { ?s :p ?o } }",
+        "SELECT ?s (COUNT(*) AS ?n) { GRAPH ?g { ?s :p ?o } } GROUP BY ?s",
+        "SELECT ?s { GRAPH ?g { ?s :p ?o } FILTER(!STRENDS(STR(?g), '/a')) }",
+    ],
+)
+def test_a_triple_of_several_graphs_is_found_in_each(tmp_path: Path, text: str) -> None:
+    """A pattern in any graph has as many solutions as graphs have it."""
+    line = b"<urn:a> <urn:p> <urn:b> .\n"
+    with with_columns(tmp_path, [[line], [line], [line]]).read() as snapshot:
+        columns = columns_of(snapshot)
+        assert isinstance(columns, Columns)
+        assert same(snapshot, columns, text)
 
 
 def test_whole_answers_are_those_of_the_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
