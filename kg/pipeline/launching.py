@@ -24,7 +24,6 @@ from kg.pipeline.launch_names import check_given, find
 from kg.pipeline.sources import installed_folders
 from kg.pipeline.state import State, load
 from kg.pipeline.systems import node_types, used_packages
-from kg.rules.selecting import columns_of
 from kg.similar import did_you_mean
 from kg.store.opening import layout_of
 
@@ -56,6 +55,8 @@ def chosen(
     """
     check_given(launch, arguments, environment)
     if launch is None:
+        from kg.rules.selecting import columns_of  # noqa: PLC0415 - start-up time of one launch file
+
         with store.read() as snapshot:
             return systems(columns_of(snapshot), system_names(snapshot), settings.base)
     state = load(store.layout.cache)
