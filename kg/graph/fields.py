@@ -42,8 +42,14 @@ Properties: TypeAlias = Mapping[str, list[str]]
 
 def one(properties: Properties, term: str) -> str | None:
     """Return the value of a term that has one; the least where it has several."""
-    values = properties.get(v.bare(term))
-    return min(values) if values else None
+    return _least(properties.get(v.bare(term)))
+
+
+def _least(values: list[str] | None) -> str | None:
+    """Return the least of some values, of which there is mostly one."""
+    if not values:
+        return None
+    return values[0] if len(values) == 1 else min(values)
 
 
 def word(properties: Properties, term: str) -> str:
@@ -102,7 +108,7 @@ class Fields:
             if several:
                 found[name] = tuple(sorted(values or ()))
             else:
-                found[name] = parse(min(values) if values else None)
+                found[name] = parse(_least(values))
         return found
 
 

@@ -64,6 +64,12 @@ SELECT ?instance ?system WHERE {
   VALUES ?instance { %s }
   ?system rnkg:hasInstance ?instance .
 }"""
+_NAMED: Final = """
+SELECT DISTINCT ?instance ?type WHERE {
+  VALUES ?name { %s }
+  ?instance rnkg:name ?name .
+  ?instance rnkg:instanceOf ?type .
+}"""
 _INSTANCES: Final = """
 SELECT DISTINCT ?instance WHERE {
   VALUES ?type { %s }
@@ -156,10 +162,13 @@ def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
     return sorted(found, key=lambda one: (one.absolute, one.system, str(one.location)))
 
 
-def starts(graph: Queryable, types: Collection[str]) -> list[Start]:
-    """Return the starts of nodes of some types, by their IRIs."""
-    rows = select(graph, _INSTANCES % _listing(types)) if types else ()
-    return _starts(graph, {row[0].value for row in rows})
+def starts(graph: Queryable, types: Collection[str], names: Collection[str] | None = None) -> list[Start]:
+    """Return the starts of nodes of some types, by their IRIs; with `names` those of instances of these names alone."""
+    if names is None:
+        instances = {row[0].value for row in select(graph, _INSTANCES % _listing(types))} if types else set()
+        return _starts(graph, instances)
+    rows = select(graph, _NAMED % " ".join(map(literal, sorted(names)))) if types and names else ()
+    return _starts(graph, {row["instance"].value for row in rows if row["type"].value in types})
 
 
 def _starts(graph: Queryable, instances: Collection[str]) -> list[Start]:

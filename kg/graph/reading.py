@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, runtime_checkable
 
 from pyoxigraph import NamedNode
 
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 __all__ = [
     "NodeRecord",
     "Queryable",
+    "Readable",
     "data_files",
     "end_of",
     "facts",
@@ -40,6 +41,7 @@ __all__ = [
     "programs",
     "qualities",
     "references",
+    "these",
     "type_of",
     "which",
 ]
@@ -98,7 +100,7 @@ SELECT DISTINCT ?subject ?node WHERE {
 }"""
 _REFERENCES: Final = """
 SELECT ?node ?name ?package ?repository WHERE {
-  VALUES ?node { %s }
+  %s
   ?node rnkg:name ?name .
   ?p rnkg:contains ?node ; rnkg:name ?package .
   ?r rnkg:contains ?p ; rnkg:name ?repository .
@@ -119,6 +121,15 @@ class Queryable(Protocol):
 
     def query(self, text: str, /, *, prefixes: dict[str, str] | None = None) -> Any:
         """Run a query over the union of all graphs."""
+        ...
+
+
+@runtime_checkable
+class Readable(Queryable, Protocol):
+    """What whole graphs can be read from at once: the columns of a store (`kg.rules.selecting`)."""
+
+    def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
+        """Return what a graph says of each subject, as `grouped` does."""
         ...
 
 
@@ -209,8 +220,16 @@ def references(graph: Queryable, iris: Collection[str]) -> dict[str, NodeReferen
     """Return what stands for the node types of some IRIs; those that are not in the store are left out."""
     return {
         row["node"].value: NodeReference(*(_text(row[key]) for key in ("repository", "package", "name")))
-        for row in select(graph, _REFERENCES % _listing(iris))
+        for row in select(graph, _REFERENCES % these(graph, "node", iris))
+        if row["node"].value in iris
     }
+
+
+def these(graph: Queryable, name: str, iris: Collection[str]) -> str:
+    """Return a pattern that binds a variable to some node types, or to all where these are read as soon."""
+    if len(iris) > _FEW and isinstance(graph, Readable):
+        return f"?{name} a rnkg:NodeType ."
+    return f"VALUES ?{name} {{ {_listing(iris)} }}"
 
 
 def _plugins(graph: Queryable, classes: set[str]) -> dict[str, list[tuple[NodeReference, str]]]:

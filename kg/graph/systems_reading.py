@@ -7,8 +7,9 @@ given, the files that it read, and which line an include stands in.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from pyoxigraph import NamedNode
 
@@ -41,7 +42,17 @@ from kg.graph.fields import ARGUMENT, PROBLEM, SETTING, Properties, one, word
 from kg.graph.iris import RUNNING, Iris
 from kg.graph.ntriples import literal
 from kg.graph.queries import select
-from kg.graph.reading import Queryable, end_of, facts, grouped, qualities, references, type_of
+from kg.graph.reading import (
+    Queryable,
+    Readable,
+    end_of,
+    facts,
+    grouped,
+    qualities,
+    references,
+    these,
+    type_of,
+)
 from kg.graph.starts import STARTS
 from kg.graph.usual_ends import namespace_of, usual_ends, usual_resolution
 
@@ -50,6 +61,9 @@ if TYPE_CHECKING:
 
     from kg.facts import Qos
     from kg.graph.usual_ends import UsualEnd
+
+_Content: TypeAlias = "dict[str, dict[str, list[str]]]"
+"""What is said of things, by their IRIs and those of properties."""
 
 __all__ = ["SystemName", "included", "partial_systems", "started_names", "system_names", "systems"]
 
@@ -150,7 +164,10 @@ def started_names(graph: Queryable, name: str | None = None) -> dict[str, list[s
 def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[System]:
     """Return the systems of these names, in their order; `base` is that of the IRIs of the store."""
     iris = Iris(base)
-    contents = [(name, _content(graph, iris.system_graph(name.repository, name.path))) for name in names]
+    content = partial(_content, graph)
+    if isinstance(graph, Readable):
+        content = partial(_read, graph, graph.properties(iris.graph(STARTS)))
+    contents = [(name, content(iris.system_graph(name.repository, name.path))) for name in names]
     records = _Records(graph, [content for _, content in contents])
     return [_Reading(name, content, records, iris).run() for name, content in contents]
 
@@ -236,12 +253,21 @@ def _pairs(parts: Iterable[tuple[str, str]]) -> str:
     return " ".join(f"({NamedNode(where)} {NamedNode(part)})" for where, part in sorted(parts))
 
 
-def _content(graph: Queryable, name: str) -> dict[str, dict[str, list[str]]]:
+def _content(graph: Queryable, name: str) -> _Content:
     return {
         iri: properties
         for query in (_GRAPH, _STARTS, _STARTED_PARTS)
         for iri, properties in grouped(select(graph, query % name)).items()
     }
+
+
+def _read(graph: Readable, starts: _Content, name: str) -> _Content:
+    """Return what `_content` does, with all that instances are started with at hand."""
+    found = dict(graph.properties(name))
+    for terms in ((v.STARTED_WITH,), (v.HAS_SETTING, v.READS_ENTRY, v.HAS_REMAP)):
+        led = {iri for own in found.values() for term in terms for iri in own.get(v.bare(term), ())}
+        found |= {iri: starts[iri] for iri in led if iri in starts}
+    return found
 
 
 class _Records:
@@ -258,8 +284,7 @@ class _Records:
             for term in (v.INSTANCE_OF, v.LOADS_PLUGIN)
             for iri in properties.get(v.bare(term), ())
         }
-        listed = " ".join(str(NamedNode(iri)) for iri in sorted(types))
-        every = f"VALUES ?owner {{ {listed} }} ?owner ros:hasComponent|rnkg:hasParameter ?subject ."
+        every = f"{these(graph, 'owner', types)} ?owner ros:hasComponent|rnkg:hasParameter ?subject ."
         found = facts(graph, declared or every) if types else {}
         self._by_iri = references(graph, types) if types else {}
         self.ends = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Interface)}
@@ -358,7 +383,7 @@ class _Reading:
         chain = chain_of(one(own, v.INCLUDE_CHAIN))
         settings = {part: self._setting(part, chain) for part in self._listed(start, v.HAS_SETTING)}
         remaps = {part: self._remap(part, chain) for part in self._listed(start, v.HAS_REMAP)}
-        parts = own.get(v.bare(v.HAS_COMPONENT), ())
+        parts = sorted(own.get(v.bare(v.HAS_COMPONENT), ()))
         ends = [end for part in parts if (end := self._end(part, settings, remaps, chain))]
         ends += self._usual(iri, own)
         used = {end.remap for end in ends}
@@ -446,7 +471,7 @@ class _Reading:
 
     def _code(self, own: Properties) -> tuple[NodeReference, Interface] | None:
         """Return the end of a node type that an end comes from."""
-        codes = [iri for term in (v.DECLARED_BY, v.OVERRIDES) for iri in own.get(v.bare(term), ())]
+        codes = [iri for term in (v.DECLARED_BY, v.OVERRIDES) for iri in sorted(own.get(v.bare(term), ()))]
         return next((self._records.ends[iri] for iri in codes if iri in self._records.ends), None)
 
     def _usual(self, iri: str, own: Properties) -> Iterator[InstanceInterface]:

@@ -55,8 +55,10 @@ def chosen(
     """
     check_given(launch, arguments, environment)
     if launch is None:
+        from kg.rules.selecting import columns_of  # noqa: PLC0415 - start-up time of one launch file
+
         with store.read() as snapshot:
-            return systems(snapshot, system_names(snapshot), settings.base)
+            return systems(columns_of(snapshot), system_names(snapshot), settings.base)
     state = load(store.layout.cache)
     roots = {name: source.repository.root for name, source in state.sources.items()}
     with store.read() as snapshot:

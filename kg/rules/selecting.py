@@ -7,63 +7,50 @@ The engine of the store takes microseconds to turn each term of an answer into t
 one after the other, and joins over them take milliseconds, so that a query with many rows takes a tenth of the time. A
 look-up of few rows is cheaper in the store, for it loads nothing.
 
-What rules cannot express (GRAPH but for a choice of graphs, aggregates, other forms than SELECT) is left to the store,
-and everything where the columns do not belong to its generation. The record of builds is in no column.
+What rules cannot express (`kg.rules.questions`) is left to the store, and everything where the columns do not belong to
+its generation.
 """
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
+from collections import defaultdict
 from functools import cached_property, lru_cache
 from itertools import chain
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
 
 import numpy as np
 from pyoxigraph import NamedNode, Store
 
-from kg.errors import KgError
 from kg.rules import memory as memories
-from kg.rules.columns import patched, union_of
-from kg.rules.decompose import decompose
+from kg.rules.columns import patched, stated, union_of
 from kg.rules.engine.evaluate import Program, evaluate
-from kg.rules.engine.facts import Facts
+from kg.rules.engine.facts import Facts, unpack
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver, View
 from kg.rules.engine.tables import Table, concatenate, distinct_rows
-from kg.rules.form import EngineBlock, readers_of
+from kg.rules.form import Atom, TripleTerm, Variable
+from kg.rules.modifiers import modified
+from kg.rules.questions import COLUMN, MARK, question
 from kg.store.changes import since
-from kg.store.terms import of_spelling
-from kg.syntax.parser import parse_rq
+from kg.store.terms import of_spelling, spell
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from numpy.typing import NDArray
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from kg.rules.engine.facts import Keys
     from kg.rules.engine.terms import Dictionary
-    from kg.rules.form import Atom, Rule
+    from kg.rules.form import EngineBlock
+    from kg.rules.questions import Among, Question
     from kg.store.snapshot import EmbeddedSnapshot
+    from kg.store.terms import Term
+
+    Row: TypeAlias = tuple[Term | None, ...]
 
 __all__ = ["Columns", "columns_of"]
 
-_COLUMN: Final = "urn:kg:column:"
-"""Begins the predicates of the head of the rule that a query becomes, one for each variable; they are not derived."""
-_TYPE: Final = b"<http://www.w3.org/1999/02/22-rdf-syntax-ns#type>"
-_OBJECT: Final = 0xFFFFFFFF
-_MARK: Final = NamedNode(_COLUMN)
-"""The predicate of its first triple."""
-_SELECT: Final = re.compile(
-    r"(?P<prologue>(?:\s*(?:#|PREFIX\b)[^\n]*\n)*)\s*SELECT\s+(?P<distinct>DISTINCT\s+)?(?P<names>(?:\?\w+\s+)+)(?:WHERE\s*)?(?=\{)"
-)
-_GRAPHS: Final = re.compile(
-    r"\{\s*SELECT \?graph \{\s*GRAPH \?graph \{\}\s*FILTER\((?P<condition>[^{}]*)\)\s*\}\s*\}\s*"
-    r"GRAPH \?graph (?=\{(?P<body>[^{}.]*)\})"
-)
-"""One triple pattern in the graphs whose names fulfil a condition."""
-_NO_LIMIT: Final = re.compile(r"\bLIMIT 1000000000\b")
-"""More than a store has: it tells the engine of the store how to plan (docs/query-core.md), and limits nothing."""
+_T = TypeVar("_T")
+_MANY: Final = 2_000
+"""With fewer triples of its smallest pattern, a query is left to the store: it takes no longer than columns do."""
 
 
 def columns_of(snapshot: EmbeddedSnapshot) -> Columns | EmbeddedSnapshot:
@@ -74,28 +61,30 @@ def columns_of(snapshot: EmbeddedSnapshot) -> Columns | EmbeddedSnapshot:
     changed = since(snapshot.layout, memory.generation, snapshot.generation).graphs
     if changed is None:
         return snapshot
+    builds = memory.names.builds
     parts = {_name(graph): facts for graph, facts in memory.graphs.items()}
     parts[memory.names.inferred.value] = memory.written
     for graph, patches in changed.items():
-        if graph != memory.names.builds.value:
+        if graph != builds.value:
             if patches is None:
                 return snapshot
             parts[graph] = patched(parts.get(graph, Facts()), patches, memory.dictionary)[0]
-    return Columns(snapshot, memory.dictionary, parts, memory.names.builds)
+    # Rules do not read the record of builds, which is short.
+    parts[builds.value] = stated(snapshot.engine.quads_for_pattern(None, None, None, builds), memory.dictionary)
+    return Columns(snapshot, memory.dictionary, parts)
 
 
 class Columns:
-    """The triples of each graph of a generation as columns, but for the record of builds."""
+    """The triples of each graph of a generation as columns."""
 
-    def __init__(
-        self, snapshot: EmbeddedSnapshot, dictionary: Dictionary, graphs: Mapping[str, Facts], builds: NamedNode
-    ) -> None:
-        """`graphs` are named by IRI; the default graph has the empty name. `builds` is the graph of no column."""
+    def __init__(self, snapshot: EmbeddedSnapshot, dictionary: Dictionary, graphs: Mapping[str, Facts]) -> None:
+        """`graphs` are named by IRI; the default graph has the empty name."""
         self.dictionary = dictionary
-        self._builds = builds
         self.graphs = graphs
         self._snapshot = snapshot
-        self._terms: dict[int, _Value | None] = {0: None}
+        self._values: dict[int, _Value | None] = {0: None}
+        self._texts: dict[int, str] = {}
+        self._read: dict[tuple[Among, bool], Facts] = {}
 
     @cached_property
     def union(self) -> Facts:
@@ -103,48 +92,80 @@ class Columns:
         return union_of(self.graphs.values())
 
     def query(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> Iterable[Any]:
-        """Return the rows of a SELECT over the union of all graphs, in any order; raises as the store does.
+        """Return the rows of a SELECT over the union of all graphs; raises as the store does.
 
-        A triple of several graphs, and a pair that a path connects in two ways, count once. With DISTINCT the rows are
-        those of the store.
+        A triple of several graphs, and a pair that a path connects in two ways, count once. With DISTINCT, or where
+        distinct values are counted, the rows are those of the store.
         """
-        question = _question(text, prefixes or {})
-        if question is None:
+        asked = question(text, prefixes or {})
+        found = None if asked is None else modified(asked, self._solutions(asked), self.dictionary)
+        if asked is None or found is None:
             return cast("Iterable[Any]", self._snapshot.query(text, prefixes=prefixes))
-        return self._rows(question.names, self._solutions(question))
+        rows = self._terms(list(asked.shown), found, self._values, _Value)
+        return map(_row_of(tuple(asked.shown)), rows)
 
-    def related(self, numbers: Mapping[str, int], condition: str, everywhere: Iterable[str]) -> NDArray[np.int64]:
-        """Return pairs of things, by the numbers of their IRIs, that any property but rdf:type relates.
+    def answer(self, text: str, *, prefixes: Mapping[str, str]) -> tuple[tuple[str, ...], list[Row]] | None:
+        """Return variables and rows of a SELECT, exactly as the store has them but for an order that is not asked for.
 
-        The properties `everywhere` are read in all graphs, others in those whose names fulfil a condition on ?graph. A
-        pair comes as often as triples say so.
+        None where columns do not have the answer, or where the store finds it as fast: a pattern has few triples.
         """
-        known = np.full(len(self.dictionary), -1, np.int64)
-        for iri, number in numbers.items():
-            known[self.dictionary.find(b"<%s>" % iri.encode()) or 0] = number
-        known[0] = -1
-        parts = [keys for predicate, keys in self._among(condition) if self.dictionary.spelling(predicate) != _TYPE]
-        parts += [self.union.keys(self.dictionary.find(b"<%s>" % one.encode()) or 0) for one in everywhere]
-        keys = np.concatenate(parts)
-        pairs = np.stack([known[keys >> 32], known[keys & _OBJECT]], axis=1)
-        related: NDArray[np.int64] = pairs[(pairs >= 0).all(axis=1)]
-        return related
+        asked = question(text, prefixes)
+        if asked is None or not asked.as_set or self._least(asked) < _MANY:
+            return None
+        found = modified(asked, self._solutions(asked), self.dictionary)
+        if found is None:
+            return None
+        known: dict[int, Term | None] = {0: None}
+        return tuple(asked.shown), list(self._terms(list(asked.shown), found, known, of_spelling))
+
+    def _least(self, asked: Question) -> int:
+        """Return how many triples the smallest pattern of each rule has, added up."""
+        sizes = []
+        for rule in asked.rules:
+            atoms = [atom for atom in rule.body if isinstance(atom, Atom)]
+            sizes.append(min(map(self._size, atoms), default=0))
+        return sum(sizes)
+
+    def _size(self, atom: Atom) -> int:
+        """Return how many triples have the constants of an atom."""
+        if not isinstance(atom.predicate, NamedNode):
+            return len(self.union)
+        predicate = self.dictionary.find(spell(atom.predicate)) or 0
+        for end, by_object in ((atom.subject, False), (atom.object, True)):
+            if not isinstance(end, Variable | TripleTerm):
+                number = self.dictionary.find(spell(end))
+                return 0 if number is None else self.union.pairs_of(predicate, number, by_object=by_object).size
+        return self.union.keys(predicate).size
+
+    def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
+        """Return what a graph says: the values of each property, by its IRI, of each subject."""
+        found: defaultdict[str, dict[str, list[str]]] = defaultdict(dict)
+        for predicate, keys in self.graphs.get(graph, Facts()):
+            term = _text(self.dictionary.spelling(predicate))
+            pairs = Table(dict(zip("so", unpack(keys), strict=True)), keys.size)
+            for subject, value in self._terms(["s", "o"], pairs, self._texts, _text):
+                found[subject].setdefault(term, []).append(value)
+        return dict(found)
 
     def count(self) -> int:
         """Return how many quads the store holds."""
-        return sum(map(len, self.graphs.values())) + self._snapshot.count(self._builds)
+        return sum(map(len, self.graphs.values()))
 
-    def _among(self, condition: str) -> Facts:
-        """Return the triples of the graphs whose names fulfil a condition on ?graph, each once."""
-        names = " ".join(str(NamedNode(name)) for name in self.graphs if name)
-        rows = Store().query(f"SELECT ?graph {{ VALUES ?graph {{ {names} }} FILTER({condition}) }}")
-        return union_of(self.graphs[row[0].value] for row in cast("Iterable[Any]", rows))
+    def _among(self, among: Among, *, as_set: bool) -> Facts:
+        """Return the triples of some graphs: each once, or as often as graphs have it."""
+        found = self._read.get((among, as_set))
+        if found is None:
+            names = " ".join(str(NamedNode(name)) for name in self.graphs if name)
+            tests = " ".join(f"FILTER({one})" for one in among.conditions)
+            text = f"SELECT ?{among.variable} {{ VALUES ?{among.variable} {{ {names} }} {tests} }}"
+            parts = [self.graphs[row[0].value] for row in cast("Iterable[Any]", Store().query(text))]
+            found = self._read[among, as_set] = union_of(parts) if as_set else _together(parts)
+        return found
 
-    def _solutions(self, question: _Question) -> Table:
+    def _solutions(self, asked: Question) -> Table:
         """Return what the rules of a query bind its variables to; 0 where that is nothing."""
-        names, rules, distinct = question.names, question.rules, question.distinct
-        among = {place: self._among(condition) for place, condition in question.chosen.items()}
-        helping = Program(rule for rule in rules if rule.head[0].predicate != _MARK)
+        names, rules = asked.names, asked.rules
+        helping = Program(rule for rule in rules if rule.head[0].predicate != MARK)
         known = self.union
         if helping.rules:
             known = known.copy()
@@ -152,31 +173,33 @@ class Columns:
                 known.add(predicate, keys)
         shop = helping.workshop(self.dictionary)
         tables = []
-        for rule in (rule for rule in rules if rule.head[0].predicate == _MARK):
+        for rule in (rule for rule in rules if rule.head[0].predicate == MARK):
             prepared = plan(rule, self.dictionary)
             heads = zip(rule.head, prepared.heads, strict=True)
             columns = {cast("NamedNode", atom.predicate).value: head.object for atom, head in heads}
-            chosen = [columns.get(f"{_COLUMN}{name}", 0) for name in names]
-            outputs = prepared.outputs if distinct else prepared.outputs | prepared.body.names
-            view = View([among.get(question.block(source.reads), known) for source in prepared.sources])
+            chosen = [columns.get(f"{COLUMN}{name}", 0) for name in names]
+            outputs = prepared.outputs if asked.as_set else prepared.outputs | prepared.body.names
+            view = View([self._read_by(asked, source.reads, known) for source in prepared.sources])
             tables += [
                 Table({name: _column(table, node) for name, node in zip(names, chosen, strict=True)}, table.rows)
-                for table in Solver(shop, view).solutions(prepared.body, outputs, bag=not distinct)
+                for table in Solver(shop, view).solutions(prepared.body, outputs, bag=not asked.as_set)
             ]
         every = concatenate(tables, names)
-        return distinct_rows(every) if distinct else every
+        return distinct_rows(every) if asked.as_set else every
 
-    def _rows(self, names: Sequence[str], table: Table) -> Iterable[Any]:
-        """Return solutions as rows of terms."""
+    def _read_by(self, asked: Question, reads: Atom | EngineBlock, known: Facts) -> Facts:
+        among = asked.among(reads)
+        return known if among is None else self._among(among, as_set=asked.as_set)
+
+    def _terms(
+        self, names: Sequence[str], table: Table, known: dict[int, _T], make: Callable[[bytes], _T]
+    ) -> Iterator[tuple[_T, ...]]:
+        """Yield solutions as rows; `known` has what was made of terms already, and gets the others."""
         columns = [table.columns[name].tolist() for name in names]
-        self._learn(set(chain.from_iterable(columns)))
-        terms = [map(self._terms.__getitem__, column) for column in columns]
-        return map(_row_of(tuple(names)), zip(*terms, strict=True))
-
-    def _learn(self, identifiers: set[int]) -> None:
-        """Make terms of those that have not been made yet."""
-        new = list(identifiers - self._terms.keys())
-        self._terms.update(zip(new, map(_Value, self.dictionary.spellings(new)), strict=True))
+        # A difference of sets would go through all that is known.
+        new = [term for term in set(chain.from_iterable(columns)) if term not in known]
+        known.update(zip(new, map(make, self.dictionary.spellings(new)), strict=True))
+        return zip(*(map(known.__getitem__, column) for column in columns), strict=True)
 
 
 class _Value:
@@ -185,10 +208,14 @@ class _Value:
     __slots__ = ("value",)
 
     def __init__(self, spelling: bytes) -> None:
-        if b"\\" in spelling or spelling.startswith((b"<<", b"_")):
-            self.value = str(getattr(of_spelling(spelling), "value", ""))
-        else:
-            self.value = spelling[1 : -1 if spelling.startswith(b"<") else spelling.rindex(b'"')].decode()
+        self.value = _text(spelling)
+
+
+def _text(spelling: bytes) -> str:
+    """Return the value of a term."""
+    if b"\\" in spelling or spelling.startswith((b"<<", b"_")):
+        return str(getattr(of_spelling(spelling), "value", ""))
+    return spelling[1 : -1 if spelling.startswith(b"<") else spelling.rindex(b'"')].decode()
 
 
 def _column(table: Table, node: object) -> Keys:
@@ -198,23 +225,6 @@ def _column(table: Table, node: object) -> Keys:
 
 def _name(graph: NamedNode | None) -> str:
     return "" if graph is None else graph.value
-
-
-@dataclass(frozen=True, slots=True)
-class _Question:
-    """A query as rules; `chosen` has the conditions on graphs of parts of their text, from one place to another."""
-
-    names: Sequence[str]
-    rules: Sequence[Rule]
-    distinct: bool
-    chosen: Mapping[tuple[int, int], str]
-    lines: Sequence[int]
-
-    def block(self, reads: Atom | EngineBlock) -> tuple[int, int]:
-        """Return the part of the text, of those with a condition, in which an atom is; (0, 0) without one."""
-        assert reads.place is not None  # noqa: S101 - `decompose` gives all atoms one
-        at = self.lines[(reads.place.line or 1) - 1] + (reads.place.column or 1) - 1
-        return next((part for part in self.chosen if part[0] <= at < part[1]), (0, 0))
 
 
 @lru_cache(maxsize=64)
@@ -231,28 +241,7 @@ def _row_of(names: tuple[str, ...]) -> type[tuple[_Value | None, ...]]:
     return Row
 
 
-def _question(text: str, prefixes: Mapping[str, str]) -> _Question | None:
-    """Return what a SELECT becomes; None for one that rules cannot express."""
-    match = _SELECT.match(text)
-    if match is None:
-        return None
-    names = match["names"].replace("?", " ").split()
-    declared = "".join(f"PREFIX {name}: <{iri}>\n" for name, iri in prefixes.items() if f"{name}:" in text)
-    # A new blank node for each solution: no solution may then be left out, or come more often than the query has it.
-    head = " ".join(f"_:row <{_COLUMN}{name}> ?{name} ." for name in names)
-    whole = f"{declared}{match['prologue']}CONSTRUCT {{ _:row <{_COLUMN}> <{_COLUMN}> . {head} }} WHERE "
-    whole += _NO_LIMIT.sub("", text[match.end() :])
-    chosen = {}
-    if match["distinct"]:  # a triple of several graphs would come several times
-        for block in _GRAPHS.finditer(whole):
-            chosen[block.end(), block.end("body")] = block["condition"]
-        whole = _GRAPHS.sub(lambda block: " " * len(block[0]), whole)
-    try:
-        (stated,) = parse_rq(whole, "query").rules
-        rules = decompose(stated, "query", "query", whole)
-    except KgError:
-        return None
-    if any(isinstance(element, EngineBlock) for rule in rules for element, _ in readers_of(rule.body)):
-        return None
-    starts = [0, *(found.end() for found in re.finditer("\n", whole))]
-    return _Question(names, rules, match["distinct"] is not None, chosen, starts)
+def _together(parts: Sequence[Facts]) -> Facts:
+    """Return the triples of some sets, each as often as sets have it; they are only read."""
+    predicates = {predicate for part in parts for predicate in part.predicates}
+    return Facts({one: np.sort(np.concatenate([part.keys(one) for part in parts])) for one in predicates})

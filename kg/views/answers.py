@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import msgspec
 
@@ -64,8 +64,7 @@ def figures(snapshot: EmbeddedSnapshot) -> Figures:
 
     def make() -> Figures:
         graph = _whole(snapshot)
-        columns = None if graph is snapshot else cast("Columns", graph)
-        return Figures(statistics(snapshot, columns), counted(graph))
+        return Figures(statistics(graph), counted(graph))
 
     return _answer(snapshot, "stats", Figures, make)
 

@@ -22,7 +22,7 @@ from kg.views.systems import chosen_systems, known_names
 from kg.views.wording import accesses, parameter_groups
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from kg.facts import NodeReference, Parameter
     from kg.settings import Settings
@@ -55,7 +55,8 @@ def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, syst
     declared = declared or {one for one in known if _may_be(one, written)}
     code = declarations(snapshot, declared, {one.declared for one in found if one.declared})
     view = _View(snapshot, settings, chosen_systems(snapshot, system, settings.base))
-    found += [one for one in view.defaults(code, found) if not absolute or one.absolute == written]
+    owners = _owners(written) if absolute else None
+    found += [one for one in view.defaults(code, found, owners) if not absolute or one.absolute == written]
     if absolute:
         types, set_here = {one.start.type for one in found if one.start}, {one.declared for one in found}
         code = {
@@ -81,6 +82,11 @@ def _spellings(written: str) -> set[str]:
     if written.startswith("/"):
         ends |= {written[at + 1 :] for at, sign in enumerate(written) if sign == "/"}
     return ends | {f"~/{one}" for one in ends}
+
+
+def _owners(written: str) -> set[str]:
+    """Return the names that the node of an absolute name may have."""
+    return {written[:at] for at, sign in enumerate(written) if at and sign == "/"}
 
 
 def _may_be(declared: str, written: str) -> bool:
@@ -118,9 +124,15 @@ class _View:
         ]
 
     def defaults(
-        self, code: Mapping[str, tuple[NodeReference, Parameter]], found: Sequence[SetParameter]
+        self,
+        code: Mapping[str, tuple[NodeReference, Parameter]],
+        found: Sequence[SetParameter],
+        instances: Collection[str] | None,
     ) -> list[SetParameter]:
-        """Return the defaults in force: at starts of nodes that declare the parameter with one and do not set it."""
+        """Return the defaults in force: at starts of nodes that declare the parameter with one and do not set it.
+
+        With `instances` only nodes of these names are looked at.
+        """
         by_type = {
             self.node(owner): fact
             for owner, fact in code.values()
@@ -128,7 +140,7 @@ class _View:
         }
         has = {one.start.iri for one in found if one.start}
         kept = []
-        for one in starts(self._snapshot, set(by_type)):
+        for one in starts(self._snapshot, set(by_type), instances):
             fact = by_type[one.type or ""]
             if one.iri not in has:
                 name = (fact.name or "").removeprefix("~/")

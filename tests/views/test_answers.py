@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from kg.query.stats import Columns, Statistics
+    from kg.query.stats import Statistics
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
@@ -67,9 +67,9 @@ def test_answers_that_cannot_be_used_are_computed_again(
         file.rename(folder / "0")
     computed: list[EmbeddedSnapshot] = []
 
-    def counting(graph: EmbeddedSnapshot, columns: Columns | None) -> Statistics:
+    def counting(graph: EmbeddedSnapshot) -> Statistics:
         computed.append(graph)
-        return statistics(graph, columns)
+        return statistics(graph)
 
     monkeypatch.setattr(answers, "statistics", counting)
     assert answers.figures(snapshot) == expected

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from kg.errors import UnknownNameError
+from kg.graph.systems_reading import system_names
 from kg.graph.systems_reading import systems as read_systems
+from kg.rules.selecting import Columns, columns_of
 from kg.views.system import lint, system
 from kg.views.systems import systems
 
@@ -27,6 +29,13 @@ def test_the_list_agrees_with_each_system(snapshot: EmbeddedSnapshot, settings: 
         assert {kind: one[kind] for kind in ("nodes", "topics", "services", "actions")} == {
             kind: counts[kind] for kind in ("nodes", "topics", "services", "actions")
         }
+
+
+def test_systems_of_columns_are_those_of_the_store(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """`kg instances` reads all of them from the columns of the last run of rules."""
+    columns, names = columns_of(snapshot), system_names(snapshot)
+    assert isinstance(columns, Columns)
+    assert read_systems(columns, names, settings.base) == read_systems(snapshot, names, settings.base)
 
 
 def test_the_list_is_searched_and_paged(snapshot: EmbeddedSnapshot, settings: Settings) -> None:

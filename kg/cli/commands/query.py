@@ -130,11 +130,15 @@ def _answer(  # noqa: PLR0913 - the options of a query
 ) -> None:
     from kg.cli.answers import answer, format_for, is_empty  # noqa: PLC0415 - start-up time
     from kg.query.ask import ask  # noqa: PLC0415 - start-up time
+    from kg.views import whole  # noqa: PLC0415 - start-up time
 
     chosen = "jsonl" if json else format_for(settings.format)
     timeout = settings.timeout or None
     with reading_all(settings, stores) as stored, _extended(stored, asked, values, settings, family) as snapshot:
-        result = ask(snapshot, asked, values, timeout=timeout, limit=_limit(settings, chosen))
+        limit = _limit(settings, chosen)
+        plain = not (family or values or asked.parameters or len(stores) > 1)
+        found = whole.answer(snapshot, asked.text, timeout=timeout, limit=limit) if plain else None
+        result = ask(snapshot, asked, values, timeout=timeout, limit=limit) if found is None else found
         meant = _meant(snapshot, asked, values, timeout) if is_empty(result) else []
         links = _links(snapshot) if chosen == "table" and terminal() else None
     answer(result, chosen, links=links, automatic=settings.format == "auto" and not json)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Self
 
 import numpy as np
 
@@ -82,6 +82,7 @@ def _by_predicate(table: Table, atom: Match, reading: Reading) -> Iterator[Table
     if bound is not None:
         order = np.argsort(bound, kind="stable")
         ordered = bound[order]
+    probe = _Probe.of(table, atom, reading) if bound is None else None
     for predicate in sorted(reading.facts.predicates):
         if predicate in reading.hidden:
             continue
@@ -91,12 +92,56 @@ def _by_predicate(table: Table, atom: Match, reading: Reading) -> Iterator[Table
             if begin == end:
                 continue
             part = table.take(order[begin:end])
+        pairs = reading.pairs(predicate)
+        if probe is not None and pairs.keys(by_object=False).size < _DENSE * table.rows:
+            found = probe.joined(pairs)
+            found = found.plus({name: np.full(found.rows, predicate, np.int64)})
         else:
-            part = table.plus({name: np.full(table.rows, predicate, np.int64)})
-        found = _pairs(part, atom.subject, atom.object, reading.pairs(predicate), reading.needed)
+            if bound is None:
+                part = table.plus({name: np.full(table.rows, predicate, np.int64)})
+            found = _pairs(part, atom.subject, atom.object, pairs, reading.needed)
         if bound is None and name not in reading.needed:
             found = found.keeping(found.columns.keys() - {name})
         yield found
+
+
+@dataclass(frozen=True, slots=True)
+class _Probe:
+    """A table to be joined with the pairs of many predicates by one end: each pair is looked up in the table.
+
+    That takes time in proportion to the pairs; to look up each row among them, in proportion to rows and predicates.
+    """
+
+    table: Table
+    order: Keys
+    ordered: Keys
+    present: NDArray[np.bool_]
+    by_object: bool
+    free: str
+
+    @classmethod
+    def of(cls, table: Table, atom: Match, reading: Reading) -> Self | None:
+        """Return the table prepared for an atom; None where not exactly one end is a column of the table."""
+        ends = (atom.subject, atom.object)
+        known = [isinstance(end, str) and end in table.columns for end in ends]
+        if sum(known) != 1 or not all(isinstance(end, str) for end in ends) or atom.predicate in ends:
+            return None
+        column = table.columns[str(ends[known.index(True)])]
+        order = np.argsort(column, kind="stable")
+        present = np.zeros(reading.terms, bool)
+        present[column] = True
+        return cls(table, order, column[order], present, known[1], str(ends[known.index(False)]))
+
+    def joined(self, pairs: Pairs) -> Table:
+        """Return the join with the pairs of a predicate, with a column for the other end."""
+        others, values = unpack(pairs.keys(by_object=False))
+        if not self.by_object:
+            others, values = values, others
+        met = np.flatnonzero(self.present[values])
+        values = values[met]
+        begin = np.searchsorted(self.ordered, values)
+        places, source = positions(begin, np.searchsorted(self.ordered, values, side="right"))
+        return self.table.take(self.order[places]).plus({self.free: others[met][source]})
 
 
 def _pairs(table: Table, subject: Node, value: Node, pairs: Pairs, needed: frozenset[str]) -> Table:

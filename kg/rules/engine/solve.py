@@ -34,6 +34,9 @@ _COUNTED: Final = 64
 _GAIN: Final = 1.5
 """Rows take joins of their own where all of them by one join would give this many times the rows."""
 
+_APART: Final = 1e3
+"""What is bound by nothing before it is put off: each of its rows would be joined with all rows."""
+
 _SEED: Final = 4096
 """An aggregate is restricted to the groups asked for when there are no more of them."""
 
@@ -188,8 +191,8 @@ class Solver:
         if isinstance(step, Nested):
             return table.rows * 0.6 if step.shared <= bound else None
         if isinstance(step, Rows):
-            return float(step.size) if step.names & bound else float(step.size * table.rows)
-        return table.rows * 1.1 + 1.0 if not bound or step.names & bound else table.rows * 1e3
+            return float(step.size) if step.names & bound else step.size * table.rows * (_APART if bound else 1.0)
+        return table.rows * 1.1 + 1.0 if not bound or step.names & bound else table.rows * _APART
 
     def _spread(self, table: Table, step: Match) -> tuple[float, float]:
         columns = table.columns

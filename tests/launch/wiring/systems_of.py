@@ -29,7 +29,8 @@ from kg.facts import (
     StartKind,
     System,
 )
-from kg.launch.wiring import NodeTypes, wire
+from kg.launch.wiring.systems import wire
+from kg.launch.wiring.types import NodeTypes
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

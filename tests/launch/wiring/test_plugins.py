@@ -9,11 +9,11 @@ import pytest
 from kg.errors import UsageError
 from kg.facts import Location as Where
 from kg.facts import NodeKind, NodeReference, NodeType, PluginDefault, PluginSlot
-from kg.launch.wiring import NodeTypes
 from kg.launch.wiring.inner_nodes import Inner
 from kg.launch.wiring.place import Place
 from kg.launch.wiring.plugin_table import load_rows, rows
 from kg.launch.wiring.plugins import Framework, Loaded, loaded_plugins, table
+from kg.launch.wiring.types import NodeTypes
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,8 +9,9 @@ import pytest
 from wiring.systems_of import HERE, configuration, started
 
 from kg.facts import LaunchPlugin, Location, NodeReference, PluginValue, Resolution, Role
-from kg.launch.wiring import NodeTypes, wire
 from kg.launch.wiring.simulation_table import Device, device_of, filled, load, read_end, simulator_of, spawner_of
+from kg.launch.wiring.systems import wire
+from kg.launch.wiring.types import NodeTypes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from wiring.systems_of import configuration, node_type, reference, started
 
 from kg.facts import Resolution
-from kg.launch.wiring import NodeTypes, wire
+from kg.launch.wiring.systems import wire
+from kg.launch.wiring.types import NodeTypes
 
 if TYPE_CHECKING:
     from typing import Any

@@ -8,9 +8,10 @@ import pytest
 from wiring.systems_of import configuration, started
 
 from kg.facts import InstanceInterface, NodeReference, Role
-from kg.launch.wiring import NodeTypes, wire
 from kg.launch.wiring.instances import Tool
 from kg.launch.wiring.plugin_table import load_rows
+from kg.launch.wiring.systems import wire
+from kg.launch.wiring.types import NodeTypes
 from kg.resources import folder
 
 if TYPE_CHECKING:

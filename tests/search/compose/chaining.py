@@ -25,7 +25,8 @@ from kg.facts import (
 from kg.graph.iris import Iris
 from kg.graph.sources import source_triples
 from kg.launch.files import read_configuration
-from kg.launch.wiring import NodeTypes, wire
+from kg.launch.wiring.systems import wire
+from kg.launch.wiring.types import NodeTypes
 from kg.search.compose import Question, compose
 from kg.search.compose.launching import launch_text
 from kg.store.embedded import EmbeddedStore
