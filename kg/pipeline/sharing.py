@@ -35,7 +35,7 @@ class Described:
 
     def __init__(self, cache: Path) -> None:
         self._known: set[bytes] = set()
-        self._file = tempfile.SpooledTemporaryFile(max_size=_HELD_BYTES, dir=cache)  # noqa: SIM115 - `close` closes it
+        self._file = tempfile.SpooledTemporaryFile(max_size=_HELD_BYTES, dir=str(cache))  # noqa: SIM115 - `close` closes it
 
     def add(self, lines: Iterable[bytes]) -> None:
         """Add lines that describe starts as a whole; the name of a start says all about it, so one is enough."""

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from pyoxigraph import Quad, Triple
 
+    from kg.rules.engine.pages import Pages
     from kg.rules.form import Rule, Term
 
 __all__ = [
@@ -110,14 +111,14 @@ def read_columns(
 ) -> tuple[Dictionary, Facts]:
     """Return the triples that any of `graphs` has (None: the default graph), each once; terms go into `dictionary`."""
     terms = dictionary if dictionary is not None else Dictionary()
-    return terms, union_of(read(source, what, graphs, terms).values())
+    return terms, union_of(read(source, what, graphs, terms).values(), terms.pages)
 
 
 def read(
     source: Tables, what: Wanted, graphs: Iterable[NamedNode | None], dictionary: Dictionary
 ) -> dict[NamedNode | None, Facts]:
     """Return the wanted triples of each graph by itself."""
-    found: dict[NamedNode | None, Facts] = {graph: Facts() for graph in graphs}
+    found = {graph: Facts(pages=dictionary.pages) for graph in graphs}
     loose: dict[tuple[NamedNode | None, int], list[NDArray[np.int64]]] = {}
     large = list(found)
     if what.predicates is not None:
@@ -235,12 +236,12 @@ def _texts(
             yield query, graph, rows.result()
 
 
-def union_of(parts: Iterable[Facts]) -> Facts:
-    """Return the triples that any of some sets has; the sets of one are shared."""
+def union_of(parts: Iterable[Facts], pages: Pages | None = None) -> Facts:
+    """Return the triples that any of some sets has; the sets of one are shared. Large arrays go to `pages`."""
     every = list(parts)
     if len(every) == 1:
         return every[0].copy()
-    found = Facts()
+    found = Facts(pages=pages)
     for predicate in {predicate for part in every for predicate in part.predicates}:
         columns = [part.keys(predicate) for part in every if part.keys(predicate).size]
         found.replace(predicate, columns[0] if len(columns) == 1 else distinct(np.concatenate(columns)))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["lines", "stored"]
 
-_ROWS: Final = 1 << 17
+_ROWS: Final = 1 << 15
 """How many lines are made at once."""
 
 _AUXILIARY: Final = b"<" + AUXILIARY.encode()
@@ -37,6 +37,8 @@ def lines(facts: Facts, dictionary: Dictionary, predicates: Iterable[int] | None
         middle = b" " + dictionary.spelling(predicate) + b" "
         for begin in range(0, keys.size, _ROWS):
             yield _chunk(keys[begin : begin + _ROWS], middle, dictionary)
+            if dictionary.pages is not None:
+                dictionary.pages.release()
 
 
 def _chunk(keys: Keys, middle: bytes, dictionary: Dictionary) -> bytes:

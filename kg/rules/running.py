@@ -33,6 +33,7 @@ from kg.rules.columns import EVERYTHING, by_predicate, patched, read, read_colum
 from kg.rules.dependencies import volatile
 from kg.rules.engine.evaluate import Limits, Program, evaluate
 from kg.rules.engine.facts import Facts, absorb, distinct, lacking
+from kg.rules.engine.pages import Pages
 from kg.rules.engine.terms import Dictionary
 from kg.rules.lines import lines, stored
 from kg.rules.maintain import Maintained
@@ -296,14 +297,18 @@ class Reasoner:
     ) -> Outcome:
         begin = time.perf_counter()
         self.forget()
-        dictionary, parts = written.take(graphs) if written is not None else (Dictionary(), {})
+        dictionary, parts = written.take(graphs) if written is not None else (self._dictionary(), {})
         parts |= read(source, EVERYTHING, [graph for graph in graphs if graph not in parts], dictionary)
         data = stated(rule_set.data, dictionary)
-        asserted = union_of([*parts.values(), data])
+        asserted = union_of([*parts.values(), data], dictionary.pages)
         now = self._read_inferred(source, dictionary)
         return self._full(
             Memory(None, self._digest, self._names, dictionary, parts, asserted), data, now, begin, limits
         )
+
+    def _dictionary(self) -> Dictionary:
+        """Return a dictionary without terms, which keeps most of them in a file of the cache."""
+        return Dictionary(pages=None if self._cache is None else Pages(self._cache))
 
     def _full(self, memory: Memory, data: Facts, now: Facts, begin: float, limits: Limits) -> Outcome:
         middle = time.perf_counter()

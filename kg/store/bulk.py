@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 __all__ = ["Interruptible", "add", "exchange", "load", "load_quads", "remove", "table"]
 
 _THREADS: Final = 2
-_LEAST_BYTES: Final = 4 << 20
+_LEAST_BYTES: Final = 2 << 20
 """A batch of at least this size goes to a thread of its own."""
-_MOST_BYTES: Final = 8 << 20
+_MOST_BYTES: Final = 4 << 20
 """The size of a batch; the engine takes several times as much. Larger ones cost as much for each triple."""
 _QUAD_BYTES: Final = 150
 """About what a quad takes as N-Quads."""
