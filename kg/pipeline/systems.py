@@ -29,6 +29,7 @@ from kg.pipeline.known import digest
 from kg.pipeline.report import totals
 from kg.pipeline.sharing import Described, keep_starts
 from kg.pipeline.state import PackageSystems, Systems, WiredSystem
+from kg.store.allocator import give_back
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -153,6 +154,7 @@ class _Writing:
 
     def finish(self) -> None:
         """Write the waiting graphs, and the start records of the systems."""
+        give_back()
         if self._waiting:
             self._flush()
         if self.changed:

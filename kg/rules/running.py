@@ -42,6 +42,7 @@ from kg.rules.recording import activity
 from kg.rules.reports import Difference, RunReport, Seconds
 from kg.rules.written import Written
 from kg.store import changes
+from kg.store.allocator import give_back
 from kg.store.changes import Changes
 from kg.store.failure import translated
 from kg.store.layout import write_atomically
@@ -179,6 +180,8 @@ class Runner:
     def _write(self, transaction: EmbeddedTransaction, outcome: Outcome) -> RunReport:
         """Write the difference, and the record of the run if any."""
         begin = time.perf_counter()
+        if outcome.mode == "full":
+            give_back()
         report = _report(outcome, self._reasoner)
         if report.added or report.removed:
             self._write_difference(transaction, outcome, report)
