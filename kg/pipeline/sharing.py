@@ -11,6 +11,7 @@ from pyoxigraph import NamedNode, RdfFormat
 from kg.graph import vocabulary as v
 from kg.graph.shared import SHARED
 from kg.graph.starts import STARTS, start_of
+from kg.store.failure import translated
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -34,14 +35,19 @@ class Described:
     """Lines of N-Triples about starts, those of each start once; many of them are in a file of the folder `cache`."""
 
     def __init__(self, cache: Path) -> None:
+        self._cache = str(cache)
         self._known: set[bytes] = set()
         self._file = tempfile.SpooledTemporaryFile(max_size=_HELD_BYTES, dir=str(cache))  # noqa: SIM115 - `close` closes it
 
     def add(self, lines: Iterable[bytes]) -> None:
-        """Add lines that describe starts as a whole; the name of a start says all about it, so one is enough."""
+        """Add lines that describe starts as a whole; the name of a start says all about it, so one is enough.
+
+        Raises StoreError KG304 when the disk is full.
+        """
         new = {line: start for line in lines if (start := start_of(line)) not in self._known}
         self._known.update(new.values())
-        self._file.writelines(new)
+        with translated(self._cache):
+            self._file.writelines(new)
 
     def __iter__(self) -> Iterator[bytes]:
         """Yield the lines."""

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Final
@@ -311,7 +312,10 @@ class Reasoner:
 
     def _dictionary(self) -> Dictionary:
         """Return a dictionary without terms, which keeps most of them in a file of the cache."""
-        return Dictionary(pages=None if self._cache is None else Pages(self._cache))
+        if self._cache is not None:
+            with suppress(OSError):  # a dry run on a store that can only be read
+                return Dictionary(pages=Pages(self._cache))
+        return Dictionary()
 
     def _full(self, memory: Memory, data: Facts, now: Facts, begin: float, limits: Limits) -> Outcome:
         middle = time.perf_counter()

@@ -14,6 +14,8 @@ from weakref import finalize
 
 import numpy as np
 
+from kg.store.failure import translated
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
@@ -34,13 +36,14 @@ _LEAST_BYTES: Final = 1 << 12
 class Pages:
     """A file of arrays in the folder `cache`, which goes with this object, however the process ends.
 
-    Raises OSError when the disk is full.
+    Raises OSError when it cannot be made. Afterwards StoreError KG304 when the disk is full.
     """
 
     def __init__(self, cache: Path) -> None:
         cache.mkdir(parents=True, exist_ok=True)
         self._file = tempfile.TemporaryFile(dir=cache, buffering=0)  # noqa: SIM115 - arrays need it as long as this
         finalize(self, self._file.close)
+        self._folder = str(cache)
         self._maps: list[mmap.mmap] = []
         self._end = self._left = 0
         self._free: dict[int, list[tuple[mmap.mmap, int, int]]] = {}
@@ -62,11 +65,12 @@ class Pages:
         places = self._free.setdefault(room, [])
         place = places.pop() if places else self._place(room)
         piece, begin, offset = place
-        for array in arrays:
-            rest = np.ascontiguousarray(array).data.cast("B") if array.size else memoryview(b"")
-            while rest:
-                written = os.pwrite(self._file.fileno(), rest, offset)
-                rest, offset = rest[written:], offset + written
+        with translated(self._folder):
+            for array in arrays:
+                rest = np.ascontiguousarray(array).data.cast("B") if array.size else memoryview(b"")
+                while rest:
+                    written = os.pwrite(self._file.fileno(), rest, offset)
+                    rest, offset = rest[written:], offset + written
         found = np.frombuffer(piece, kind, size // kind.itemsize, begin)
         finalize(found, places.append, place)  # views of it keep it
         return found
