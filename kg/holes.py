@@ -53,7 +53,7 @@ class Hole:
     label: str = ""
 
 
-@lru_cache(maxsize=65_536)
+@lru_cache(maxsize=16_384)
 def parse(name: str) -> tuple[str | Hole, ...]:
     """Return the known parts and the holes of a name in order, no two known parts in a row."""
     parts: list[str | Hole] = []

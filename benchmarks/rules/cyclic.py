@@ -72,7 +72,7 @@ def _kg(path: Path, rules: Path) -> tuple[float, int]:
 
     graph = NamedNode("urn:benchmark:graph")
     rule_set = discover([rules])
-    written = Written()
+    written = Written(path.parent)
     written.load(graph.value, path.read_bytes())
     dictionary, parts = written.take([graph])
     begin = time.process_time()

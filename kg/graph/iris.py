@@ -66,13 +66,13 @@ def is_source_graph(iri: str) -> bool:
     return f"/{_SOURCE_GRAPHS}" in iri
 
 
-@lru_cache(maxsize=1 << 16)
+@lru_cache(maxsize=1 << 14)
 def _segment(text: str) -> str:
     encoded = quote(text, safe=":", errors="surrogatepass")
     return encoded.replace(".", "%2E") if encoded in {".", ".."} else encoded
 
 
-@lru_cache(maxsize=1 << 16)
+@lru_cache(maxsize=1 << 14)
 def _path(text: str) -> str:
     return "/".join(map(_segment, text.split("/")))
 

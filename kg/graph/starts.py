@@ -39,9 +39,9 @@ def starts_apart(content: bytes, iris: Iris) -> tuple[list[bytes], list[bytes]]:
     return others, starts
 
 
-def start_of(line: bytes) -> str:
+def start_of(line: bytes) -> bytes:
     """Return the IRI of the start that a line of N-Triples describes."""
-    return line.partition(b">")[0].partition(b"#")[0][1:].decode()
+    return line.partition(b">")[0].partition(b"#")[0][1:]
 
 
 class Start:

@@ -33,6 +33,7 @@ from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import BuildReport, Silent, SourceReport, totals
 from kg.pipeline.sources import folders, gather, installed_folders
 from kg.pipeline.state import PackageState, SourceState, State, load, save
+from kg.store.allocator import share_pools
 from kg.store.changes import since
 from kg.store.failure import translated
 
@@ -84,6 +85,7 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
     """
     began = time.perf_counter()
     told = report or Silent()
+    share_pools()
     with translated(str(store.layout.root)):
         store.layout.cache.mkdir(parents=True, exist_ok=True)
     with _rare_collections(), store.write(command) as transaction:
@@ -144,7 +146,7 @@ class _Build:
         written: dict[str, Written] = {}
         if changed or gone:
             written = self._write(workspace, plan, calls, changed, gone, results)
-        if self._rules is None or self._state.version != now:
+        if self._rules is None or self._state.version != now or self._transaction.base is None:
             self._inference.update_ontologies(self._transaction, anew=self._state.version != now)
         systems, wired = self._wire(sources, results, gone, now, changed=bool(changed or gone))
         inferred = self._infer(changed=bool(changed or gone))

@@ -6,8 +6,9 @@ names it. Questions are noted with digests of their answers, so that a system is
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from kg.facts import NodeName, NodeReference
 from kg.graph.nodes import Stated
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
     from kg.pipeline.state import PackageState, Question
 
 __all__ = ["Catalogue"]
+
+_DECODED: Final = 64
+"""Node types of so many packages are held at a time; systems of a package start those of few others."""
 
 
 class Catalogue(NodeTypes):
@@ -48,7 +52,9 @@ class Catalogue(NodeTypes):
         self._marks: dict[Question, str] = {}
         self._places: list[tuple[Key, NodeReference, NodeName, int]] = []
         self._results = {key: package.result for key, package in packages.items()}
-        self._decoded: dict[Key, list[NodeRecord]] = {}
+        self._given: dict[Key, list[NodeRecord]] = {}
+        """The node types of other sources."""
+        self._decoded: OrderedDict[Key, list[NodeRecord]] = OrderedDict()
         found = {(key[0], package.name, key): package.known for key, package in packages.items()}
         for (repository, package), records in groupby(others, key=lambda one: (one.repository, one.package)):
             whole = {one.iri: one for one in records}
@@ -58,7 +64,7 @@ class Catalogue(NodeTypes):
             )
             ordered, known = known_as(stated)
             key = (repository, f"{package}/")
-            self._decoded[key] = [whole[one.iri] for one in ordered]
+            self._given[key] = [whole[one.iri] for one in ordered]
             found[repository, package, key] = known
         files = list(data)
         for (repository, package, key), known in sorted(found.items(), key=lambda item: item[0]):
@@ -147,7 +153,11 @@ class Catalogue(NodeTypes):
 
     def _record(self, at: int) -> NodeRecord:
         key, reference, _, place = self._places[at]
+        if key in self._given:
+            return self._given[key][place]
         if key not in self._decoded:
+            if len(self._decoded) >= _DECODED:
+                self._decoded.popitem(last=False)
             self._decoded[key] = [
                 NodeRecord(
                     reference.repository,
@@ -160,6 +170,7 @@ class Catalogue(NodeTypes):
                 )
                 for one in cache.nodes(self._folder, self._results[key])
             ]
+        self._decoded.move_to_end(key)
         return self._decoded[key][place]
 
 

@@ -172,7 +172,7 @@ class Inference:
         from kg.rules.written import Written  # noqa: PLC0415 - numbers are loaded here
 
         if transaction.base is None and not transaction.changed:
-            transaction.changes = Written()
+            transaction.changes = Written(self._store.layout.cache)
 
     def outdated(self) -> bool:
         """Return whether the ontologies in force are others than those that the store was given; raises KG002."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tempfile
 from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import NamedNode, RdfFormat
@@ -10,19 +11,58 @@ from pyoxigraph import NamedNode, RdfFormat
 from kg.graph import vocabulary as v
 from kg.graph.shared import SHARED
 from kg.graph.starts import STARTS, start_of
+from kg.store.failure import translated
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
 
     from kg.graph.iris import Iris
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["keep_shared", "keep_starts", "patch_shared"]
+__all__ = ["Described", "keep_shared", "keep_starts", "patch_shared"]
 
 _FEW: Final = 20
 """Triples are taken out one by one when they are less than one in so many; else the graph is written anew."""
+_HELD_BYTES: Final = 4 << 20
+"""Descriptions of starts beyond this size wait in a file."""
+_PIECE_BYTES: Final = 1 << 20
 _STARTED: Final = f"SELECT DISTINCT ?start WHERE {{ ?instance {v.STARTED_WITH} ?start }}"
 _START: Final = re.compile(f" {re.escape(v.STARTED_WITH)} <([^>]*)> ".encode())
+
+
+class Described:
+    """Lines of N-Triples about starts, those of each start once; many of them are in a file of the folder `cache`."""
+
+    def __init__(self, cache: Path) -> None:
+        self._cache = str(cache)
+        self._known: set[bytes] = set()
+        self._file = tempfile.SpooledTemporaryFile(max_size=_HELD_BYTES, dir=str(cache))  # noqa: SIM115 - `close` closes it
+
+    def add(self, lines: Iterable[bytes]) -> None:
+        """Add lines that describe starts as a whole; the name of a start says all about it, so one is enough.
+
+        Raises StoreError KG304 when the disk is full.
+        """
+        new = {line: start for line in lines if (start := start_of(line)) not in self._known}
+        self._known.update(new.values())
+        with translated(self._cache):
+            self._file.writelines(new)
+
+    def __iter__(self) -> Iterator[bytes]:
+        """Yield the lines."""
+        self._file.seek(0)
+        yield from self._file
+
+    def chunks(self) -> Iterator[bytes]:
+        """Yield the lines in larger pieces."""
+        self._file.seek(0)
+        while piece := self._file.read(_PIECE_BYTES):
+            yield piece + self._file.readline()
+
+    def close(self) -> None:
+        """Forget the lines."""
+        self._file.close()
 
 
 def patch_shared(
@@ -64,7 +104,7 @@ def keep_shared(
 def keep_starts(
     transaction: EmbeddedTransaction,
     iris: Iris,
-    described: set[bytes],
+    described: Described,
     changed: tuple[Iterable[bytes], Iterable[bytes]] | None = None,
 ) -> None:
     """Give the graph of starts those that instances of the store have; `described` are lines about new ones.
@@ -73,24 +113,28 @@ def keep_starts(
     """
     graph = NamedNode(iris.graph(STARTS))
     if changed is not None:
-        before, used = ({match[1].decode() for line in lines if (match := _START.search(line))} for lines in changed)
+        before, used = ({match[1] for line in lines if (match := _START.search(line))} for lines in changed)
         left = before - used
-        used |= {start for start in left if transaction.query(f"ASK {{ ?instance {v.STARTED_WITH} <{start}> }}")}
+        used |= {one for one in left if transaction.query(f"ASK {{ ?instance {v.STARTED_WITH} <{one.decode()}> }}")}
         removed = b"".join(_lines_of(transaction, graph, start) for start in sorted(left - used))
         added = b"".join(sorted(line for line in described if start_of(line) in used)) if used else b""
         if removed or added:
             _patch(transaction, graph, removed, added)
         return
-    found: Any = transaction.query(_STARTED)
-    wanted = {row["start"].value for row in found}
     present = set(transaction.content(graph).splitlines(keepends=True))
+    if not present:
+        transaction.load(graph, described.chunks())
+        return
+    found: Any = transaction.query(_STARTED)
+    wanted = {row["start"].value.encode() for row in found}
     unused = {line for line in present if start_of(line) not in wanted}
-    _change(transaction, graph, present, unused, described - present)
+    _change(transaction, graph, present, unused, set(described) - present)
 
 
-def _lines_of(transaction: EmbeddedTransaction, graph: NamedNode, start: str) -> bytes:
+def _lines_of(transaction: EmbeddedTransaction, graph: NamedNode, start: bytes) -> bytes:
     """Return the triples of a start and of its parts, as N-Triples."""
-    parts = f"{{ BIND(<{start}> AS ?part) }} UNION {{ <{start}> {v.HAS_REMAP}|{v.HAS_SETTING} ?part }}"
+    iri = f"<{start.decode()}>"
+    parts = f"{{ BIND({iri} AS ?part) }} UNION {{ {iri} {v.HAS_REMAP}|{v.HAS_SETTING} ?part }}"
     found: Any = transaction.query(f"CONSTRUCT {{ ?part ?p ?o }} WHERE {{ GRAPH {graph} {{ {parts} ?part ?p ?o }} }}")
     return found.serialize(format=RdfFormat.N_TRIPLES) or b""
 

@@ -27,8 +27,9 @@ from kg.pipeline import cache
 from kg.pipeline.catalogue import Catalogue
 from kg.pipeline.known import digest
 from kg.pipeline.report import totals
-from kg.pipeline.sharing import keep_starts
+from kg.pipeline.sharing import Described, keep_starts
 from kg.pipeline.state import PackageSystems, Systems, WiredSystem
+from kg.store.allocator import give_back
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -114,7 +115,7 @@ class _Writing:
         """Whether all graphs that were written held what the last build left."""
         self._waiting: dict[NamedNode, bytes] = {}
         self._bytes = 0
-        self._starts = set[bytes]()
+        self._starts = Described(transaction.layout.cache)
         self._gone: list[bytes] = []
         self._came: list[bytes] = []
 
@@ -125,7 +126,7 @@ class _Writing:
         """
         for name, content in contents.items():
             own, described = starts_apart(content, self._iris)
-            self._starts.update(described)
+            self._starts.add(described)
             self._give(name, own)
             self._read = self._read and (name not in self._present or name in self._intact)
         self.changed += len(contents)
@@ -136,8 +137,9 @@ class _Writing:
         graph, wanted = NamedNode(name), set(content)
         held = set(self._transaction.content(graph).splitlines(keepends=True)) if name in self._intact else set[bytes]()
         removed, added = held - wanted, wanted - held
-        self._gone += filter(_starts_something, removed)
-        self._came += filter(_starts_something, added)
+        if self._read:
+            self._gone += filter(_starts_something, removed)
+            self._came += filter(_starts_something, added)
         if not wanted:
             self._transaction.drop_graph(graph)
         elif (len(removed) + len(added)) * _SMALL > len(wanted):
@@ -152,10 +154,12 @@ class _Writing:
 
     def finish(self) -> None:
         """Write the waiting graphs, and the start records of the systems."""
+        give_back()
         if self._waiting:
             self._flush()
         if self.changed:
             keep_starts(self._transaction, self._iris, self._starts, (self._gone, self._came) if self._read else None)
+        self._starts.close()
 
 
 def _starts_something(line: bytes) -> bool:
@@ -195,14 +199,16 @@ class _Work:
         self._intact = intact
         self._questions = [question for question, _ in last.answers]
         self._changed = {at for at, (question, mark) in enumerate(last.answers) if catalogue.mark(question) != mark}
-        self._found: dict[Key, dict[str, tuple[WiredSystem, tuple[Question, ...]]]] = {}
+        self._found: dict[Key, dict[str, WiredSystem]] = {}
+        self._asked: dict[Question, int] = {}
+        """The questions of the systems of `_found`, each with its number there."""
         self._results: dict[Key, str] = {}
 
     def package(self, folder: Path, key: Key, result: str) -> None:
         """Wire those systems of a package that are not what they were; `result` is its name in the cache `folder`."""
         earlier = self._last.packages.get(key[0], {}).get(key[1])
         held = {path: one for path, one in earlier.graphs.items() if self._holds(key, path, one)} if earlier else {}
-        found = {path: (one, tuple(self._questions[at] for at in one.asked)) for path, one in held.items()}
+        found = {path: self._numbered(one, (self._questions[at] for at in one.asked)) for path, one in held.items()}
         if earlier is None or earlier.result != result or len(held) < len(earlier.graphs):
             configurations = {one.path: one for one in cache.launches(folder, result) or ()}
             found = {
@@ -216,14 +222,14 @@ class _Work:
         same = self._last.version == self._version and self._changed.isdisjoint(system.asked)
         return same and self._iris.launch_graph(key[0], path) in self._intact
 
-    def _kept(
-        self, held: tuple[WiredSystem, tuple[Question, ...]] | None, configuration: LaunchConfiguration
-    ) -> tuple[WiredSystem, tuple[Question, ...]] | None:
-        return held if held is not None and held[0].configuration == _mark(configuration) else None
+    def _kept(self, held: WiredSystem | None, configuration: LaunchConfiguration) -> WiredSystem | None:
+        return held if held is not None and held.configuration == _mark(configuration) else None
 
-    def _wired(
-        self, key: Key, configuration: LaunchConfiguration, earlier: PackageSystems | None
-    ) -> tuple[WiredSystem, tuple[Question, ...]]:
+    def _numbered(self, system: WiredSystem, asked: Iterable[Question]) -> WiredSystem:
+        """Return a system with the numbers of the questions that its wiring asked."""
+        return replace(system, asked=tuple(self._asked.setdefault(one, len(self._asked)) for one in asked))
+
+    def _wired(self, key: Key, configuration: LaunchConfiguration, earlier: PackageSystems | None) -> WiredSystem:
         self._catalogue.asked.clear()
         system = self._wire(configuration)
         content = system_triples(system, self._catalogue.records(system), self._iris)
@@ -232,7 +238,7 @@ class _Work:
         if graph not in self._intact or before is None or before.graph != mark:
             self.contents[graph] = content
         made = WiredSystem(_mark(configuration), mark, len(system.instances), ())
-        return made, tuple(self._catalogue.asked)
+        return self._numbered(made, self._catalogue.asked)
 
     def _wire(self, configuration: LaunchConfiguration) -> System:
         """Wire a configuration. One that `kg` trips over has a problem and starts nothing; the others are wired."""
@@ -247,15 +253,15 @@ class _Work:
 
     def systems(self) -> Systems:
         """Return the state that the next build compares with."""
-        places: dict[Question, int] = {}
+        questions, places = list(self._asked), dict[int, int]()
         packages: dict[str, dict[str, PackageSystems]] = {}
         for key, found in sorted(self._found.items()):
             graphs = {}
-            for path, (system, asked) in sorted(found.items()):
-                at = tuple(sorted(places.setdefault(question, len(places)) for question in asked))
+            for path, system in sorted(found.items()):
+                at = tuple(sorted(places.setdefault(number, len(places)) for number in system.asked))
                 graphs[path] = replace(system, asked=at)
             packages.setdefault(key[0], {})[key[1]] = PackageSystems(self._results[key], graphs)
-        answers = tuple((question, self._catalogue.mark(question)) for question in places)
+        answers = tuple((questions[number], self._catalogue.mark(questions[number])) for number in places)
         return Systems(self._version, answers, packages)
 
 

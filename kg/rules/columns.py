@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from kg.rules.engine.pages import Pages
+
 
 _THREADS: Final = 2
 _SMALL: Final = 20_000
@@ -36,7 +38,7 @@ _SMALL: Final = 20_000
 _PIECE_BYTES: Final = 4 << 20
 _OBJECT: Final = np.int64((1 << 32) - 1)
 
-_ROWS: Final = 1 << 17
+_ROWS: Final = 1 << 15
 """How many lines are made at once."""
 
 _AUXILIARY: Final = b"<" + AUXILIARY.encode()
@@ -58,6 +60,8 @@ def lines(facts: Facts, dictionary: Dictionary, predicates: Iterable[int] | None
         middle = b" " + dictionary.spelling(predicate) + b" "
         for begin in range(0, keys.size, _ROWS):
             yield _chunk(keys[begin : begin + _ROWS], middle, dictionary)
+            if dictionary.pages is not None:
+                dictionary.pages.release()
 
 
 def _chunk(keys: Keys, middle: bytes, dictionary: Dictionary) -> bytes:
@@ -127,14 +131,14 @@ def read_columns(
 ) -> tuple[Dictionary, Facts]:
     """Return the triples that any of `graphs` has (None: the default graph), each once; terms go into `dictionary`."""
     terms = dictionary if dictionary is not None else Dictionary()
-    return terms, union_of(read(source, what, graphs, terms).values())
+    return terms, union_of(read(source, what, graphs, terms).values(), terms.pages)
 
 
 def read(
     source: Tables, what: Wanted, graphs: Iterable[NamedNode | None], dictionary: Dictionary
 ) -> dict[NamedNode | None, Facts]:
     """Return the wanted triples of each graph by itself."""
-    found: dict[NamedNode | None, Facts] = {graph: Facts() for graph in graphs}
+    found = {graph: Facts(pages=dictionary.pages) for graph in graphs}
     loose: dict[tuple[NamedNode | None, int], list[NDArray[np.int64]]] = {}
     large = list(found)
     if what.predicates is not None:
@@ -252,12 +256,12 @@ def _texts(
             yield query, graph, rows.result()
 
 
-def union_of(parts: Iterable[Facts]) -> Facts:
-    """Return the triples that any of some sets has; the sets of one are shared."""
+def union_of(parts: Iterable[Facts], pages: Pages | None = None) -> Facts:
+    """Return the triples that any of some sets has; the sets of one are shared. Large arrays go to `pages`."""
     every = list(parts)
     if len(every) == 1:
         return every[0].copy()
-    found = Facts()
+    found = Facts(pages=pages)
     for predicate in {predicate for part in every for predicate in part.predicates}:
         columns = [part.keys(predicate) for part in every if part.keys(predicate).size]
         found.replace(predicate, columns[0] if len(columns) == 1 else distinct(np.concatenate(columns)))

@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import mmap
 from dataclasses import dataclass, field
+from functools import partial
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
@@ -23,6 +24,7 @@ from kg.rules.recording import Names
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
     from typing import BinaryIO
 
@@ -35,6 +37,7 @@ _HEADER: Final = _DIGEST_BYTES + 8
 """Where the header begins, behind its length."""
 _WORDS: Final = 512
 """Words of eight bytes of a page."""
+_PIECE_BYTES: Final = 8 << 20
 
 
 @dataclass(slots=True)
@@ -72,7 +75,8 @@ def save(cache: Path, memory: Memory) -> None:
                 arrays.append(keys)
                 size += keys.size
             sections[-1].append((predicate, begins[id(keys)], keys.size))
-    spellings = memory.dictionary.spellings(range(1, len(memory.dictionary)))
+    pages = memory.dictionary.pages
+    terms, texts = memory.dictionary.whole()
     graphs = ["" if graph is None else graph.value for graph in memory.graphs]
     header = {
         "digest": memory.digest,
@@ -80,20 +84,25 @@ def save(cache: Path, memory: Memory) -> None:
         "graphs": graphs,
         "sections": sections,
         "keys": size,
-        "terms": len(spellings),
+        "terms": len(terms),
     }
     line = json.dumps(header, separators=(",", ":")).encode()
     line += b" " * (-len(line) % 8)  # arrays begin at a multiple of eight bytes
     length = len(line).to_bytes(_HEADER - _DIGEST_BYTES, "little")
-    tables = [keys.data for keys in arrays] + [table.data for table in Kept.index(spellings)]
+    tables = [keys.data for keys in arrays] + [terms.ends.data, terms.sums.data, terms.order.data]
 
     def fill(file: BinaryIO) -> None:
         # Part by part: all in one piece would need its size in memory once more.
-        file.writelines((bytes(_DIGEST_BYTES), length, line, *tables))
-        file.writelines(spellings)
-        file.flush()
-        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as written, memoryview(written) as content:
-            digest = _digest(content[_DIGEST_BYTES:])
+        parts: list[bytes | memoryview] = [bytes(_DIGEST_BYTES), length, line, *tables, *texts]
+        read = 0
+        for part in parts:
+            file.write(part)
+            read += memoryview(part).nbytes
+            if pages is not None and read > _PIECE_BYTES:
+                pages.release()
+                read = 0
+        file.seek(_DIGEST_BYTES)
+        digest = _digest(iter(partial(file.read, _PIECE_BYTES), b""))
         file.seek(0)
         file.write(digest)
 
@@ -114,7 +123,7 @@ def load(cache: Path, digest: str | None = None) -> Memory | None:
             content = memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
     except (OSError, ValueError):  # an empty file cannot be mapped
         return None
-    if _digest(content[_DIGEST_BYTES:]) != content[:_DIGEST_BYTES]:
+    if _digest(_pieces(content[_DIGEST_BYTES:])) != content[:_DIGEST_BYTES]:
         return None
     return _read(content, max(numbers), digest)
 
@@ -143,10 +152,24 @@ def _read(content: memoryview, generation: int, digest: str | None) -> Memory | 
     return Memory(generation, header["digest"], names, dictionary, graphs, asserted, inferred, written)
 
 
-def _digest(content: bytes | memoryview) -> bytes:
-    """Return a digest that any change of a byte changes: of the sums of the words of each page."""
-    words = np.frombuffer(content, np.uint64, len(content) // 8)
-    pages = words[: words.size // _WORDS * _WORDS].reshape(-1, _WORDS)
-    found = blake2b(pages.sum(axis=1).tobytes(), digest_size=_DIGEST_BYTES, person=_FORM)
-    found.update(content[pages.nbytes :])
+def _written(names: Names) -> list[str]:
+    return [names.inferred.value, names.builds.value, names.base, names.vocabulary]
+
+
+def _digest(pieces: Iterable[bytes | memoryview]) -> bytes:
+    """Return a digest that any change of a byte changes: of the sums of the words of each page.
+
+    The content is given in pieces of whole pages, but for the last one.
+    """
+    found = blake2b(digest_size=_DIGEST_BYTES, person=_FORM)
+    for content in pieces:
+        words = np.frombuffer(content, np.uint64, len(content) // 8)
+        pages = words[: words.size // _WORDS * _WORDS].reshape(-1, _WORDS)
+        found.update(pages.sum(axis=1).tobytes())
+        found.update(content[pages.nbytes :])
     return found.digest()
+
+
+def _pieces(content: memoryview) -> Iterator[memoryview]:
+    for begin in range(0, len(content), _PIECE_BYTES):
+        yield content[begin : begin + _PIECE_BYTES]

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Final
@@ -45,6 +46,7 @@ from kg.rules.columns import (
 from kg.rules.dependencies import volatile
 from kg.rules.engine.evaluate import Limits, Program, RuleReport, evaluate
 from kg.rules.engine.facts import Facts, absorb, distinct, lacking
+from kg.rules.engine.pages import Pages
 from kg.rules.engine.terms import Dictionary
 from kg.rules.maintain import Maintained
 from kg.rules.memory import Memory
@@ -52,6 +54,7 @@ from kg.rules.recording import Names, activity
 from kg.rules.reports import Difference, RunReport, Seconds
 from kg.rules.written import Written
 from kg.store import changes
+from kg.store.allocator import give_back
 from kg.store.changes import Changes
 from kg.store.failure import translated
 from kg.store.layout import write_atomically
@@ -183,6 +186,8 @@ class Runner:
     def _write(self, transaction: EmbeddedTransaction, outcome: Outcome) -> RunReport:
         """Write the difference, and the record of the run if any."""
         begin = time.perf_counter()
+        if outcome.mode == "full":
+            give_back()
         report = _report(outcome, self._reasoner)
         if report.added or report.removed:
             self._write_difference(transaction, outcome, report)
@@ -301,14 +306,21 @@ class Reasoner:
     ) -> Outcome:
         begin = time.perf_counter()
         self.forget()
-        dictionary, parts = written.take(graphs) if written is not None else (Dictionary(), {})
+        dictionary, parts = written.take(graphs) if written is not None else (self._dictionary(), {})
         parts |= read(source, EVERYTHING, [graph for graph in graphs if graph not in parts], dictionary)
         data = stated(rule_set.data, dictionary)
-        asserted = union_of([*parts.values(), data])
+        asserted = union_of([*parts.values(), data], dictionary.pages)
         now = self._read_inferred(source, dictionary)
         return self._full(
             Memory(None, self._digest, self._names, dictionary, parts, asserted), data, now, begin, limits
         )
+
+    def _dictionary(self) -> Dictionary:
+        """Return a dictionary without terms, which keeps most of them in a file of the cache."""
+        if self._cache is not None:
+            with suppress(OSError):  # a dry run on a store that can only be read
+                return Dictionary(pages=Pages(self._cache))
+        return Dictionary()
 
     def _full(self, memory: Memory, data: Facts, now: Facts, begin: float, limits: Limits) -> Outcome:
         middle = time.perf_counter()

@@ -9,11 +9,14 @@ from pyoxigraph import NamedNode, RdfFormat, parse
 
 from kg.rules.columns import by_predicate, rows_of
 from kg.rules.engine.facts import Facts, distinct
+from kg.rules.engine.pages import Pages
 from kg.rules.engine.terms import Dictionary
 from kg.store.changes import Changes
 from kg.store.terms import parts_of_lines
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from numpy.typing import NDArray
 
 _BATCH_BYTES: Final = 4 << 20
@@ -22,9 +25,11 @@ _BATCH_BYTES: Final = 4 << 20
 class Written(Changes):
     """Changes of an empty store, with the triples of each graph as long as all of them are known."""
 
-    def __init__(self) -> None:
+    def __init__(self, cache: Path) -> None:
+        """Most of the triples are in a file of the folder `cache`."""
         super().__init__()
-        self._dictionary = Dictionary()
+        self._pages = Pages(cache)
+        self._dictionary = Dictionary(pages=self._pages)
         self._columns: dict[str, dict[int, list[NDArray[np.int64]]]] | None = {}
         self._unknown: set[str] = set()
         self._graph = ""
@@ -79,8 +84,14 @@ class Written(Changes):
         if self._columns is None or self._graph in self._unknown:
             return
         columns = self._columns.setdefault(self._graph, {})
-        for predicate, keys in by_predicate(_rows(lines, self._dictionary)):
-            columns.setdefault(predicate, []).append(keys)
+        found = list(by_predicate(_rows(lines, self._dictionary)))
+        if not found:
+            return
+        every = self._pages.keep(np.concatenate([keys for _, keys in found]))
+        begin = 0
+        for predicate, keys in found:
+            columns.setdefault(predicate, []).append(every[begin : begin + keys.size])
+            begin += keys.size
 
     def take(self, graphs: list[NamedNode | None]) -> tuple[Dictionary, dict[NamedNode | None, Facts]]:
         """Return the triples of those graphs that are known, and keep no more from now on."""
@@ -91,9 +102,12 @@ class Written(Changes):
             name = "" if graph is None else graph.value
             if name not in self._unknown:
                 pairs = known.pop(name, {}).items()
-                found[graph] = Facts({one: distinct(np.concatenate(parts)) for one, parts in pairs})
+                found[graph] = Facts(pages=self._pages)
+                for one, parts in pairs:
+                    found[graph].replace(one, distinct(parts[0] if len(parts) == 1 else np.concatenate(parts)))
         dictionary = self._dictionary
         self._columns, self._dictionary = None, Dictionary()
+        self._pages.release()
         return dictionary, found
 
 

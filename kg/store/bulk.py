@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final, cast
 
 from pyoxigraph import DefaultGraph, Quad, QueryResultsFormat, RdfFormat, parse
 
+from kg.store.allocator import give_back
 from kg.store.terms import BLANK_MARK
 
 if TYPE_CHECKING:
@@ -33,10 +34,10 @@ if TYPE_CHECKING:
 __all__ = ["Interruptible", "add", "exchange", "load", "load_quads", "remove", "table"]
 
 _THREADS: Final = 2
-_LEAST_BYTES: Final = 4 << 20
+_LEAST_BYTES: Final = 2 << 20
 """A batch of at least this size goes to a thread of its own."""
-_MOST_BYTES: Final = 16 << 20
-"""The size of a batch; larger ones cost more for each triple, and keep Ctrl-C waiting."""
+_MOST_BYTES: Final = 4 << 20
+"""The size of a batch; the engine takes several times as much. Larger ones cost as much for each triple."""
 _QUAD_BYTES: Final = 150
 """About what a quad takes as N-Quads."""
 _FEW: Final = 2500
@@ -75,6 +76,8 @@ def load(engine: Engine, graph: Graph, chunks: Iterable[bytes]) -> int:
                 waiting.pop(0).result()
         for future in waiting:
             future.result()
+    if size > _LEAST_BYTES:
+        give_back()
     return size
 
 
@@ -90,6 +93,8 @@ def load_quads(engine: Engine, graphs: Mapping[NamedNode, bytes]) -> int:
             engine().bulk_extend(parse(batch, RdfFormat.N_QUADS, lenient=True))
         else:
             engine().bulk_load(batch, RdfFormat.N_QUADS, lenient=True)
+    if size > _LEAST_BYTES:
+        give_back()
     return size
 
 
@@ -151,7 +156,7 @@ def _batches(chunks: Iterable[bytes]) -> Iterator[bytes]:
     for chunk in chunks:
         batch.append(chunk)
         size += len(chunk)
-        if size >= _MOST_BYTES:
+        if size >= _THREADS * _MOST_BYTES:
             yield from _split(b"".join(batch))
             batch, size = [], 0
     if batch:

@@ -8,6 +8,7 @@ import pytest
 
 from kg.graph.iris import Iris
 from kg.graph.shared import SHARED
+from kg.pipeline import sharing
 from kg.pipeline.sharing import keep_shared, patch_shared
 from kg.store.embedded import EmbeddedStore
 
@@ -53,3 +54,17 @@ def test_a_graph_that_a_patch_empties_goes(store: EmbeddedStore) -> None:
     with store.write("test") as transaction:
         patch_shared(transaction, IRIS, [BOTH], [], [])
     assert graphs(store) == set()
+
+
+@pytest.mark.parametrize("held", [0, 1 << 20])
+def test_a_start_is_described_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, held: int) -> None:
+    """Whether its lines wait in memory or in a file."""
+    monkeypatch.setattr(sharing, "_HELD_BYTES", held)
+    first = [b'<urn:start/a> <urn:kind> "node" .\n', b'<urn:start/a#remap/x> <urn:from> "x" .\n']
+    second = b'<urn:start/b> <urn:kind> "node" .\n'
+    described = sharing.Described(tmp_path)
+    described.add(first)
+    described.add([*first, second])
+    assert list(described) == [*first, second]
+    assert b"".join(described.chunks()) == b"".join([*first, second])
+    described.close()

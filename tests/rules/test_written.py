@@ -73,7 +73,7 @@ def test_what_is_written_is_what_would_be_read(changes: list[tuple[str, NamedNod
     with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "_BATCH_BYTES", batch)
         with EmbeddedStore.create(Path(folder)).write("test") as transaction:
-            written = transaction.changes = Written()
+            written = transaction.changes = Written(Path(folder))
             for operation, graph, content in changes:
                 do(transaction, operation, graph, content)
             graphs = [*GRAPHS, None]
@@ -88,7 +88,7 @@ def test_a_graph_that_was_only_loaded_need_not_be_read(tmp_path: Path) -> None:
     """Loads, new contents and added triples are known; a removed triple, and an update of the engine, are not."""
     line = b"<urn:s> <urn:p> <urn:a> .\n"
     with EmbeddedStore.create(tmp_path).write("test") as transaction:
-        transaction.changes = Written()
+        transaction.changes = Written(tmp_path)
         transaction.load(GRAPHS[0], [line, b"<urn:s> <urn:p> _:b .\n"])
         transaction.replace_small_graphs({GRAPHS[1]: line})
         transaction.append(GRAPHS[1], b"<urn:s> <urn:q> <urn:a> .\n")

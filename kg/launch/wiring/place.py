@@ -52,7 +52,7 @@ class Place:
         return self.resolve(substitute(name, own.get))
 
 
-@lru_cache(maxsize=65_536)
+@lru_cache(maxsize=16_384)
 def _resolved(name: str, namespace: str, private: str) -> str:
     written = normalise(name)
     if written.startswith("/"):

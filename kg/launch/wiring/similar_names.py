@@ -98,13 +98,13 @@ class Alike:
         return self._index
 
 
-@lru_cache(maxsize=65_536)
+@lru_cache(maxsize=16_384)
 def words_of(name: str) -> Words:
     """Return the words of each segment of a name, in small letters."""
     return tuple([_segment(segment)[0] for segment in name.split("/") if segment])
 
 
-@lru_cache(maxsize=65_536)
+@lru_cache(maxsize=16_384)
 def _segment(segment: str) -> tuple[tuple[str, ...], str, str]:
     """Return the words of a segment, in small letters, these in the singular as one, and their first letters.
 
@@ -114,7 +114,7 @@ def _segment(segment: str) -> tuple[tuple[str, ...], str, str]:
     return words, "".join(map(_singular, words)), "".join([word[0] for word in words])
 
 
-@lru_cache(maxsize=65_536)
+@lru_cache(maxsize=16_384)
 def _form(name: str) -> tuple[str, ...]:
     """Return a name without case, separators and plurals; a leading slash stays."""
     root = name[:1] if name[:1] in {"/", "~"} else ""
@@ -169,7 +169,7 @@ def _whole(name: str) -> str:
     return name.removeprefix("~").strip("/")
 
 
-@lru_cache(maxsize=65_536)
+@lru_cache(maxsize=16_384)
 def _initials(name: str) -> str:
     """Return the first letters of all words, which a misspelt name shares."""
     return "/".join([_segment(segment)[2] for segment in name.split("/") if segment])

@@ -154,7 +154,7 @@ class _Run:
         self._asserted = asserted
         self._known = asserted.copy()
         self._size = 0
-        self.inferred = Facts()
+        self.inferred = Facts(pages=asserted.pages)
         self.reports: list[RuleReport] = []
 
     def learn(self, facts: Facts) -> None:
@@ -230,12 +230,15 @@ class _Run:
         report.matched = tuple(rows + solver.matched.get(number, 0) for number, rows in enumerate(report.matched))
         report.seconds += time.perf_counter() - begin
         clock.check(self._size)
+        if self._asserted.pages is not None:
+            self._asserted.pages.release()
 
     def _new(self, predicate: int, keys: Keys, delta: Facts) -> Keys:
         return delta.missing(predicate, self._known.missing(predicate, keys))
 
     def _merge(self, delta: Facts) -> None:
-        for predicate, keys in delta:
+        for predicate, derived in delta:
+            keys = self.inferred.held(derived)
             self._known.extend(predicate, keys)
             self.inferred.extend(predicate, keys)
 

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from kg.rules.engine.pages import Pages
+
 Keys: TypeAlias = "NDArray[np.int64]"
 """Packed pairs of identifiers."""
 
@@ -127,8 +129,9 @@ class Facts:
     one array when somebody asks for it: a recursion of many rounds that only adds does not copy everything each time.
     """
 
-    def __init__(self, keys: dict[int, Keys] | None = None) -> None:
-        """`keys` are the pairs of each predicate that has any: sorted, each once."""
+    def __init__(self, keys: dict[int, Keys] | None = None, pages: Pages | None = None) -> None:
+        """`keys` are the pairs of each predicate that has any: sorted, each once. Large arrays go to `pages`."""
+        self.pages = pages
         self._keys: dict[int, Keys] = keys if keys is not None else {}
         self._runs: dict[int, list[Keys]] = {}
         self._flipped: dict[int, Keys] = {}
@@ -162,8 +165,12 @@ class Facts:
             self._merge_runs(predicate)
         found = self._flipped.get(predicate)
         if found is None:
-            found = self._flipped[predicate] = flipped(self.keys(predicate))
+            found = self._flipped[predicate] = self.held(flipped(self.keys(predicate)))
         return found
+
+    def held(self, array: Keys) -> Keys:
+        """Return an array as it is held here: in memory, or in pages."""
+        return array if self.pages is None else self.pages.keep(array)
 
     def pairs_of(self, predicate: int, term: int, *, by_object: bool) -> Keys:
         """Return the pairs of a predicate that have a subject, or an object; as `keys` or `by_object` has them."""
@@ -190,7 +197,10 @@ class Facts:
         keys = self.by_object(predicate) if by_object else self.keys(predicate)
         found = self._starts.get((predicate, by_object))
         if found is None or found.size <= terms:
-            found = self._starts[predicate, by_object] = starts(keys, terms)
+            found = starts(keys, terms)
+            if self.pages is not None:
+                found = self.pages.keep(found)
+            self._starts[predicate, by_object] = found
         return found
 
     def has_starts(self, predicate: int, terms: int, *, by_object: bool = False) -> bool:
@@ -213,7 +223,7 @@ class Facts:
         self._forget(predicate)
         self._flipped.pop(predicate, None)
         if keys.size:
-            self._keys[predicate] = keys
+            self._keys[predicate] = self.held(keys)
         else:
             self._keys.pop(predicate, None)
 
@@ -244,10 +254,10 @@ class Facts:
         """Merge the waiting runs into the array; an existing order by object is updated."""
         runs = self._runs.pop(predicate)
         new = runs[0] if len(runs) == 1 else np.sort(np.concatenate(runs))
-        self._keys[predicate] = merged(self._keys.get(predicate, EMPTY), new)
+        self._keys[predicate] = self.held(merged(self._keys.get(predicate, EMPTY), new))
         other = self._flipped.get(predicate)
         if other is not None:
-            self._flipped[predicate] = merged(other, flipped(new))
+            self._flipped[predicate] = self.held(merged(other, flipped(new)))
         self._forget(predicate)
 
     def remove(self, predicate: int, keys: Keys) -> Keys:
@@ -264,7 +274,7 @@ class Facts:
         other = self._flipped.get(predicate)
         self.replace(predicate, parted(keys, gone))
         if other is not None and predicate in self._keys:
-            self._flipped[predicate] = parted(other, flipped(gone))
+            self._flipped[predicate] = self.held(parted(other, flipped(gone)))
 
     def take_over(self, predicate: int, other: Facts) -> None:
         """Give a predicate the pairs that another set has, sharing its arrays."""
@@ -274,7 +284,7 @@ class Facts:
 
     def copy(self) -> Facts:
         """Return a set that shares the arrays and can be changed by itself."""
-        other = Facts()
+        other = Facts(pages=self.pages)
         other._keys = dict(self._keys)
         other._runs = {predicate: list(runs) for predicate, runs in self._runs.items()}
         other._flipped = dict(self._flipped)

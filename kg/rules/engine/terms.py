@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final
 from zlib import crc32
 
 import numpy as np
@@ -16,6 +15,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
+
+    from kg.rules.engine.pages import Pages
+    from kg.store.terms import Term
 
 
 IRI, BLANK, LITERAL, TRIPLE = range(1, 5)
@@ -29,13 +31,13 @@ _KINDS[0x5F::0x100] = BLANK
 _KINDS[0x22::0x100] = LITERAL
 
 
-_FEW: Final = 10_000
-"""Where more kept terms than this are looked up one by one, all of them are read."""
+_RECENT: Final = 1 << 16
+"""So many terms are held in memory, where there is a file for the others."""
 
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """The spellings of terms 1, 2, ... as they are in a file, to be read one by one."""
+    """The spellings of some terms as they are in a file, to be read one by one; their places count from 0."""
 
     text: memoryview
     """All spellings, without anything between them."""
@@ -44,79 +46,127 @@ class Kept:
     sums: NDArray[np.uint32]
     """The CRC-32 of each, sorted."""
     order: NDArray[np.uint32]
-    """For each of these its place among the terms, from 0."""
+    """For each of these its place among the terms."""
 
-    @staticmethod
-    def index(spellings: Sequence[bytes]) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.uint32]]:
-        """Return `ends`, `sums` and `order` of distinct spellings."""
+    @classmethod
+    def of(cls, spellings: Sequence[bytes]) -> Kept:
+        """Return distinct spellings."""
         ends = np.zeros(len(spellings) + 1, np.int64)
         np.cumsum(np.fromiter(map(len, spellings), np.int64, len(spellings)), out=ends[1:])
         sums = np.fromiter(map(crc32, spellings), np.uint32, len(spellings))
         order = np.argsort(sums, kind="stable").astype(np.uint32)
-        return ends, sums[order], order
+        return cls(memoryview(b"".join(spellings)), ends, sums[order], order)
+
+    def within(self, pages: Pages) -> Kept:
+        """Return the same in a file."""
+        text = pages.join([np.frombuffer(self.text, np.uint8)])
+        return Kept(text.data, pages.keep(self.ends), pages.keep(self.sums), pages.keep(self.order))
+
+    def and_then(self, other: Kept, pages: Pages) -> Kept:
+        """Return these spellings, and those of `other` behind them, in a file."""
+        text = pages.join([np.frombuffer(one.text, np.uint8) for one in (self, other)])
+        ends = pages.join([self.ends, other.ends[1:] + self.ends[-1]])
+        sums = np.concatenate([self.sums, other.sums])
+        merged = np.argsort(sums, kind="stable")  # of two that are sorted, in one pass
+        order = np.concatenate([self.order, other.order + np.uint32(len(self))])[merged]
+        return Kept(text.data, ends, pages.keep(sums[merged]), pages.keep(order))
 
     def __len__(self) -> int:
         return self.order.size
 
-    def spelling(self, identifier: int) -> bytes:
-        """Return the spelling of a term."""
-        return bytes(self.text[self.ends[identifier - 1] : self.ends[identifier]])
+    def spelling(self, place: int) -> bytes:
+        """Return one spelling."""
+        return bytes(self.text[self.ends[place] : self.ends[place + 1]])
+
+    def spellings(self, places: NDArray[np.int64]) -> list[bytes]:
+        """Return many spellings."""
+        text, begins, ends = self.text, self.ends[places].tolist(), self.ends[places + 1].tolist()
+        return [bytes(text[begin:end]) for begin, end in zip(begins, ends, strict=True)]
 
     def find(self, spelling: bytes) -> int | None:
-        """Return the identifier of a term."""
+        """Return the place of a spelling."""
         wanted = np.uint32(crc32(spelling))
-        for place in range(self.sums.searchsorted(wanted), self.sums.searchsorted(wanted, "right")):
-            identifier = int(self.order[place]) + 1
-            if self.spelling(identifier) == spelling:
-                return identifier
+        for number in range(self.sums.searchsorted(wanted), self.sums.searchsorted(wanted, "right")):
+            place = int(self.order[number])
+            if self.spelling(place) == spelling:
+                return place
         return None
 
-    def spellings(self) -> list[bytes]:
-        """Return all of them."""
-        text, ends = bytes(self.text), self.ends.tolist()
-        return [text[begin:end] for begin, end in pairwise(ends)]
+    def find_all(self, spellings: Sequence[bytes], sums: NDArray[np.uint32]) -> NDArray[np.int64]:
+        """Return the place of each spelling, -1 for those that are not there; `sums` are their CRC-32."""
+        found = np.full(len(spellings), -1, np.int64)
+        numbers = self.sums.searchsorted(sums)
+        numbers[numbers == self.sums.size] = 0
+        like = np.flatnonzero(self.sums[numbers] == sums)
+        places = self.order[numbers[like]].astype(np.int64)
+        for at, place, text in zip(like.tolist(), places.tolist(), self.spellings(places), strict=True):
+            if text == spellings[at]:
+                found[at] = place
+            elif (other := self.find(spellings[at])) is not None:
+                found[at] = other
+        return found
 
 
 class _Identifiers(dict[bytes, int]):
-    """Gives a spelling that it does not have the next identifier; looking up stays in C for those that it has."""
+    """Gives a spelling that it does not have the next identifier; looking up stays in C for those that it has.
 
-    def __init__(self, spellings: list[bytes | None], kept: Kept | None = None) -> None:
+    It has those of `recent` terms, the first of which has the identifier `first`, and of others that were looked for,
+    which are in files: `kept` are these, by identifier, each with its first one.
+    """
+
+    def __init__(self, kept: Kept | None = None) -> None:
         super().__init__()
-        self._spellings = spellings
-        self._kept = kept
-        self._asked = 0
+        self.kept = [(1, kept)] if kept else []
+        self.first = 1 + len(kept) if kept else 0
+        self.recent = [] if kept else [b""]
 
     def __missing__(self, spelling: bytes) -> int:
         identifier = self.find(spelling)
         if identifier is None:
-            identifier = len(self._spellings)
-            self._spellings.append(spelling)
+            identifier = self.first + len(self.recent)
+            self.recent.append(spelling)
         self[spelling] = identifier
         return identifier
 
     def find(self, spelling: bytes) -> int | None:
         """Return the identifier of a spelling that is known."""
         found = self.get(spelling)
-        if found is not None or self._kept is None:
-            return found
-        self._asked += 1
-        if self._asked <= _FEW:
-            return self._kept.find(spelling)
-        every = self._kept.spellings()
-        self._spellings[1 : len(every) + 1] = every
-        self.update(zip(every, range(1, len(every) + 1), strict=True))
-        self._kept = None
-        return self.get(spelling)
+        for first, kept in self.kept if found is None else ():
+            if (place := kept.find(spelling)) is not None:
+                return first + place
+        return found
+
+    def look_up(self, spellings: Iterable[bytes]) -> None:
+        """Learn the identifiers of those spellings that are in files, all together."""
+        unknown = [one for one in dict.fromkeys(spellings) if one not in self] if self.kept else []
+        sums = np.fromiter(map(crc32, unknown), np.uint32, len(unknown))
+        for first, kept in self.kept:
+            for one, place in zip(unknown, kept.find_all(unknown, sums).tolist(), strict=True):
+                if place >= 0:
+                    self[one] = first + place
+
+    def put_away(self, pages: Pages) -> None:
+        """Write the recent terms to the file, and forget all. Of the parts there each is over twice the next."""
+        if self.first == 0:
+            self.first, self.recent = 1, self.recent[1:]
+        if self.recent:
+            first, last = self.first, Kept.of(self.recent).within(pages)
+            self.first, self.recent = first + len(last), []
+            while self.kept and len(self.kept[-1][1]) <= 2 * len(last):
+                first, before = self.kept.pop()
+                last = before.and_then(last, pages)
+            self.kept.append((first, last))
+        self.clear()
+        pages.release()
 
 
 class Dictionary:
     """Spellings to identifiers and back. Identifiers count from 1; 0 stands for "unbound"."""
 
-    def __init__(self, kept: Kept | None = None) -> None:
-        """With `kept`, its terms are known, and read on use."""
-        self._kept = kept
-        self._spellings: list[bytes | None] = [b"", *[None] * (len(kept) if kept else 0)]
-        self._identifiers = _Identifiers(self._spellings, kept)
+    def __init__(self, kept: Kept | None = None, pages: Pages | None = None) -> None:
+        """With `kept`, its terms are known, and read on use. With `pages`, only those met last stay in memory."""
+        self.pages = pages
+        self._identifiers = _Identifiers(kept)
         self._kinds = np.zeros(1, np.int8)
         self._parts: dict[int, tuple[int, int, int]] = {}
 
@@ -124,24 +174,33 @@ class Dictionary:
     def of(cls, spellings: Sequence[bytes]) -> Dictionary:
         """Return a dictionary of different terms, with identifiers in their order."""
         made = cls()
-        made._spellings += spellings
+        made._identifiers.recent += spellings
         made._identifiers.update(zip(spellings, range(1, len(spellings) + 1), strict=True))
         return made
 
     def __len__(self) -> int:
-        return len(self._spellings)
+        return self._identifiers.first + len(self._identifiers.recent)
 
     def intern(self, spelling: bytes) -> int:
         """Return the identifier of a term, a new one when it is not known."""
+        self._make_room()
         return self._identifiers[spelling]
 
     def intern_term(self, term: Term) -> int:
         """Return the identifier of a term of pyoxigraph."""
-        return self._identifiers[spell(term)]
+        return self.intern(spell(term))
 
     def intern_all(self, spellings: Iterable[bytes]) -> NDArray[np.int64]:
         """Return the identifiers of many terms, in their order."""
+        self._make_room()
+        if self._identifiers.kept:
+            spellings = spellings if isinstance(spellings, list) else list(spellings)
+            self._identifiers.look_up(spellings)
         return np.fromiter(map(self._identifiers.__getitem__, spellings), np.int64)
+
+    def _make_room(self) -> None:
+        if self.pages is not None and len(self._identifiers) > _RECENT:
+            self._identifiers.put_away(self.pages)
 
     def find(self, spelling: bytes) -> int | None:
         """Return the identifier of a term that is known, without making one."""
@@ -149,22 +208,38 @@ class Dictionary:
 
     def spelling(self, identifier: int) -> bytes:
         """Return how a term is spelt in N-Triples."""
-        found = self._spellings[identifier]
-        return self._read(identifier) if found is None else found
-
-    def _read(self, identifier: int) -> bytes:
-        assert self._kept is not None  # noqa: S101 - nothing else leaves a spelling out
-        found = self._spellings[identifier] = self._kept.spelling(identifier)
-        return found
+        return self.spellings((identifier,))[0]
 
     def spellings(self, identifiers: NDArray[np.int64] | Sequence[int]) -> list[bytes]:
         """Return the spellings of many terms, in their order."""
-        every = self._spellings
-        numbers = identifiers.tolist() if isinstance(identifiers, np.ndarray) else identifiers
-        found = [every[identifier] for identifier in numbers]
-        if self._kept is not None and None in found:
-            return [self._read(number) if one is None else one for number, one in zip(numbers, found, strict=True)]
-        return cast("list[bytes]", found)
+        known = self._identifiers
+        if not known.kept:
+            every = known.recent
+            numbers = identifiers.tolist() if isinstance(identifiers, np.ndarray) else identifiers
+            return [every[identifier] for identifier in numbers]
+        wanted = np.asarray(identifiers, np.int64)
+        found = [b""] * wanted.size
+        for first, kept in known.kept:
+            places = np.flatnonzero((wanted >= first) & (wanted < first + len(kept)))
+            for at, spelling in zip(places.tolist(), kept.spellings(wanted[places] - first), strict=True):
+                found[at] = spelling
+        for at in np.flatnonzero(wanted >= known.first).tolist():
+            found[at] = known.recent[wanted[at] - known.first]
+        return found
+
+    def whole(self) -> tuple[Kept, list[memoryview]]:
+        """Return all terms as they are to be written to a file: without a text, and the parts of the text."""
+        known = self._identifiers
+        recent = Kept.of(known.recent if known.kept else known.recent[1:])
+        every = [*(kept for _, kept in known.kept), recent]
+        begins = np.cumsum([0, *(kept.ends[-1] for kept in every)])
+        ends = [kept.ends[1:] + begin for kept, begin in zip(every, begins, strict=False)]
+        places = np.cumsum([0, *map(len, every)]).astype(np.uint32)
+        sums = np.concatenate([kept.sums for kept in every])
+        merged = np.argsort(sums, kind="stable")
+        order = np.concatenate([kept.order + first for kept, first in zip(every, places, strict=False)])
+        whole = Kept(memoryview(b""), np.concatenate([[0], *ends]), sums[merged], order[merged])
+        return whole, [kept.text for kept in every]
 
     def term(self, identifier: int) -> Term:
         """Return a term as one of pyoxigraph's."""
@@ -172,9 +247,9 @@ class Dictionary:
 
     def kinds(self, identifiers: NDArray[np.int64]) -> NDArray[np.int8]:
         """Return the kind of each term. Only spellings of terms new to this method are parsed."""
-        if self._kinds.size < len(self._spellings):
+        if self._kinds.size < len(self):
             # Grown by more than needed, so terms created one by one do not copy it each time.
-            grown = np.zeros(len(self._spellings) * 5 // 4, np.int8)
+            grown = np.zeros(len(self) * 5 // 4, np.int8)
             grown[: self._kinds.size] = self._kinds
             self._kinds = grown
         found: NDArray[np.int8] = self._kinds[identifiers]
