@@ -115,8 +115,13 @@ class Plan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def places(self) -> str:
         """Return the places of the rooms as the text of a file of places (docs/programs.md)."""
+
+        def height(place: Place) -> str:
+            return f", z = {place.up}" if place.up else ""
+
         return "".join(
-            f"{json.dumps(one.name)} = {{ x = {one.place.x}, y = {one.place.y}, heading = {one.place.heading} }}\n"
+            f"{json.dumps(one.name)} = {{ x = {one.place.x}, y = {one.place.y}{height(one.place)},"
+            f" heading = {one.place.heading} }}\n"
             for one in self.rooms
         )
 

@@ -16,6 +16,7 @@ from kg.robot.live import infer
 from kg.robot.programs.files import load
 from kg.robot.programs.places import placed, places_of
 from kg.robot.simulation.arm import Arm
+from kg.robot.simulation.plan import read_plan
 from kg.robot.simulation.running import hosted_in_memory
 from kg.robot.simulation.world import World
 from kg.settings import Settings
@@ -80,6 +81,13 @@ def test_the_program_puts_the_cube_into_the_tray(ros: int) -> None:
             assert world.thing_at("red cube")[2] == pytest.approx(0.025, abs=0.005)
 
     asyncio.run(run())
+
+
+def test_a_place_of_the_arm_is_above_the_table() -> None:
+    """Its places have all that a target of the hand needs, so that a page can send the hand there."""
+    places = places_of(read_plan("arm").places())
+    assert {one.z.value for one in places.values() if one.z is not None} == {0.2}
+    assert all(one.z is not None for one in places.values())
 
 
 def test_joints_follow_a_trajectory() -> None:
