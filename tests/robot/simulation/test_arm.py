@@ -15,6 +15,7 @@ from kg.robot.driving import Driver
 from kg.robot.live import infer
 from kg.robot.programs.files import load
 from kg.robot.programs.places import placed, places_of
+from kg.robot.programs.tree import Written
 from kg.robot.simulation.arm import Arm
 from kg.robot.simulation.plan import read_plan
 from kg.robot.simulation.running import hosted_in_memory
@@ -86,8 +87,7 @@ def test_the_program_puts_the_cube_into_the_tray(ros: int) -> None:
 def test_a_place_of_the_arm_is_above_the_table() -> None:
     """Its places have all that a target of the hand needs, so that a page can send the hand there."""
     places = places_of(read_plan("arm").places())
-    assert {one.z.value for one in places.values() if one.z is not None} == {0.2}
-    assert all(one.z is not None for one in places.values())
+    assert [one.z for one in places.values()] == [Written(value=0.2, unit="m")] * 4
 
 
 def test_joints_follow_a_trajectory() -> None:
