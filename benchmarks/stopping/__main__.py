@@ -1,7 +1,9 @@
-"""What stops when: the time from an event to the zero velocity that the robot gets, over ROS 1 and DDS.
+"""What stops when: the time from an event to the zero velocity that the robot gets, over ROS 1, DDS and bridges.
 
-    python -m benchmarks.stopping [--repeats N] [--seconds S]
+    python -m benchmarks.stopping [--repeats N] [--seconds S] [--over PROTOCOL]...
+    unshare -n sh -c 'ip link set lo up; python -m benchmarks.stopping --cut'
 
+`--cut` takes the network away in some rows. `unshare` (as root) gives the benchmark a network of its own for that.
 A command line (`kg robot do`), a program (`kg robot run`) or a page (`kg serve`) drives a robot in a process of its
 own; then something happens. A row has the least and the greatest seconds, or `never` if no zero came in `--seconds`.
 """
@@ -39,7 +41,8 @@ TOKEN: Final = "token-of-a-benchmark"  # noqa: S105 - it guards nothing
 DO: Final = ("do", "drivingAtVelocity", "forward=0.5", "--for", "600")
 RUN: Final = ("run", "endless.kgp")
 PROGRAM: Final = "repeat 9 times\n  move at a velocity  forward: 0.5 m/s for 10 min\nend\n"
-DDS: Final = 2
+PROTOCOLS: Final = ("ROS 1", "DDS", "rosbridge", "Foxglove")
+ROS1, DDS, ROSBRIDGE, FOXGLOVE = PROTOCOLS
 MASTER_STOPPED: Final = "master stopped"
 SPEED: Final = re.compile(r"(?:speed )?(-?[\d.]+)")
 START: Final = 120.0
@@ -79,11 +82,15 @@ def _line(process: subprocess.Popen[str]) -> str:
 
 
 @contextmanager
-def robot(ros: int) -> Iterator[Robot]:
-    """Run a robot that is a node of `kg`."""
+def robot(over: str) -> Iterator[Robot]:
+    """Run a robot: a node of `kg`, or the peer of a bridge."""
     with ExitStack() as stack:
         address = []
-        if ros == DDS:
+        if over in {ROSBRIDGE, FOXGLOVE}:
+            program = Path(__file__).with_name("bridged.py")
+            yield Robot(stack.enter_context(_process([str(program), over.lower()])))
+            return
+        if over == DDS:
             from robot.dds.domain import domain  # noqa: PLC0415 - needs an extra
 
             address = [f"dds://{stack.enter_context(domain())}?settle=1"]
@@ -148,17 +155,31 @@ EVENTS: Final[dict[str, Callable[[subprocess.Popen[str]], None]]] = {
     "Ctrl-Z (SIGTSTP)": lambda process: process.send_signal(signal.SIGTSTP),
     "killed (SIGKILL)": lambda process: process.kill(),
     "suspended (SIGSTOP)": lambda process: process.send_signal(signal.SIGSTOP),
-    "machine or network lost": lambda process: _with_children(process, signal.SIGSTOP),
+    "machine lost": lambda process: _with_children(process, signal.SIGSTOP),
 }
 
 
-def _of_command(command: tuple[str, ...], event: str, seconds: float, ros: int) -> float | None:
+CUTS: Final[dict[str, float | None]] = {"network cut": None, "network cut for 3 s": 3.0, "network cut for 10 s": 10.0}
+"""How long the network is cut, in seconds; None for as long as is measured."""
+
+
+@contextmanager
+def cut() -> Iterator[None]:
+    """Take the network away."""
+    subprocess.run(["ip", "link", "set", "lo", "down"], check=True)
+    try:
+        yield
+    finally:
+        subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
+
+
+def _of_command(command: tuple[str, ...], event: str, seconds: float, over: str) -> float | None:
     """Return the seconds from an event of a command to zero."""
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
         if event == MASTER_STOPPED:
             found, end_master = stack.enter_context(robot_beside_master())
         else:
-            found = stack.enter_context(robot(ros))
+            found = stack.enter_context(robot(over))
         (Path(folder) / "endless.kgp").write_text(PROGRAM, "utf-8")
         arguments = ["-m", "kg", "robot", *command, "--robot", found.address]
         process = stack.enter_context(_process(arguments, folder))
@@ -166,14 +187,18 @@ def _of_command(command: tuple[str, ...], event: str, seconds: float, ros: int) 
         begun = time.monotonic()
         if event == MASTER_STOPPED:
             end_master()
+        elif event in CUTS:
+            with cut():
+                at = found.until(0, CUTS[event] or seconds)
+            return since(found, begun, seconds) if at is None and CUTS[event] else _after(at, begun)
         else:
             EVENTS[event](process)
         return since(found, begun, seconds)
 
 
-def _of_page(event: str, seconds: float, ros: int) -> float | None:
+def _of_page(event: str, seconds: float, over: str) -> float | None:
     """Return the seconds from an event of a page that drives by hand to zero."""
-    with ExitStack() as stack, tempfile.TemporaryDirectory() as folder, robot(ros) as found:
+    with ExitStack() as stack, tempfile.TemporaryDirectory() as folder, robot(over) as found:
         port = stack.enter_context(own_port())
         arguments = ["-m", "kg", "serve", "--robot", found.address, "--port", str(port)]
         with _process(arguments, folder, KG_TOKEN=TOKEN) as server, _client(port) as client:
@@ -227,7 +252,10 @@ def moving(found: Robot) -> None:
 
 def since(found: Robot, begun: float, seconds: float) -> float | None:
     """Return the seconds from `begun` to zero."""
-    at = found.until(0, seconds)
+    return _after(found.until(0, seconds), begun)
+
+
+def _after(at: float | None, begun: float) -> float | None:
     return None if at is None else at - begun
 
 
@@ -236,22 +264,26 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--seconds", type=float, default=8.0)
+    parser.add_argument("--over", action="append", choices=PROTOCOLS)
+    parser.add_argument("--cut", action="store_true", help="cut the network of this process, which has to be its own")
     given = parser.parse_args()
-    print("| event | driven by | ROS 1 | DDS |\n|---|---|---|---|")
-    commands = [(event, command) for event in (*EVENTS, MASTER_STOPPED) for command in (DO, RUN)]
+    over = given.over or PROTOCOLS
+    print(f"| event | driven by | {' | '.join(over)} |\n|---|---|{'---|' * len(over)}")
+    events = [*EVENTS, *(CUTS if given.cut else ()), MASTER_STOPPED]
+    commands = [(event, command) for event in events for command in (DO, RUN)]
     pages = ("page closed", "page silent", "STOP pressed", "server killed (SIGKILL)")
-    cases: list[tuple[str, str, Callable[[int], float | None]]] = [
+    cases: list[tuple[str, str, Callable[[str], float | None]]] = [
         (event, f"`kg robot {command[0]}`", partial(_of_command, command, event, given.seconds))
         for event, command in commands
     ]
     cases += [(event, "page, by hand", partial(_of_page, event, given.seconds)) for event in pages]
     for event, name, measure in cases:
         cells = []
-        for ros in (1, 2):
-            if (event, ros) == (MASTER_STOPPED, DDS):
+        for one in over:
+            if event == MASTER_STOPPED and one != ROS1:
                 cells.append("no master")
                 continue
-            times = [measure(ros) for _ in range(given.repeats)]
+            times = [measure(one) for _ in range(given.repeats)]
             known = sorted(one for one in times if one is not None)
             cells.append(f"{known[0]:.2f} to {known[-1]:.2f} s" if len(known) == len(times) else "never")
         print(f"| {event} | {name} | {' | '.join(cells)} |", flush=True)

@@ -138,7 +138,7 @@ ROBOT_COMMANDS: Final = (
         "Try",
         "simulate",
         "robot_simulate:simulate",
-        "Simulate a robot with ROS nodes: on wheels in an office, or a drone.",
+        "Simulate a robot with ROS nodes: on wheels in an office, a drone, or an arm.",
     ),
 )
 CORPUS_COMMANDS: Final = (

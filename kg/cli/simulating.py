@@ -71,11 +71,14 @@ def chosen(  # noqa: PLR0913 - the options of a command
 
 
 def _start(world: str, number: int) -> Place | None:
-    """Return where the robot of a world begins in an exercise."""
-    from kg.evaluate.exercises import exercises  # noqa: PLC0415 - start-up time
+    """Return where the robot of a world begins in an exercise; UsageError KG003 for a world without exercises."""
+    from kg.evaluate.exercises import ROBOTS, exercises  # noqa: PLC0415 - start-up time
 
-    exercise = exercises()[number - 1]
-    return (exercise.drone if world == "drone" else exercise.office).start
+    robot = next((one for one in ROBOTS if one == world), None)
+    if robot is None:
+        hint = f"Exercises are of {' and '.join(ROBOTS)}."
+        raise UsageError("KG003", f"--exercise does not go with the world `{world}`", hint=hint)
+    return exercises()[number - 1].of(robot).start
 
 
 async def simulated(choice: Choice, settings: Settings | None) -> None:
@@ -92,7 +95,8 @@ async def simulated(choice: Choice, settings: Settings | None) -> None:
         say(f"{choice.world} at {address}, {speed}; Ctrl-C ends it")
         typed = quote(address)
         say(f"next: kg robot capabilities --live --robot {typed}")
-        say(f"      kg robot read sensingPose --robot {typed}")
+        sense = "sensingHand" if choice.world == "arm" else "sensingPose"
+        say(f"      kg robot read {sense} --robot {typed}")
         say(f"      kg robot run {quote(_example(choice.world))} --robot {typed}")
         if address.startswith("ros1:"):
             say(f"      export ROS_MASTER_URI=http://{address.removeprefix('ros1://')}")
@@ -113,7 +117,7 @@ def _example(world: str) -> str:
     """Return the path of a program to try, as short as it can be typed here."""
     from kg.resources import folder  # noqa: PLC0415 - start-up time
 
-    path = folder("examples") / "programs" / f"{world}-1-rounds.kgp"
+    path = next((folder("examples") / "programs").glob(f"{world}-1-*.kgp"))
     return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)
 
 

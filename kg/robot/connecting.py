@@ -65,6 +65,7 @@ def _pattern(ros: int) -> re.Pattern[str]:
 SCHEMES: Final = {
     "ros1": "kg.robot.ros1",
     "dds": "kg.robot.dds",
+    "rclpy": "kg.robot.rclpy",
     "zenoh": "kg.robot.zenoh",
     "bag": "kg.robot.bag",
     "ws": "kg.robot.ws",

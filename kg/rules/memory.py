@@ -152,10 +152,6 @@ def _read(content: memoryview, generation: int, digest: str | None) -> Memory | 
     return Memory(generation, header["digest"], names, dictionary, graphs, asserted, inferred, written)
 
 
-def _written(names: Names) -> list[str]:
-    return [names.inferred.value, names.builds.value, names.base, names.vocabulary]
-
-
 def _digest(pieces: Iterable[bytes | memoryview]) -> bytes:
     """Return a digest that any change of a byte changes: of the sums of the words of each page.
 

@@ -16,7 +16,7 @@ from kg.robot.connecting import SCHEMES, connect
         ("http://turtle:11311/", "A master of ROS 1 is written ros1://turtle:11311."),
         ("localhost:11311", "A master of ROS 1 is written ros1://localhost:11311."),
         ("drive.mcap", "A recording is written bag://drive.mcap."),
-        ("turtle", "An address begins with ros1://, dds://, zenoh://, bag://, ws://."),
+        ("turtle", "An address begins with ros1://, dds://, rclpy://, zenoh://, bag://, ws://."),
     ],
 )
 def test_what_to_write(address: str, hint: str, monkeypatch: pytest.MonkeyPatch) -> None:

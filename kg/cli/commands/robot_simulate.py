@@ -7,7 +7,7 @@ import typer
 from kg.cli.options import Store
 from kg.cli.session import session
 
-World = Annotated[str, typer.Argument(metavar="WORLD", help="`office` (a wheeled robot) or `drone`.")]
+World = Annotated[str, typer.Argument(metavar="WORLD", help="`office` (a wheeled robot), `drone` or `arm`.")]
 Master = Annotated[
     str | None,
     typer.Option("--master", metavar="ADDRESS", help="Join this system: ros1://HOST:PORT, dds://DOMAIN."),
@@ -37,17 +37,18 @@ def simulate(  # noqa: PLR0913 - the options of a command
     page: Page = False,
     store: Store = None,
 ) -> None:
-    """Simulate a robot with ROS nodes: on wheels in an office, or a drone.
+    """Simulate a robot with ROS nodes: on wheels in an office, a drone, or an arm.
 
-    The office has named rooms and the drone's field has pads; both contain tags. A separate ROS master is started
-    unless --master names a running system. With --speed other than 1, nodes take their time from /clock. Needs the
-    extra `simulate`. For example:
+    The office has named rooms and the drone's field has pads; both contain tags. The arm has a gripper, and a table
+    with cubes and trays. A separate ROS master is started unless --master names a running system. With --speed other
+    than 1, nodes take their time from /clock. Needs the extra `simulate`. For example:
 
         kg robot simulate office
         kg robot simulate drone --master ros1://localhost:11311
         kg robot simulate office --ros2 --page
         kg robot simulate drone --speed max --seconds 600
         kg robot simulate drone --exercise 3
+        kg robot simulate arm --page
     """
     from kg.cli.interruptible import interruptible  # noqa: PLC0415 - start-up time
     from kg.cli.simulating import chosen, simulated  # noqa: PLC0415 - start-up time

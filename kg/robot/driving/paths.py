@@ -369,9 +369,13 @@ def put(path: Path, message: Value, value: Any) -> None:
 
 
 def _inner(path: Path | None, message: Value, whole: Path) -> Value:
-    """Return the message at a path, made where it is not there."""
+    """Return the message at a path, created if missing; an element of a list is created up to its index."""
     if path is None:
         return message
+    if isinstance(path, Element) and isinstance(path.of, Field) and path.index >= 0:
+        elements: list[Value] = _inner(path.of.of, message, whole).setdefault(path.of.name, [])
+        elements.extend({} for _ in range(path.index + 1 - len(elements)))
+        return elements[path.index]
     if not isinstance(path, Field):
         raise RobotError("KG826", f"`{whole}` cannot be written")
     inner: Value = _inner(path.of, message, whole).setdefault(path.name, {})

@@ -27,6 +27,7 @@ from kg.robot.programs.tree import (
     If,
     OnEvent,
     Parallel,
+    Position,
     Repeat,
     Set,
     Stop,
@@ -302,7 +303,7 @@ class _Checker:
                 if kind not in {ANY, PLACE}:
                     hint = "A place is written `(x: 2 m, y: 1.5 m, heading: 90 deg)`, or has a name."
                     self._wrong(here, f"`{name}` must be a place, but this is {kind}", hint, "KG833")
-                placed = {"x", "y"}
+                placed = set(value.parts()) if isinstance(value, Position) else {"x", "y", "z"}
                 self._place(capability, value, here)
                 continue
             try:

@@ -66,7 +66,7 @@ class Address:
                 "KG801", f"`{text}` asks for a clock `{options['clock']}`", hint="Write clock=wall or clock=simulated."
             )
         place = parts.netloc + parts.path.rstrip("/")
-        domain = _number(text, options.get("domain") or (place if parts.scheme == "dds" else "0") or "0")
+        domain = _number(text, options.get("domain") or (place if parts.scheme in {"dds", "rclpy"} else "0") or "0")
         if domain > _MAXIMUM or domain != int(domain):
             raise RobotError(
                 "KG801", f"`{text}`: ROS domain {domain:g} does not exist", hint=f"They are 0 to {_MAXIMUM}."

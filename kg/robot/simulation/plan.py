@@ -11,7 +11,7 @@ import msgspec
 
 __all__ = ["PLANS", "Place", "Plan", "Room", "TagPlace", "Thing", "Wall", "read_plan"]
 
-PLANS: Final = ("office", "drone")
+PLANS: Final = ("office", "drone", "arm")
 """The names of the worlds that there are."""
 
 _FOLDER: Final = Path(__file__).parent / "worlds"
@@ -71,7 +71,7 @@ class Wall(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Thing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A piece of furniture that stands on the floor; a cylinder has a radius in place of width and depth."""
+    """A thing on the floor; a cylinder has a radius in place of width and depth. A thing with a mass in kg moves."""
 
     name: str
     shape: Literal["box", "cylinder"]
@@ -82,6 +82,7 @@ class Thing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     width: float = 0.0
     depth: float = 0.0
     radius: float = 0.0
+    mass: float = 0.0
 
 
 class TagPlace(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -98,7 +99,7 @@ class Plan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A world: its size from the origin on, and what stands in it; `height` is that of the walls."""
 
     name: str
-    robot: Literal["wheeled", "drone"]
+    robot: Literal["wheeled", "drone", "arm"]
     width: float
     depth: float
     height: float
@@ -114,8 +115,13 @@ class Plan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def places(self) -> str:
         """Return the places of the rooms as the text of a file of places (docs/programs.md)."""
+
+        def height(place: Place) -> str:
+            return f", z = {place.up}" if place.up else ""
+
         return "".join(
-            f"{json.dumps(one.name)} = {{ x = {one.place.x}, y = {one.place.y}, heading = {one.place.heading} }}\n"
+            f"{json.dumps(one.name)} = {{ x = {one.place.x}, y = {one.place.y}{height(one.place)},"
+            f" heading = {one.place.heading} }}\n"
             for one in self.rooms
         )
 

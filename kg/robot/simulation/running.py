@@ -18,6 +18,8 @@ from kg.robot.messages import Types
 from kg.robot.programs.places import TOPIC as PLACES
 from kg.robot.ros1 import Master
 from kg.robot.ros1.xmlrpc import ask
+from kg.robot.simulation.arm import Arm
+from kg.robot.simulation.arm_nodes import arm_nodes
 from kg.robot.simulation.drone import Drone
 from kg.robot.simulation.nodes import drone_nodes, office_nodes
 from kg.robot.simulation.stage import Stage
@@ -80,8 +82,7 @@ class Simulation:
 
     async def __aenter__(self) -> Self:
         try:
-            robot = self.world.robot
-            await (drone_nodes(self.stage, robot) if isinstance(robot, Drone) else office_nodes(self.stage, robot))
+            await self._robot()
             await self._simulator()  # last: who joins where the time is told waits for it
         except BaseException:
             await self.aclose()
@@ -97,6 +98,16 @@ class Simulation:
         """Let the nodes leave, and end the physics."""
         await self.stage.aclose()
         self.world.close()
+
+    async def _robot(self) -> None:
+        """Let the nodes of the robot join."""
+        match self.world.robot:
+            case Drone() as drone:
+                await drone_nodes(self.stage, drone)
+            case Arm() as arm:
+                await arm_nodes(self.stage, arm)
+            case wheeled:
+                await office_nodes(self.stage, wheeled)
 
     async def _simulator(self) -> None:
         """Let the simulation be a node of its own, which tells the time and the places, and shows the world."""

@@ -199,6 +199,7 @@ class Scene:
         self.bullet.setTimeStep(step)
         self.bullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1)
         self.bullet.setGravity(0, 0, -9.81 if gravity else 0)
+        self._things: dict[str, int] = {}
         self._build(plan)
 
     def _build(self, plan: Plan) -> None:
@@ -209,20 +210,21 @@ class Scene:
                 half = (abs(to_x - x) / 2 + _THICK / 2, abs(to_y - y) / 2 + _THICK / 2, plan.height / 2)
                 self.box(half, ((x + to_x) / 2, (y + to_y) / 2, plan.height / 2), _WALL)
         for thing in plan.things:
-            at = (thing.x, thing.y, thing.height / 2)
+            at, color = (thing.x, thing.y, thing.height / 2), _color(thing.color)
             if thing.shape == "box":
-                self.box((thing.width / 2, thing.depth / 2, thing.height / 2), at, _color(thing.color))
+                half = (thing.width / 2, thing.depth / 2, thing.height / 2)
+                self._things[thing.name] = self.box(half, at, color, thing.mass)
             else:
-                self.cylinder(thing.radius, thing.height, at, _color(thing.color))
+                self._things[thing.name] = self.cylinder(thing.radius, thing.height, at, color, thing.mass)
         with tempfile.TemporaryDirectory() as folder:
             for tag in plan.tags:
                 self._tag(tag, Path(folder))
 
-    def box(self, half: Vector, at: Vector, color: Sequence[float]) -> int:
-        """Put a box there that does not move, by half of its edges; return its number."""
+    def box(self, half: Vector, at: Vector, color: Sequence[float], mass: float = 0) -> int:
+        """Put a box there, by half of its edges; without mass it does not move. Return its number."""
         shape = self.bullet.createCollisionShape(self.bullet.GEOM_BOX, halfExtents=half)
         look = self.bullet.createVisualShape(self.bullet.GEOM_BOX, halfExtents=half, rgbaColor=color)
-        return int(self.bullet.createMultiBody(0, shape, look, at))
+        return int(self.bullet.createMultiBody(mass, shape, look, at))
 
     def cylinder(self, radius: float, height: float, at: Vector, color: Sequence[float], mass: float = 0) -> int:
         """Put a standing cylinder there; without mass it does not move. Return its number."""
@@ -247,6 +249,18 @@ class Scene:
         path = folder / f"{tag.id}.png"
         path.write_bytes(picture_of(tag.id))
         self.bullet.changeVisualShape(body, -1, textureUniqueId=self.bullet.loadTexture(str(path)))
+
+    def thing_at(self, name: str) -> Vector:
+        """Return the middle of a thing of the plan, in metres; `KeyError` for another name."""
+        x, y, z = self.bullet.getBasePositionAndOrientation(self._things[name])[0]
+        return float(x), float(y), float(z)
+
+    def model(self, path: str, at: Vector, heading: float) -> int:
+        """Fix a robot of pybullet's own models there, by the path of its URDF; return its number."""
+        data = _loaded("pybullet_data").getDataPath()
+        turned = self.bullet.getQuaternionFromEuler((0, 0, heading))
+        with _silence():
+            return int(self.bullet.loadURDF(f"{data}/{path}", at, turned, useFixedBase=True))
 
     def rays(self, begin: Sequence[Vector], end: Sequence[Vector]) -> list[float]:
         """Return for each ray which share of it is free, 1 where it hits nothing."""

@@ -6,6 +6,7 @@ import math
 from html import escape
 from typing import TYPE_CHECKING, Final
 
+from kg.robot.simulation.arm import Arm
 from kg.robot.simulation.drone import Drone
 from kg.robot.simulation.wheeled import RADIUS
 
@@ -17,15 +18,19 @@ if TYPE_CHECKING:
 
 __all__ = ["TopView"]
 
-_SCALE: Final = 50
-"""Units of the picture in a metre: letters have sizes that all viewers draw."""
+_ACROSS: Final = 600
+"""Units of the picture across the world: letters have sizes that all viewers draw."""
 
-_MARGIN: Final = 0.3
+_MARGIN: Final = 15
+"""Units around the world."""
 _BELOW: Final = 28
 """Units below the world for the line of words."""
 _NAME: Final = 0.76
 """How far up in a room its name stands, above the tag on a pad."""
 
+_BASE: Final = 0.08
+_HAND: Final = 0.03
+"""The sizes of the base and the hand of an arm, in metres."""
 _SHOWN: Final = 400
 """So many points of the trail are drawn: 40 m."""
 
@@ -46,65 +51,87 @@ class TopView:
     def __init__(self, world: World) -> None:
         self._world = world
         self._plan = world.plan
+        self._scale = round(_ACROSS / world.plan.width)
         self._still = "".join(self._drawn(world.plan))
 
     def svg(self) -> str:
         """Return the picture of now, a document of SVG of some kilobytes."""
-        return f"{self._still}{self._trail()}{self._robot()}{self._state()}</svg>"
+        return f"{self._still}{self._moved()}{self._trail()}{self._robot()}{self._state()}</svg>"
 
     def _x(self, x: float) -> str:
-        return f"{(x + _MARGIN) * _SCALE:.0f}"
+        return f"{x * self._scale + _MARGIN:.0f}"
 
     def _y(self, y: float) -> str:
-        return f"{(self._plan.depth - y + _MARGIN) * _SCALE:.0f}"
+        return f"{(self._plan.depth - y) * self._scale + _MARGIN:.0f}"
 
     def _drawn(self, plan: Plan) -> Iterator[str]:
-        width = round((plan.width + 2 * _MARGIN) * _SCALE)
-        height = round((plan.depth + 2 * _MARGIN) * _SCALE) + _BELOW
-        scale = f'data-left="{-_MARGIN}" data-top="{plan.depth + _MARGIN}" data-scale="{_SCALE}"'
+        width = round(plan.width * self._scale) + 2 * _MARGIN
+        height = round(plan.depth * self._scale) + 2 * _MARGIN + _BELOW
+        margin = _MARGIN / self._scale
+        scale = f'data-left="{-margin}" data-top="{plan.depth + margin}" data-scale="{self._scale}"'
         yield f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" {scale} role="img">'
         yield f"<title>The {plan.name} from above</title><style>{_STYLE}</style>"
         yield f'<rect class="floor" width="{width}" height="{height}"/>'
         for room in plan.rooms:
-            size = f'width="{room.width * _SCALE:.0f}" height="{room.depth * _SCALE:.0f}"'
+            size = f'width="{room.width * self._scale:.0f}" height="{room.depth * self._scale:.0f}"'
             yield f'<rect class="room" x="{self._x(room.x)}" y="{self._y(room.y + room.depth)}" {size}/>'
             middle = f'x="{self._x(room.x + room.width / 2)}" y="{self._y(room.y + _NAME * room.depth)}"'
             yield f'<text class="name" {middle}>{escape(room.name)}</text>'
-        yield from (self._thing(one) for one in plan.things)
+        yield from (self._thing(one, one.x, one.y) for one in plan.things if not one.mass)
         for wall in plan.walls:
             for x, y, to_x, to_y in wall.pieces():
                 ends = f'x1="{self._x(x)}" y1="{self._y(y)}" x2="{self._x(to_x)}" y2="{self._y(to_y)}"'
                 yield f'<line class="wall" {ends}/>'
         for tag in plan.tags:
-            x, y = (tag.x + _MARGIN) * _SCALE, (plan.depth - tag.y + _MARGIN) * _SCALE
+            x, y = tag.x * self._scale + _MARGIN, (plan.depth - tag.y) * self._scale + _MARGIN
             yield f'<rect class="tag" x="{x - 12:.0f}" y="{y - 11:.0f}" width="24" height="22" rx="2"/>'
             yield f'<text class="number" x="{x:.0f}" y="{y + 6:.0f}">{tag.id}</text>'
 
-    def _thing(self, thing: Thing) -> str:
+    def _moved(self) -> str:
+        """Draw the things that can be moved where they are now."""
+        places = [(one, self._world.thing_at(one.name)) for one in self._plan.things if one.mass]
+        return "".join(self._thing(one, x, y) for one, (x, y, _) in places)
+
+    def _thing(self, thing: Thing, x: float, y: float) -> str:
         look = f'class="thing" fill="{thing.color}"><title>{escape(thing.name)}</title>'
         if thing.shape == "cylinder":
-            at = f'cx="{self._x(thing.x)}" cy="{self._y(thing.y)}" r="{thing.radius * _SCALE:.0f}"'
+            at = f'cx="{self._x(x)}" cy="{self._y(y)}" r="{thing.radius * self._scale:.0f}"'
             return f"<circle {at} {look}</circle>"
-        at = f'x="{self._x(thing.x - thing.width / 2)}" y="{self._y(thing.y + thing.depth / 2)}"'
-        return f'<rect {at} width="{thing.width * _SCALE:.0f}" height="{thing.depth * _SCALE:.0f}" {look}</rect>'
+        at = f'x="{self._x(x - thing.width / 2)}" y="{self._y(y + thing.depth / 2)}"'
+        return (
+            f'<rect {at} width="{thing.width * self._scale:.0f}" height="{thing.depth * self._scale:.0f}" {look}</rect>'
+        )
 
     def _trail(self) -> str:
         points = " ".join(f"{self._x(x)},{self._y(y)}" for x, y in self._world.trail.points[-_SHOWN:])
         return f'<polyline class="trail" points="{points}"/>'
 
     def _robot(self) -> str:
-        pose = self._world.robot.pose
-        length = RADIUS * 1.4
+        pose, length = self._world.robot.pose, RADIUS * 1.4
+        if isinstance(self._world.robot, Arm):
+            return self._arm(self._world.robot)
         ends = (pose.x + length * math.cos(pose.heading), pose.y + length * math.sin(pose.heading))
-        at = f'cx="{self._x(pose.x)}" cy="{self._y(pose.y)}" r="{RADIUS * 1.4 * _SCALE:.0f}"'
+        at = f'cx="{self._x(pose.x)}" cy="{self._y(pose.y)}" r="{RADIUS * 1.4 * self._scale:.0f}"'
         line = f'x1="{self._x(pose.x)}" y1="{self._y(pose.y)}" x2="{self._x(ends[0])}" y2="{self._y(ends[1])}"'
         return f'<circle class="robot" {at}/><line class="ahead" {line}/>'
+
+    def _arm(self, arm: Arm) -> str:
+        """Draw the base, the hand, and a line between them."""
+        base = f'cx="{self._x(arm.base.x)}" cy="{self._y(arm.base.y)}" r="{_BASE * self._scale:.0f}"'
+        hand = f'cx="{self._x(arm.pose.x)}" cy="{self._y(arm.pose.y)}" r="{_HAND * self._scale:.0f}"'
+        ends = f'x1="{self._x(arm.base.x)}" y1="{self._y(arm.base.y)}" x2="{self._x(arm.pose.x)}"'
+        line = f'{ends} y2="{self._y(arm.pose.y)}"'
+        return f'<line class="trail" {line}/><circle class="robot" {base}/><circle class="robot" {hand}/>'
 
     def _state(self) -> str:
         robot = self._world.robot
         room = self._plan.room_at(robot.pose.x, robot.pose.y)
-        parts = [f"{self._world.time:.1f} s", f"battery {robot.battery.charge:.0%}", *([room] if room else [])]
+        parts = [f"{self._world.time:.1f} s", *([room] if room else [])]
+        if isinstance(robot, Arm):
+            parts += [f"hand at {robot.pose.z:.2f} m", f"gripper open by {100 * robot.opening:.0f} cm"]
+        else:
+            parts.insert(1, f"battery {robot.battery.charge:.0%}")
         if isinstance(robot, Drone):
             parts += [robot.state.name.lower().replace("_", " "), f"altitude {robot.altitude:.1f} m"]
-        below = f"{(self._plan.depth + 2 * _MARGIN) * _SCALE + _BELOW - 8:.0f}"
+        below = f"{self._plan.depth * self._scale + 2 * _MARGIN + _BELOW - 8:.0f}"
         return f'<text class="state" x="10" y="{below}">{escape(" · ".join(parts))}</text>'

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from kg.robot.clock import SimulatedClock
+from kg.robot.simulation.arm import Arm
 from kg.robot.simulation.drone import Drone
 from kg.robot.simulation.plan import Plan, read_plan
 from kg.robot.simulation.robots import Trail
@@ -20,10 +21,12 @@ if TYPE_CHECKING:
 
     from kg.robot.simulation.plan import Place
     from kg.robot.simulation.robots import Pose
+    from kg.robot.simulation.scene import Vector
 
 __all__ = ["World"]
 
-_STEPS: Final = {"wheeled": 0.02, "drone": 0.01}
+_STEPS: Final = {"wheeled": 0.02, "drone": 0.01, "arm": 0.01}
+_ROBOTS: Final[dict[str, type[Wheeled | Drone | Arm]]] = {"wheeled": Wheeled, "drone": Drone, "arm": Arm}
 _LASTING: Final = 1.0
 _RISE: Final = 0.3
 
@@ -46,13 +49,9 @@ class World:
         self.visited: list[str] = []
         self._entered: tuple[str | None, float] = (None, 0.0)
         self._steps = 0
-        self._scene = Scene(self.plan, self.step, gravity=self.plan.robot == "drone")
+        self._scene = Scene(self.plan, self.step, gravity=self.plan.robot != "wheeled")
         chance = np.random.default_rng(seed)
-        self.robot: Wheeled | Drone = (
-            Drone(self._scene, self.start, chance)
-            if self.plan.robot == "drone"
-            else Wheeled(self._scene, self.start, chance)
-        )
+        self.robot: Wheeled | Drone | Arm = _ROBOTS[self.plan.robot](self._scene, self.start, chance)
         self.turned, self.rises = 0.0, 0
         self._heading, self._low, self._rising = self.robot.pose.heading, self.robot.pose.z, False
 
@@ -89,6 +88,10 @@ class World:
             self._low = min(self._low, pose.z)
             if pose.z >= self._low + _RISE:
                 self.rises, self._rising, self._low = self.rises + 1, True, pose.z
+
+    def thing_at(self, name: str) -> Vector:
+        """Return the middle of a thing of the plan, in metres; `KeyError` for another name."""
+        return self._scene.thing_at(name)
 
     def close(self) -> None:
         """End the physics."""

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -154,7 +155,7 @@ def test_a_number_is_read_as_it_was_put(number: float, factor: float, steps: lis
         assert look(parse(text), message) == pytest.approx(number, rel=1e-9, abs=1e-300)
 
 
-@pytest.mark.parametrize("text", ["minimum(ranges)", "markers[].id", "markers[0]", "markers[0].id", "at(ranges,0)"])
+@pytest.mark.parametrize("text", ["minimum(ranges)", "markers[].id", "markers[0]", "markers[-1].id", "at(ranges,0)"])
 def test_what_only_reads_is_not_put(text: str) -> None:
     """A path that has no one field is KG826 when something is put there."""
     with pytest.raises(RobotError) as refused:
@@ -194,3 +195,12 @@ def test_paths_are_checked_against_the_type(text: str, says: str | None) -> None
         check(parse(text), types, "nav_msgs/Odometry")
     assert refused.value.code == "KG826"
     assert says in refused.value.message
+
+
+def test_an_element_is_made_on_the_way_to_a_field() -> None:
+    """What lies on the way is created up to the index; fields of one element go into the same."""
+    message: dict[str, Any] = {}
+    put(parse("points[0].positions"), message, [1.0])
+    put(parse("points[0].time.sec"), message, 2)
+    put(parse("points[1].positions"), message, [3.0])
+    assert message == {"points": [{"positions": [1.0], "time": {"sec": 2}}, {"positions": [3.0]}]}

@@ -25,7 +25,8 @@ from kg.robot.live import infer
 from kg.robot.programs.converting import convert
 from kg.robot.programs.metrics import code_metrics, foreign_types, metrics
 from kg.robot.programs.parse import parse
-from kg.robot.programs.places import placed, read_places
+from kg.robot.programs.places import placed, places_of
+from kg.robot.simulation.plan import PLANS, read_plan
 from kg.settings import load as load_settings
 
 if TYPE_CHECKING:
@@ -71,9 +72,8 @@ def test_examples_pass_the_linter(tmp_path: Path) -> None:
         async with hosting.hosted_in_memory(world) as (_, address):
             return infer(await look(address), load_settings(), address=address)
 
-    places = read_places(str(ROOT / "examples/programs/office-places.toml"))
-    for world in ("office", "drone"):
-        capabilities = asyncio.run(seen(world))
+    for world in PLANS:
+        capabilities, places = asyncio.run(seen(world)), places_of(read_plan(world).places())
         for file in sorted((ROOT / "examples/programs").glob(f"{world}*.kgp")):
             for to in LIBRARIES:
                 code = convert(placed(parse(file.read_text(encoding="utf-8")), places), capabilities, to=to)

@@ -13,6 +13,7 @@ from kg.robot.connecting import connect, of_robot
 from kg.robot.driving import Driver
 from kg.robot.live import infer
 from kg.robot.simulation.drone import Drone, State
+from kg.robot.simulation.plan import PLANS
 from kg.robot.simulation.running import VIEW, hosted_in_memory
 from kg.settings import Settings
 
@@ -198,7 +199,7 @@ def test_a_landed_drone_does_not_move(ros: int) -> None:
     asyncio.run(fly())
 
 
-@pytest.mark.parametrize("world", ["office", "drone"])
+@pytest.mark.parametrize("world", PLANS)
 def test_the_world_is_shown_from_above(world: str) -> None:
     """The view is well-formed SVG that names every room and every tag."""
 

@@ -204,6 +204,13 @@ def test_the_robot_begins_where_an_exercise_does() -> None:
         chosen_with(exercise="5")
 
 
+def test_the_arm_has_no_exercise() -> None:
+    """An exercise of a world without exercises is refused, with the worlds that have some."""
+    with pytest.raises(UsageError, match="--exercise does not go with the world `arm`") as refused:
+        chosen_with("arm", exercise="1")
+    assert refused.value.hint == "Exercises are of office and drone."
+
+
 def test_the_port_is_of_our_own_master() -> None:
     """Where no master of our own is started, a port that was asked for is refused and not passed over."""
     assert chosen_with(port="3").port == 3

@@ -46,7 +46,7 @@ def drone(world: World) -> Drone:
 
 def touches(world: World) -> bool:
     """Return whether the robot touches something now."""
-    return world.robot.bumped
+    return world.robot.bumped if isinstance(world.robot, Wheeled | Drone) else False
 
 
 def state(craft: Drone) -> State:
@@ -58,7 +58,7 @@ def drive(world: World, seconds: float, command: Command | None = None) -> None:
     """Let time pass, with a command that is renewed in every step if one is given."""
     end = world.time + seconds
     while world.time < end:
-        if command:
+        if command and isinstance(world.robot, Wheeled | Drone):
             world.robot.command(Command(command.forward, command.left, command.up, command.turn, world.time))
         world.advance()
 

@@ -1,0 +1,143 @@
+"""Ends of topics and services by rclpy. Callbacks of its executor's thread are passed to the event loop."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any, Final
+
+from rclpy.serialization import deserialize_message, serialize_message
+
+from kg.errors import RobotError
+from kg.robot.tasks import Tasks, outcome
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from kg.robot.ros2.middleware import Deliver
+
+__all__ = ["RclpyCaller", "RclpyReader", "RclpyServer", "RclpyWriter"]
+
+_MOMENT: Final = 0.02
+"""Seconds between two looks for an end of another node, which rclpy does not report."""
+
+
+class End:
+    """What all ends have: `count` tells how many ends of others are connected, `destroy` closes it for good."""
+
+    def __init__(self, count: Callable[[], int], destroy: Callable[[], object]) -> None:
+        self._count = count
+        self._destroy = destroy
+        self._closed = False
+
+    @property
+    def peers(self) -> int:
+        """How many ends of others are connected."""
+        return 0 if self._closed else self._count()
+
+    async def ready(self) -> None:
+        """Return when an end of another node is connected."""
+        while not self._closed and not self.peers:  # noqa: ASYNC110 - rclpy tells nobody
+            await asyncio.sleep(_MOMENT)
+
+    def close(self) -> None:
+        """Close it; closing again is nothing."""
+        if not self._closed:
+            self._closed = True
+            self._destroy()
+
+
+def _passed(loop: asyncio.AbstractEventLoop, call: Callable[..., object], *arguments: object) -> None:
+    """Have something called in the loop, from another thread; nothing if the loop is closed."""
+    if not loop.is_closed():
+        loop.call_soon_threadsafe(call, *arguments)
+
+
+class RclpyReader(End):
+    """A subscriber of raw messages."""
+
+    def __init__(self, node: Any, topic: str, kind: Any, qos: Any, deliver: Deliver) -> None:
+        loop = asyncio.get_running_loop()
+
+        def take(content: bytes) -> None:
+            if not self._closed:
+                deliver(content, None)
+
+        made = node.create_subscription(kind, topic, lambda raw: _passed(loop, take, bytes(raw)), qos, raw=True)
+        super().__init__(lambda: int(node.count_publishers(topic)), lambda: node.destroy_subscription(made))
+
+
+class RclpyWriter(End):
+    """A publisher of raw messages."""
+
+    def __init__(self, node: Any, topic: str, kind: Any, qos: Any) -> None:
+        self._publisher = node.create_publisher(kind, topic, qos)
+        super().__init__(self._publisher.get_subscription_count, lambda: node.destroy_publisher(self._publisher))
+
+    def write(self, content: bytes) -> None:
+        """Send a message; RobotError KG803 when it cannot be sent."""
+        try:
+            self._publisher.publish(content)
+        except RuntimeError as error:  # what rclpy raises for all failures of the layers below
+            raise RobotError("KG803", f"a message was not sent: {error}") from None
+
+
+class RclpyCaller(End):
+    """A client of a service."""
+
+    def __init__(self, node: Any, service: str, kind: Any) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._kind = kind
+        self._client = node.create_client(kind, service)
+        super().__init__(lambda: int(self._client.service_is_ready()), lambda: node.destroy_client(self._client))
+
+    async def call(self, content: bytes) -> bytes:
+        """Return the response to a request, once a server is connected."""
+        await self.ready()
+        answered: asyncio.Future[bytes] = self._loop.create_future()
+
+        def answer(content: bytes) -> None:
+            if not answered.done():
+                answered.set_result(content)
+
+        future = self._client.call_async(deserialize_message(content, self._kind.Request))
+        future.add_done_callback(lambda done: _passed(self._loop, answer, serialize_message(done.result())))
+        try:
+            return await answered
+        finally:
+            self._client.remove_pending_request(future)
+
+
+class RclpyServer(End):
+    """A service.
+
+    rclpy sends what a callback returns, and runs a callback that waits again and again until it is done. So ours
+    returns at once, and the response is sent when it is there.
+    """
+
+    def __init__(self, node: Any, service: str, kind: Any, answer: Callable[[bytes], Awaitable[bytes]]) -> None:
+        loop = asyncio.get_running_loop()
+        self._kind = kind
+        self._answer = answer
+        self._tasks = Tasks()
+        self._service = node.create_service(kind, service, self._ask)
+        self._send = self._service.send_response
+        self._service.send_response = lambda asked, header: _passed(loop, self._begin, asked, header)
+        super().__init__(lambda: int(node.count_clients(service)), lambda: node.destroy_service(self._service))
+
+    def _ask(self, request: Any, response: Any) -> bytes:
+        del response
+        return bytes(serialize_message(request))
+
+    def _begin(self, asked: bytes, header: Any) -> None:
+        if not self._closed:
+            self._tasks.spawn(self._respond(asked, header), "answering a service")
+
+    async def _respond(self, asked: bytes, header: Any) -> None:
+        found = await outcome(self._answer(asked))
+        if isinstance(found, bytes) and not self._closed:
+            self._send(deserialize_message(found, self._kind.Response), header)
+
+    def close(self) -> None:
+        """Stop serving; requests that are being answered get no response."""
+        self._tasks.cancel()
+        super().close()

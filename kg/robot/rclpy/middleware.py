@@ -1,0 +1,274 @@
+"""ROS 2 through rclpy: a node in a context of its own, whose executor runs in a thread.
+
+Messages pass as the bytes of CDR. What the executor's thread receives is passed to the event loop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from contextlib import suppress
+from functools import cache
+from importlib import import_module
+from threading import Thread
+from typing import TYPE_CHECKING, Any, Final
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, ShutdownException, SingleThreadedExecutor
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
+
+from kg.errors import RobotError
+from kg.facts import Qos, Role
+from kg.robot.connection import LiveEnd, LiveNode
+from kg.robot.messages.types import learn_all, short
+from kg.robot.rclpy.ends import RclpyCaller, RclpyReader, RclpyServer, RclpyWriter
+from kg.robot.ros2.middleware import Neighbourhood
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterator
+
+    from kg.robot.messages import Types
+    from kg.robot.ros2.graph import Watch
+    from kg.robot.ros2.middleware import Deliver
+
+__all__ = ["RclpyMiddleware"]
+
+_EVERY: Final = 0.2
+"""Seconds between two looks at the graph: rclpy does not report its changes."""
+_BASE: Final = {"double": "float64", "float": "float32", "boolean": "bool", "octet": "byte"}
+"""What `.msg` files call the types of IDL."""
+
+
+class RclpyMiddleware:
+    """Our node of a domain, by the installed ROS 2."""
+
+    def __init__(self, domain: int, name: str, types: Types) -> None:
+        self.types = types
+        self._name = name
+        self._loop = asyncio.get_running_loop()
+        self._seen = Neighbourhood()
+        self._looking: asyncio.TimerHandle | None = None
+        self._closed = False
+        self._context = Context()
+        rclpy.init(args=[], context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+        namespace, _, own = name.rpartition("/")
+        self._node = rclpy.create_node(
+            own, namespace=namespace or "/", context=self._context, use_global_arguments=False,
+            start_parameter_services=False, enable_rosout=False,
+        )  # fmt: skip
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._thread = Thread(target=self._spin, name=f"rclpy of {name}", daemon=True)
+
+    def _spin(self) -> None:
+        while not self._closed:
+            with suppress(ExternalShutdownException, ShutdownException):
+                self._executor.spin_once()
+
+    def begin(self, watch: Watch) -> None:
+        """Watch the domain."""
+        self._watch = watch
+        self._thread.start()
+        self._look()
+
+    def _look(self) -> None:
+        seen = self._neighbours()
+        if seen != self._seen:
+            self._seen = seen
+            self._watch.changed()
+        self._looking = self._loop.call_later(_EVERY, self._look)
+
+    def _neighbours(self) -> Neighbourhood:
+        names = [(name, space) for name, space, _ in self._node.get_node_names_and_namespaces_with_enclaves()]
+        others = [one for one in names if _absolute(*one) != self._name]
+        ends = [one for one in self._topic_ends() if one.node != self._name]
+        for one in others:
+            ends += self._service_ends(*one)
+        return Neighbourhood(tuple(LiveNode(_absolute(*one)) for one in sorted(others)), tuple(sorted(ends, key=repr)))
+
+    def _topic_ends(self) -> Iterator[LiveEnd]:
+        for topic, _ in self._node.get_topic_names_and_types():
+            sides = (
+                (Role.PUBLISHES, self._node.get_publishers_info_by_topic(topic)),
+                (Role.SUBSCRIBES, self._node.get_subscriptions_info_by_topic(topic)),
+            )
+            for role, found in sides:
+                for one in found:
+                    node = _absolute(one.node_name, one.node_namespace)
+                    yield LiveEnd(node, role, topic, short(one.topic_type), _from_ros(one.qos_profile))
+
+    def _service_ends(self, name: str, namespace: str) -> Iterator[LiveEnd]:
+        sides = (
+            (Role.SERVICES, self._node.get_service_names_and_types_by_node),
+            (Role.CLIENTS, self._node.get_client_names_and_types_by_node),
+        )
+        for role, found in sides:
+            with suppress(rclpy.node.NodeNameNonExistentError):  # it has left meanwhile
+                for service, kinds in found(name, namespace):
+                    yield LiveEnd(_absolute(name, namespace), role, service, short(kinds[0]))
+
+    def neighbourhood(self) -> Neighbourhood:
+        """Return the nodes and ends of others, as they were seen last."""
+        return self._seen
+
+    def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> RclpyReader:
+        """Read a topic."""
+        return RclpyReader(self._node, topic, _class(kind), _to_ros(qos), deliver)
+
+    def writer(self, topic: str, kind: str, qos: Qos) -> RclpyWriter:
+        """Write to a topic."""
+        return RclpyWriter(self._node, topic, _class(kind), _to_ros(qos))
+
+    def caller(self, service: str, kind: str) -> RclpyCaller:
+        """Become a client of a service."""
+        return RclpyCaller(self._node, service, _service_class(kind))
+
+    def server(self, service: str, kind: str, answer: Callable[[bytes], Awaitable[bytes]]) -> RclpyServer:
+        """Serve a service; ROS 2 has no message for an answer that fails, so nothing is sent then."""
+        return RclpyServer(self._node, service, _service_class(kind), answer)
+
+    def hashes(self, name: str) -> list[tuple[str, str]]:
+        """Return nothing: a type that is not installed cannot be used, however it is described."""
+        del name
+        return []
+
+    async def learn(self, kind: str, name: str) -> bool:
+        """Learn a type, with those that it uses, from the packages of ROS 2 that are installed."""
+        del name
+        texts: dict[str, str] = {}
+        for one in [kind] if _installed(kind) else [f"{kind}_{part}" for part in _PARTS]:
+            _describe(one, texts)
+        learn_all(self.types, texts)
+        return bool(texts)
+
+    def close(self) -> None:
+        """Leave the domain."""
+        if self._closed:
+            return
+        self._closed = True
+        if self._looking is not None:
+            self._looking.cancel()
+        self._executor.shutdown()  # it wakes up the thread, which has nothing to wait for then
+        self._thread.join()
+        self._node.destroy_node()
+        self._context.try_shutdown()
+
+
+_PARTS: Final = ("Request", "Response", "Goal", "Result", "Feedback")
+
+
+def _absolute(name: str, namespace: str) -> str:
+    return f"{namespace.rstrip('/')}/{name}"
+
+
+@cache
+def _found(kind: str, folder: str) -> Any:
+    """Return the class of `package/Name` in a folder of its package; None if it is not installed."""
+    package, _, name = kind.partition("/")
+    try:
+        return getattr(import_module(f"{package}.{folder}"), name, None)
+    except ImportError:
+        return None
+
+
+def _part(kind: str) -> Any:
+    """Return the class of a part of a service or an action, which are attributes of the class of the whole."""
+    package, _, name = kind.partition("/")
+    own, _, part = name.partition("_")
+    whole = f"{package}/{own}"
+    if (service := _found(whole, "srv")) is not None:
+        return getattr(service, part, None)
+    action = _found(whole, "action")
+    if action is None:
+        return None
+    if part == "FeedbackMessage":
+        return action.Impl.FeedbackMessage
+    outer, _, inner = part.partition("_")
+    if outer in {"SendGoal", "GetResult"}:
+        made = getattr(action.Impl, f"{outer}Service")
+        return getattr(made, inner) if inner else made
+    return getattr(action, part, None)
+
+
+def _installed(kind: str) -> Any:
+    return _part(kind) if "_" in kind.partition("/")[2] else _found(kind, "msg")
+
+
+def _class(kind: str) -> Any:
+    """Return the class of a message; RobotError KG804 if its package is not installed."""
+    found = _installed(kind)
+    if found is None:
+        package = kind.partition("/")[0]
+        hint = f"Install `{package}` for ROS 2, or source the workspace that has it."
+        raise RobotError("KG804", f"the type `{kind}` is not installed for ROS 2", hint=hint)
+    return found
+
+
+def _service_class(kind: str) -> Any:
+    """Return the class of a service, also of one of an action; RobotError KG804 as `_class`."""
+    return _found(kind, "srv") or _class(kind)
+
+
+def _describe(kind: str, texts: dict[str, str]) -> None:
+    """Add the definition of an installed type, and of those that it uses, in `.msg` form."""
+    found = _installed(kind)
+    if found is None or kind in texts:
+        return
+    texts[kind] = ""
+    fields = found.get_fields_and_field_types()
+    for name, told in fields.items():
+        element, array = _written(told)
+        texts[kind] += f"{element}{array} {name}\n"
+        if "/" in element:
+            _describe(element, texts)
+
+
+def _written(told: str) -> tuple[str, str]:
+    """Return the type of an element and what makes it an array: `sequence<double, 5>` is `float64` and `[<=5]`."""
+    if told.startswith("sequence<"):
+        element, _, most = told[len("sequence<") : -1].partition(", ")
+        return _element(element), f"[<={most}]" if most else "[]"
+    element, bracket, length = told.partition("[")
+    return _element(element), bracket + length
+
+
+def _element(told: str) -> str:
+    return _BASE.get(told) or told.replace("string<", "string<=").rstrip(">")
+
+
+def _to_ros(qos: Qos) -> QoSProfile:
+    keep_all = qos.history == "keep_all"
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST,
+        depth=max(qos.depth or 1, 1),
+        reliability=getattr(ReliabilityPolicy, (qos.reliability or "reliable").upper()),
+        durability=getattr(DurabilityPolicy, (qos.durability or "volatile").upper()),
+    )
+
+
+def _from_ros(profile: QoSProfile) -> Qos:
+    def known(policy: Any, *names: str) -> str | None:
+        name = policy.name.lower()
+        return name if name in names else None
+
+    def seconds(duration: Any) -> float | None:
+        found = float(duration.nanoseconds) / 1e9
+        return found if 0 < found < _FOREVER and math.isfinite(found) else None
+
+    history = known(profile.history, "keep_last", "keep_all")
+    return Qos(
+        known(profile.reliability, "reliable", "best_effort"),
+        known(profile.durability, "volatile", "transient_local"),
+        history,
+        profile.depth if history == "keep_last" else None,
+        seconds(profile.deadline),
+        seconds(profile.lifespan),
+        known(profile.liveliness, "automatic", "manual_by_topic"),
+        seconds(profile.liveliness_lease_duration),
+    )
+
+
+_FOREVER: Final = 9e9
+"""Seconds that stand for no limit: middlewares tell the greatest number that they have."""
