@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import OrderedDict, defaultdict
 from functools import lru_cache
 from itertools import chain, islice
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Any, Final, cast
 
 from kg.corpus.files import FilePath, Place
 from kg.extract.cpp.units import CppClass, CppFunction, CppUnit, assigned_in, words_of
@@ -122,6 +122,10 @@ class Project:
         self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
         self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
         self._nearness: dict[FilePath, dict[CppUnit, int]] = {}
+        self._holding: dict[tuple[str, str, CppUnit], tuple[CppUnit, ...]] = {}
+        """The files that can give a name of a kind its meaning in a file."""
+        self.meanings: dict[tuple[object, ...], list[Any]] = {}
+        """What names mean that are declared in these files alone: the same in all programs of the package."""
         self._listed: dict[CppUnit, None] = {}
         """The headers in the index that follows."""
         self._macros: dict[str, dict[str, None]] = defaultdict(dict)
@@ -338,6 +342,19 @@ class Project:
             return []
         found = [one for one in listed if one in near]
         return sorted(found, key=near.__getitem__) if len(found) > 1 else found
+
+    def holding(self, unit: CppUnit, kind: str, name: str) -> tuple[CppUnit, ...]:
+        """Return those of a file and its headers that declare a name of a kind, nearest first.
+
+        All programs of the package get the same object.
+        """
+        key = (kind, name, unit)
+        found = self._holding.get(key)
+        if found is None:
+            near = self.find(unit.key, kind, name)
+            own = (unit,) if name in unit.names[kind] else ()
+            found = self._holding[key] = (*own, *(one for one in near if one is not unit))
+        return found
 
     def defining(self, file: FilePath, name: str) -> list[CppUnit]:
         """Return the headers of a file that define methods outside of their class, which has a name."""
