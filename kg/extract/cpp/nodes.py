@@ -75,19 +75,21 @@ def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls:
     """Return the nodes in the C++ of a package; no content of the sources raises an error."""
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _RECURSION))
+    project = Project(reader, package, build, calls)
     try:
-        return _Nodes(reader, package, build, calls).read()
+        return _Nodes(project, build, calls).read()
     finally:
+        project.close()
         sys.setrecursionlimit(limit)
 
 
 class _Nodes:
     """The reading of one package."""
 
-    def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> None:
+    def __init__(self, project: Project, build: BuildModel, calls: Descriptions) -> None:
         self._calls = calls
-        self._project = Project(reader, package, build, calls)
-        self._package = package
+        self._project = project
+        self._package = project.package
         self._plugins_read: dict[PluginClass, list[Extracted]] = {}
         self._alone: dict[Class, Extracted] = {}
         """The components that declare everything while they are constructed without arguments."""
@@ -421,7 +423,8 @@ class _Nodes:
         if found is None or found.repository != reader.repository:
             return None
         folder = reader.workspace.folder(found)[1]
-        return _Nodes(reader, folder, read_build(reader, folder), self._calls)
+        build = read_build(reader, folder)
+        return _Nodes(Project(reader, folder, build, self._calls), build, self._calls)
 
     def _extracted(self, framework: Framework, node: NodeType, root: Object | None) -> list[Extracted]:
         declared, loadings = framework.declared, framework.loadings

@@ -119,6 +119,8 @@ class Project:
         self._ros = build.ros
         self._place = Place(reader.repository, package.path, package.name)
         self._units: dict[FilePath, CppUnit | None] = {}
+        self._alone: list[CppUnit] = []
+        """The sources of the package, which are not kept for others."""
         self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
         self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
         self._nearness: dict[FilePath, dict[CppUnit, int]] = {}
@@ -137,6 +139,13 @@ class Project:
         """The YAML files of parameter libraries by the names of their headers, for each package."""
         self._made: dict[FilePath, bytes] = {}
         """The headers made of YAML files."""
+
+    def close(self) -> None:
+        """Free what was read, before a collection of cycles does; the project cannot be used any more."""
+        vars(self.reach).clear()
+        for unit in self._alone:
+            vars(unit).clear()
+        vars(self).clear()
 
     def own(self, path: str) -> FilePath:
         """Return the key of a file of this source."""
@@ -165,6 +174,8 @@ class Project:
         made = CppUnit(file, data, self._ros)
         if not own or not _is_source(file.path):
             _cache.keep(data, made)
+        else:
+            self._alone.append(made)
         return made
 
     def contains(self, file: FilePath, word: bytes) -> bool:
