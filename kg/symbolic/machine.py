@@ -16,10 +16,10 @@ from kg.symbolic import form
 from kg.symbolic.binding import bind, hand_back, put, unpack, write_back
 from kg.symbolic.containers import grown, is_unset
 from kg.symbolic.operators import (
-    NULL,
     chosen,
     compute,
     for_each,
+    literal,
     logical,
     negate,
     negated_term,
@@ -68,6 +68,8 @@ MOST_FRUITLESS: Final = 6
 """How often a function runs that never declares anything, and returns and writes numbers, truth and unknown values."""
 MOST_BARREN: Final = 3_000
 """How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
+MOST_IDLE: Final = 5_000
+"""How many steps a loop takes in turns that declare nothing; after that it ends."""
 _FIRST: Final = form.Literal(0, 0.0, "0")
 _PLAIN: Final = (Unknown, Number, Truth)
 """Values that are seldom part of a name."""
@@ -121,7 +123,7 @@ class Machine:
             **language.statements,
         }
         self._values: dict[type, Callable[[Any, Frame], Value]] = {
-            form.Literal: self._literal,
+            form.Literal: lambda expression, _: literal(expression),
             form.Name: self._name,
             form.Member: self._member,
             form.Call: self._call,
@@ -375,7 +377,7 @@ class Machine:
         condition = loop.condition
         if condition is None or (loop.runs_at_least_once and not self.counts_endless):
             return self._unknown_times(loop, frame, ())
-        before = self.framework.progress()
+        before, begun = self.framework.progress(), self.steps
         for _ in range(self.most_turns):
             counting, self.counting = self.counting, True
             holds = self.holds(condition, frame)
@@ -389,11 +391,17 @@ class Machine:
                 return None
             if ended in ("return", "raise"):
                 return ended
+            if self._is_idle(before, begun):
+                return None
             if loop.step is not None:
                 self.value(loop.step, frame)
         if self.framework.progress() != before:  # else the turns that are left create nothing either
             self.cut(loop, frame)
         return None
+
+    def _is_idle(self, before: tuple[int, ...], begun: int) -> bool:
+        """Check whether a loop has taken many steps since `begun`, without an effect since the progress `before`."""
+        return self.steps - begun > MOST_IDLE and self.framework.progress() == before
 
     def cut(self, loop: form.Loop, frame: Frame) -> None:  # noqa: ARG002 - for other machines
         """Record that a loop has more turns than are run."""
@@ -435,6 +443,7 @@ class Machine:
         if known and len(items) > self.most_turns:
             self.cut(loop, frame)
             items = items[: self.most_turns]
+        before, begun = self.framework.progress(), self.steps
         for index, item in enumerate(items):
             self._target(loop, item, frame)
             if known:
@@ -444,6 +453,8 @@ class Machine:
                     return None
                 if ended in ("return", "raise"):
                     return ended
+                if self._is_idle(before, begun):
+                    return None
             else:
                 self._forget_counters(loop, frame)
                 written, _ = self._journal.attempt(partial(self._turn, loop, frame))
@@ -472,16 +483,6 @@ class Machine:
             self.reached("steps")
             return Unknown("the interpretation was too long")
         return self._values[type(expression)](expression, frame)
-
-    def _literal(self, expression: form.Literal, frame: Frame) -> Value:  # noqa: ARG002 - as for all expressions
-        held = expression.value
-        if isinstance(held, str):
-            return Text((held,))
-        if isinstance(held, bool):
-            return Truth(held)
-        if held is None:
-            return NULL
-        return Number(held, expression.written)
 
     def _name(self, expression: form.Name, frame: Frame) -> Value:
         names = expression.names

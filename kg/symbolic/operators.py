@@ -34,12 +34,15 @@ from kg.symbolic.values import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from kg.symbolic.form import Literal
+
 __all__ = [
     "NULL",
     "chosen",
     "compute",
     "for_each",
     "is_floating",
+    "literal",
     "logical",
     "negate",
     "negated_term",
@@ -69,6 +72,16 @@ _ARITHMETIC: Final[dict[str, Callable[[float, float], float]]] = {
     "&": lambda a, b: float(int(a) & int(b)),
     "<<": lambda a, b: float(int(a) << int(b)) if b < _LARGEST_EXPONENT else float("nan"),
 }
+
+
+def literal(expression: Literal) -> Value:
+    """Return the value of a literal."""
+    held = expression.value
+    if isinstance(held, str):
+        return Text((held,))
+    if isinstance(held, bool):
+        return Truth(held)
+    return NULL if held is None else Number(held, expression.written)
 
 
 def chosen(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:

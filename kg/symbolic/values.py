@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from itertools import islice, product, repeat
+from operator import is_
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.facts import Resolution
@@ -275,6 +276,8 @@ class Either:
 
     items: tuple[Value, ...]
     ways: tuple[Way, ...] = field(default=(), compare=False)
+    read: tuple[str, Either | None] | None = field(default=None, init=False, compare=False, repr=False)
+    """What `read_back` last gave, by the name it was given; None in it is this value itself."""
 
 
 ABSENT: Final = Unknown("it is not given")
@@ -385,7 +388,11 @@ def read_back(value: Value, name: str = "") -> Value:
         if value.parts == _NAMELESS and label_of(name):
             return Text((Hole(label_of(name)),), value.resolution, value.parameter, value.reason)
     elif type(value) is Either:
-        return Either(tuple([read_back(item, name) for item in value.items]), value.ways)
+        if value.read is None or value.read[0] != name:
+            items = tuple([read_back(item, name) for item in value.items])
+            same = all(map(is_, items, value.items))
+            value.read = (name, None if same else Either(items, value.ways))
+        return value.read[1] or value
     elif type(value) is Sequence and not _READ_BACK.isdisjoint(map(type, value.items)):
         return Sequence(tuple([read_back(item) for item in value.items]), value.open, value.parameter, value.repeated)
     return value

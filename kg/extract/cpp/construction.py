@@ -35,6 +35,8 @@ class Constructions:
     def __init__(self, language: Cpp) -> None:
         self._language = language
         self._kinds = language.kinds
+        self._around: list[Class] = []
+        """The classes whose members are initialised, the outermost first."""
 
     def expression(self, expression: form.Construct, frame: Frame) -> Value:
         """Return the object of a construction."""
@@ -188,6 +190,7 @@ class Constructions:
 
     def _members(self, made: Object, cls: Class, own: Frame, frame: Frame, given: _Initialisers) -> None:
         machine = self._language.machine
+        self._around.append(cls)
         for field in cls.fields.values():
             kind = field.type
             if field.static:
@@ -199,16 +202,22 @@ class Constructions:
             elif field.value is not None:
                 with self._at(own, field.line):
                     value = self._valued(field, field.value, own)
-            elif kind is not None and not kind.pointer and not kind.reference:
+            elif kind is not None and not kind.pointer and not kind.reference and not self._is_around(kind, own):
                 with self._at(own, field.line):
                     value = self.default(kind, own, field.line)
             else:
                 continue
             machine.write(made.fields, field.name, value)
+        self._around.pop()
+
+    def _is_around(self, kind: Type, own: Frame) -> bool:
+        """Check whether the type of a member is a class around it, so that the member is a pointer by another name."""
+        found = self._kinds.kind(kind, own)
+        return isinstance(found, Kind) and found.cls is not None and found.cls in self._around
 
     def _initialised(self, kind: Type | None, arguments: list[Value], own: Frame, entry: form.Initialiser) -> Value:
         """Return the value of a member that a constructor initialises."""
-        if kind is None or kind.pointer or kind.reference:
+        if kind is None or kind.pointer or kind.reference or self._is_around(kind, own):
             return arguments[0] if arguments else Unknown("it is null")
         found = self._kinds.kind(kind, own)
         if not isinstance(found, Kind):
@@ -220,6 +229,8 @@ class Constructions:
         value = self._language.machine.value(written, own)
         if not isinstance(value, Sequence) or field.type is None or not isinstance(written, form.Display):
             return self._language.converted(value, field.type, written, own)
+        if self._is_around(field.type, own):
+            return value.items[0] if value.items else Unknown("it is null")
         found = self._kinds.kind(field.type, own)
         if isinstance(found, Kind):
             return self.construct(found, list(value.items), own, field.line, listed=True)

@@ -44,7 +44,7 @@ class Linker:
         """The files that define methods outside of a class, by its name."""
         self._methods: dict[Class, dict[str, list[Function]]] = {}
         self._meanings: dict[tuple[object, ...], list[Any]] = {}
-        self._held: dict[tuple[str, str, Unit], list[CppUnit]] = {}
+        self._held: dict[tuple[str, str, Unit], tuple[CppUnit, ...]] = {}
         self._generated: dict[tuple[str, Unit], _Scope | None] = {}
         self._macros: dict[tuple[str, Unit], Macro | None] = {}
         self._defined: set[tuple[object, ...]] = set()
@@ -136,20 +136,20 @@ class Linker:
             )
         return self._generated[key]
 
-    def _holding(self, unit: Unit, kind: str, name: str) -> list[CppUnit]:
+    def _holding(self, unit: Unit, kind: str, name: str) -> tuple[CppUnit, ...]:
         """Return the files, nearest first, that can give a name of a kind its meaning in a file."""
         found = self._held.get((kind, name, unit))
         if found is None:
             own = cast("CppUnit", unit)
-            near = [own] if name in own.names[kind] else []
-            near += [one for one in self.project.find(unit.key, kind, name) if one is not own]
-            # A name that a header only declares is defined in another file of the program.
-            found = near + [one for one in self._bodies.get((kind, name), ()) if one not in near]
+            found = self.project.holding(own, kind, name)
+            if bodies := self._bodies.get((kind, name)):
+                # A name that a header only declares is defined in another file of the program.
+                found = (*found, *(one for one in bodies if one not in found))
             if not found and ((kind == "class" and own.declares(name)) or _IMPLEMENTATION.search(own.path)):
                 # The whole class is in a header that other files of the program include; so are the names that the
                 # bodies of templates use, in a file that their header includes at its end.
                 files = [one.key for one in self.units.values()]
-                found = list(dict.fromkeys(one for file in files for one in self.project.find(file, kind, name)))
+                found = tuple(dict.fromkeys(one for file in files for one in self.project.find(file, kind, name)))
             self._held[kind, name, unit] = found
         return found
 
@@ -169,6 +169,11 @@ class Linker:
         near = self._holding(unit, kind, names[-1]) if names else ()
         if not near:
             return []
+        meanings = self._meanings
+        if len(names) == 1 and near is self.project.holding(cast("CppUnit", unit), kind, names[0]):
+            meanings = self.project.meanings
+            if key in meanings:
+                return meanings[key]
         ranked: list[tuple[float, _Found]] = []
         if names[:1] == ("",):
             scope = ()
@@ -182,7 +187,7 @@ class Linker:
             if ranked:
                 break
         best = max((rank for rank, _ in ranked), default=0.0)
-        found = self._meanings[key] = [held for rank, held in ranked if rank == best]
+        found = meanings[key] = [held for rank, held in ranked if rank == best]
         return found
 
     def spelled(self, names: _Scope, unit: Unit, scope: _Scope) -> _Scope:

@@ -8,6 +8,7 @@ each class that declares interfaces is an entry.
 from __future__ import annotations
 
 import sys
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, cast
 
@@ -74,19 +75,21 @@ def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls:
     """Return the nodes in the C++ of a package; no content of the sources raises an error."""
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _RECURSION))
+    project = Project(reader, package, build, calls)
     try:
-        return _Nodes(reader, package, build, calls).read()
+        return _Nodes(project, build, calls).read()
     finally:
+        project.close()
         sys.setrecursionlimit(limit)
 
 
 class _Nodes:
     """The reading of one package."""
 
-    def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> None:
+    def __init__(self, project: Project, build: BuildModel, calls: Descriptions) -> None:
         self._calls = calls
-        self._project = Project(reader, package, build, calls)
-        self._package = package
+        self._project = project
+        self._package = project.package
         self._plugins_read: dict[PluginClass, list[Extracted]] = {}
         self._alone: dict[Class, Extracted] = {}
         """The components that declare everything while they are constructed without arguments."""
@@ -122,16 +125,18 @@ class _Nodes:
             for cls in [cls for listed in unit.classes.values() for cls in listed] if unit is not None else ():
                 if isinstance(cls, CppClass) and cls.abstract:
                     continue
-                machine, language, framework = self._machine([file])
-                methods = (f for listed in language.linker.methods(cls).values() for f in listed)
-                units = {cls.unit, *(method.unit for method in methods)}
-                sources = [cast("CppUnit", one).source for one in units]
-                if not any(word in source for source in sources for word in words):
-                    continue
-                root, _ = self._started(machine, language, framework, cls)
-                node = NodeType(cls.name, NodeKind.CLASS, "cpp", 0, Location(file.path, cls.line), sources=(file.path,))
-                extracted = self._extracted(framework, node, root)
-                found += [one for one in extracted if any(i.name or i.parameter for i in one.node.interfaces)]
+                with self._program([file]) as (machine, language, framework):
+                    methods = (f for listed in language.linker.methods(cls).values() for f in listed)
+                    units = {cls.unit, *(method.unit for method in methods)}
+                    sources = [cast("CppUnit", one).source for one in units]
+                    if not any(word in source for source in sources for word in words):
+                        continue
+                    root, _ = self._started(machine, language, framework, cls)
+                    node = NodeType(
+                        cls.name, NodeKind.CLASS, "cpp", 0, Location(file.path, cls.line), sources=(file.path,)
+                    )
+                    extracted = self._extracted(framework, node, root)
+                    found += [one for one in extracted if any(i.name or i.parameter for i in one.node.interfaces)]
         return found
 
     def _files(self, target: Target) -> list[FilePath]:
@@ -148,34 +153,42 @@ class _Nodes:
         paths = [path for one in seen.values() for path in one.sources]
         return [self._project.own(path) for path in dict.fromkeys(paths)]
 
-    def _machine(self, files: list[FilePath]) -> tuple[Machine, Cpp, Framework]:
+    @contextmanager
+    def _program(self, files: list[FilePath]) -> Iterator[tuple[Machine, Cpp, Framework]]:
+        """Interpret some files, until the end of a `with` statement.
+
+        The three parts refer to each other. Emptied, they are freed at once: the collector of cycles would take a
+        tenth of the time of extraction to find them.
+        """
         language = Cpp(Linker(self._project, files))
         framework = Framework(self._calls)
         machine = Machine(language, framework)
         language.machine = framework.machine = machine
-        return machine, language, framework
+        yield machine, language, framework
+        for part in (machine, language, framework):
+            vars(part).clear()
 
     def _executable(self, target: Target, plugins: list[PluginClass]) -> list[Extracted]:
-        machine, language, framework = self._machine(self._files(target))
-        own = [unit for unit in (language.linker.load(self._project.own(path)) for path in target.sources) if unit]
-        units = own + [unit for unit in language.linker.units.values() if unit not in own]
-        mains = [f for unit in units for f in unit.functions.get("main", ()) if not f.scope]
-        if not mains:
-            return []
-        main = mains[0]
-        name = target.output_name or target.name
-        place = Location(main.unit.path, main.line)
-        node = NodeType(name, NodeKind.EXECUTABLE, "cpp", 0, place, executable=name, sources=target.sources)
-        component = self._component(main, language, plugins)
-        if component is not None:  # running the program would run all of the component again
-            return [replace(component, node=_as_executable(component.node, node))]
-        if not self._project.reach.reaches(main):
-            return []
-        machine.stack.append(Site(main.unit, main.line))
-        arguments: list[Value] = [Unknown("it is the number of arguments", "argc"), COMMAND_LINE]
-        machine.invoke(main, Frame(main.unit, ()), arguments[: len(main.parameters)])
-        machine.drain()
-        return [*self._extracted(framework, node, None), *self._of_trees(framework, self._files(target))]
+        with self._program(self._files(target)) as (machine, language, framework):
+            own = [unit for unit in (language.linker.load(self._project.own(path)) for path in target.sources) if unit]
+            units = own + [unit for unit in language.linker.units.values() if unit not in own]
+            mains = [f for unit in units for f in unit.functions.get("main", ()) if not f.scope]
+            if not mains:
+                return []
+            main = mains[0]
+            name = target.output_name or target.name
+            place = Location(main.unit.path, main.line)
+            node = NodeType(name, NodeKind.EXECUTABLE, "cpp", 0, place, executable=name, sources=target.sources)
+            component = self._component(main, language, plugins)
+            if component is not None:  # running the program would run all of the component again
+                return [replace(component, node=_as_executable(component.node, node))]
+            if not self._project.reach.reaches(main):
+                return []
+            machine.stack.append(Site(main.unit, main.line))
+            arguments: list[Value] = [Unknown("it is the number of arguments", "argc"), COMMAND_LINE]
+            machine.invoke(main, Frame(main.unit, ()), arguments[: len(main.parameters)])
+            machine.drain()
+            return [*self._extracted(framework, node, None), *self._of_trees(framework, self._files(target))]
 
     def _component(self, main: Function, language: Cpp, plugins: list[PluginClass]) -> Extracted | None:
         """Return the component that declares all that a program declares; None if there is none."""
@@ -224,45 +237,45 @@ class _Nodes:
 
     def _read_plugin(self, plugin: PluginClass) -> list[Extracted]:
         for files in self._libraries(plugin):
-            machine, language, framework = self._machine(files)
-            cls = self._class(language.linker, plugin.type)
-            if cls is None:
-                continue
-            root, complete = self._started(machine, language, framework, cls, plugin.registration)
-            name = plugin.executable or _last(plugin.name)
-            place = Location(cls.unit.path, cls.line)
-            node = NodeType(
-                name,
-                _KINDS[plugin.registration],
-                "cpp",
-                0,
-                place,
-                executable=plugin.executable,
-                plugin=plugin.name,
-                base_class=plugin.base_type,
-                sources=_sources_of(language, cls),
-                exported=plugin.location,
-            )
-            found = self._extracted(framework, node, root)
-            if found and complete and found[0].node.node_name is not None:
-                self._alone[cls] = found[0]
-            return found
+            with self._program(files) as (machine, language, framework):
+                cls = self._class(language.linker, plugin.type)
+                if cls is None:
+                    continue
+                root, complete = self._started(machine, language, framework, cls, plugin.registration)
+                name = plugin.executable or _last(plugin.name)
+                place = Location(cls.unit.path, cls.line)
+                node = NodeType(
+                    name,
+                    _KINDS[plugin.registration],
+                    "cpp",
+                    0,
+                    place,
+                    executable=plugin.executable,
+                    plugin=plugin.name,
+                    base_class=plugin.base_type,
+                    sources=_sources_of(language, cls),
+                    exported=plugin.location,
+                )
+                found = self._extracted(framework, node, root)
+                if found and complete and found[0].node.node_name is not None:
+                    self._alone[cls] = found[0]
+                return found
         return []
 
     def _tree_nodes(self, file: FilePath) -> Iterator[Extracted]:
         """Yield the nodes of behavior trees that a file registers and that have interfaces."""
         target = next((one for one in self.build.targets if file.path in one.sources), None)
         files = self._files(target) if target is not None else [file]
-        machine, language, framework = self._machine([file, *(one for one in files if one != file)])
-        unit = language.linker.load(file)
-        for function in unit.functions.get(_TREE_NODES, ()) if unit is not None else ():
-            frame = Frame(function.unit, function.scope)
-            kind = function.parameters[0].type if function.parameters else None
-            frame.variables[kind.names[-1] if kind is not None else "factory"] = Object(FACTORY)
-            machine.stack.append(Site(function.unit, function.line))
-            machine.invoke(function, frame, [])
-            machine.stack.pop()
-        yield from self._of_trees(framework, files)
+        with self._program([file, *(one for one in files if one != file)]) as (machine, language, framework):
+            unit = language.linker.load(file)
+            for function in unit.functions.get(_TREE_NODES, ()) if unit is not None else ():
+                frame = Frame(function.unit, function.scope)
+                kind = function.parameters[0].type if function.parameters else None
+                frame.variables[kind.names[-1] if kind is not None else "factory"] = Object(FACTORY)
+                machine.stack.append(Site(function.unit, function.line))
+                machine.invoke(function, frame, [])
+                machine.stack.pop()
+            yield from self._of_trees(framework, files)
 
     def _of_trees(self, framework: Framework, files: list[FilePath]) -> Iterator[Extracted]:
         """Yield the nodes of behavior trees that a run registered, each once, and that have interfaces."""
@@ -274,35 +287,35 @@ class _Nodes:
 
     def _tree_node(self, registered: Registered, name: str, files: list[FilePath]) -> list[Extracted]:
         """Return a node of behavior trees, created as its factory does."""
-        machine, language, framework = self._machine(files)
-        site = registered.stack[-1]
-        machine.stack.append(site)
-        given: list[Value] = [Text.of(name), Unknown("it is the configuration of the node")]
-        if registered.kind is not None:
-            language.calls.value(Bound("providedPorts", registered.kind), Arguments([]))
-        if registered.builder is not None:
-            root = language.calls.value(registered.builder, Arguments(given))
-        elif registered.kind is not None:
-            frame = Frame(site.unit, ())
-            root = language.construct(registered.kind, [*given, *registered.given], frame, site.line)
-        else:
-            return []
-        cls = root.kind.cls if isinstance(root, Object) else None
-        if not isinstance(root, Object) or cls is None:
-            return []
-        self._run_from_outside(machine, language, root, node=False)
-        node = NodeType(
-            name,
-            NodeKind.PLUGIN,
-            "cpp",
-            0,
-            Location(cls.unit.path, cls.line),
-            plugin=name,
-            base_class=TREE_NODE,
-            sources=_sources_of(language, cls),
-            exported=Location(site.unit.path, site.line),
-        )
-        return [one for one in self._extracted(framework, node, root) if one.node.interfaces]
+        with self._program(files) as (machine, language, framework):
+            site = registered.stack[-1]
+            machine.stack.append(site)
+            given: list[Value] = [Text.of(name), Unknown("it is the configuration of the node")]
+            if registered.kind is not None:
+                language.calls.value(Bound("providedPorts", registered.kind), Arguments([]))
+            if registered.builder is not None:
+                root = language.calls.value(registered.builder, Arguments(given))
+            elif registered.kind is not None:
+                frame = Frame(site.unit, ())
+                root = language.construct(registered.kind, [*given, *registered.given], frame, site.line)
+            else:
+                return []
+            cls = root.kind.cls if isinstance(root, Object) else None
+            if not isinstance(root, Object) or cls is None:
+                return []
+            self._run_from_outside(machine, language, root, node=False)
+            node = NodeType(
+                name,
+                NodeKind.PLUGIN,
+                "cpp",
+                0,
+                Location(cls.unit.path, cls.line),
+                plugin=name,
+                base_class=TREE_NODE,
+                sources=_sources_of(language, cls),
+                exported=Location(site.unit.path, site.line),
+            )
+            return [one for one in self._extracted(framework, node, root) if one.node.interfaces]
 
     def _started(
         self,
@@ -410,7 +423,8 @@ class _Nodes:
         if found is None or found.repository != reader.repository:
             return None
         folder = reader.workspace.folder(found)[1]
-        return _Nodes(reader, folder, read_build(reader, folder), self._calls)
+        build = read_build(reader, folder)
+        return _Nodes(Project(reader, folder, build, self._calls), build, self._calls)
 
     def _extracted(self, framework: Framework, node: NodeType, root: Object | None) -> list[Extracted]:
         declared, loadings = framework.declared, framework.loadings

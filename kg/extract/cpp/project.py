@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import OrderedDict, defaultdict
 from functools import lru_cache
 from itertools import chain, islice
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Any, Final, cast
 
 from kg.corpus.files import FilePath, Place
 from kg.extract.constants import Constants
@@ -121,9 +121,15 @@ class Project:
         self._ros = build.ros
         self._place = Place(reader.repository, package.path, package.name)
         self._units: dict[FilePath, CppUnit | None] = {}
+        self._alone: list[CppUnit] = []
+        """The sources of the package, which are not kept for others."""
         self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
         self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
         self._nearness: dict[FilePath, dict[CppUnit, int]] = {}
+        self._holding: dict[tuple[str, str, CppUnit], tuple[CppUnit, ...]] = {}
+        """The files that can give a name of a kind its meaning in a file."""
+        self.meanings: dict[tuple[object, ...], list[Any]] = {}
+        """What names mean that are declared in these files alone: the same in all programs of the package."""
         self._listed: dict[CppUnit, None] = {}
         """The headers in the index that follows."""
         self._macros: dict[str, dict[str, None]] = defaultdict(dict)
@@ -135,6 +141,13 @@ class Project:
         """The YAML files of parameter libraries by the names of their headers, for each package."""
         self._made: dict[FilePath, bytes] = {}
         """The headers made of YAML files."""
+
+    def close(self) -> None:
+        """Free what was read, before a collection of cycles does; the project cannot be used any more."""
+        vars(self.reach).clear()
+        for unit in self._alone:
+            vars(unit).clear()
+        vars(self).clear()
 
     def own(self, path: str) -> FilePath:
         """Return the key of a file of this source."""
@@ -163,6 +176,8 @@ class Project:
         made = CppUnit(file, data, self._ros)
         if not own or not _is_source(file.path):
             _cache.keep(data, made)
+        else:
+            self._alone.append(made)
         return made
 
     def contains(self, file: FilePath, word: bytes) -> bool:
@@ -340,6 +355,19 @@ class Project:
             return []
         found = [one for one in listed if one in near]
         return sorted(found, key=near.__getitem__) if len(found) > 1 else found
+
+    def holding(self, unit: CppUnit, kind: str, name: str) -> tuple[CppUnit, ...]:
+        """Return those of a file and its headers that declare a name of a kind, nearest first.
+
+        All programs of the package get the same object.
+        """
+        key = (kind, name, unit)
+        found = self._holding.get(key)
+        if found is None:
+            near = self.find(unit.key, kind, name)
+            own = (unit,) if name in unit.names[kind] else ()
+            found = self._holding[key] = (*own, *(one for one in near if one is not unit))
+        return found
 
     def defining(self, file: FilePath, name: str) -> list[CppUnit]:
         """Return the headers of a file that define methods outside of their class, which has a name."""

@@ -43,3 +43,43 @@ int main(int argc, char** argv)
 """
     found = node_of(source % ('ensure(node, "first");\n' * 20)).parameters
     assert [one.name for one in found if "use_sim_time" not in str(one.name)] == ["first", "last"]
+
+
+def test_loops_that_create_nothing_leave_steps_for_what_follows() -> None:
+    """A table filled by nested loops does not end the run before the publisher after it."""
+    loops = "".join(f"for (int {name} = 0; {name} != 60; ++{name}) " for name in "ijk")
+    source = f"""#include <ros/ros.h>
+#include <std_msgs/String.h>
+int main(int argc, char** argv)
+{{
+  ros::NodeHandle nh;
+  int sum = 0;
+  {loops} {{ sum += i * j * k; sum += i + j + k; sum += 1; }}
+  ros::Publisher all = nh.advertise<std_msgs::String>("all", 1);
+}}
+"""
+    node = node_of(source)
+    assert [one.name for one in node.interfaces if not one.implicit] == ["all"]
+    assert node.bounds == ()
+
+
+def test_a_pointer_by_another_name_does_not_construct_its_class() -> None:
+    """Structures that point to each other are constructed once."""
+    source = """#include <ros/ros.h>
+#include <std_msgs/String.h>
+struct Vertex;
+struct Edge;
+typedef Vertex * VertexPtr;
+typedef Edge * EdgePtr;
+struct Vertex { EdgePtr first{nullptr}; EdgePtr second{nullptr}; };
+struct Edge { VertexPtr start{nullptr}; VertexPtr end{nullptr}; };
+int main(int argc, char** argv)
+{
+  ros::NodeHandle nh;
+  Vertex vertex;
+  ros::Publisher all = nh.advertise<std_msgs::String>("all", 1);
+}
+"""
+    node = node_of(source)
+    assert [one.name for one in node.interfaces if not one.implicit] == ["all"]
+    assert node.bounds == ()
