@@ -15,6 +15,7 @@ from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING, Final
 
 from kg.robot.connecting import connect
+from kg.robot.simulation.arm import Arm
 from kg.robot.simulation.drone import Drone
 from kg.robot.simulation.robots import Command
 from kg.robot.simulation.running import hosted_in_memory
@@ -41,11 +42,13 @@ def main() -> None:
 def physics(name: str, seconds: float) -> float:
     """Return the factor of a world in which the robot moves and nobody looks."""
     with World(name) as world:
-        if isinstance(world.robot, Drone):
-            world.robot.take_off()
+        mover = world.robot
+        if isinstance(mover, Drone):
+            mover.take_off()
         began = time.process_time()
         while world.time < seconds:
-            world.robot.command(Command(forward=0.3, turn=0.5, at=world.time))
+            if not isinstance(mover, Arm):
+                mover.command(Command(forward=0.3, turn=0.5, at=world.time))
             world.advance()
         return world.time / (time.process_time() - began)
 
