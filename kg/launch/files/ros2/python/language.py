@@ -11,6 +11,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
+from kg.extract.constants import Constants
 from kg.extract.python.calls import Calls
 from kg.extract.python.language import Python
 from kg.extract.python.modules import BUILTINS, PythonUnit
@@ -72,6 +73,7 @@ class LaunchModules:
 
     def __init__(self, files: Files) -> None:
         self.files = files
+        self.constants = Constants(files.reader)
 
     def unit(self, file: FilePath) -> PythonUnit | None:
         """Return a module; None if it cannot be read."""
