@@ -225,8 +225,8 @@ class Settings:
         "",
         forms.address,
         "ADDRESS",
-        "The robot: ros1://HOST:PORT, dds://DOMAIN, zenoh://HOST:PORT, ws://HOST:PORT, or a recording, bag://FILE; by "
-        "default what ROS_MASTER_URI or ROS_DOMAIN_ID names.",
+        "The robot: ros1://HOST:PORT, dds://DOMAIN, rclpy://DOMAIN, zenoh://HOST:PORT, ws://HOST:PORT, or a recording, "
+        "bag://FILE; by default what ROS_MASTER_URI or ROS_DOMAIN_ID names.",
     )
     places: str = setting(
         "", forms.file, "FILE", "Places that programs for robots call by their names (docs/programs.md)."

@@ -10,8 +10,8 @@ CODES: Final = {
     "KG801": CodeEntry(
         "invalid robot address",
         "The format of the robot's address is unknown, or its middleware is not installed.",
-        "Write ros1://HOST:PORT, dds://DOMAIN, zenoh://HOST:PORT, ws://HOST:PORT or bag://FILE. Install the package "
-        "that the message names.",
+        "Write ros1://HOST:PORT, dds://DOMAIN, rclpy://DOMAIN, zenoh://HOST:PORT, ws://HOST:PORT or bag://FILE. "
+        "Install the package that the message names.",
     ),
     "KG802": CodeEntry(
         "robot does not answer",
