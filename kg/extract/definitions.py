@@ -130,6 +130,8 @@ _LINE: Final = re.compile(
 """A field or constant: the type with its bounds, the name, and what is behind it, without comment."""
 _CODE: Final = re.compile(r"""(?:[^#"']|"[^"]*"?|'[^']*'?)*""")
 """What is before the first `#` outside of quotes."""
+_QUOTED: Final = re.compile(r"""(["'])(.*?)\1\s*(?:#\s*(.*))?""")
+"""A text in quotes and a comment behind it."""
 
 
 def read_definitions(reader: Reader, package: PackageFolder) -> tuple[InterfaceDefinition, ...]:
@@ -194,8 +196,11 @@ def _field(written: str, section: str, package: str, line: int) -> Field | None:
     is_text = home is None and kind in ("string", "wstring")
     if home is None and kind not in _PRIMITIVE:
         home = "std_msgs" if kind == "Header" else package
-    if constant is not None and is_text:  # all of the line
-        constant, comment = _unquoted(written[found.start("constant") :].strip()), None
+    if constant is not None and is_text:
+        whole = written[found.start("constant") :].strip()
+        quoted = _QUOTED.fullmatch(whole)
+        # In ROS 1 a constant is all of the line, with quotes and comments; ROS 2 has texts in quotes.
+        constant, comment = (quoted[2], quoted[3] or None) if quoted else (_unquoted(whole), None)
     elif constant is not None:
         constant = _literal(constant) or constant
     elif default is not None and is_text and "[" not in found["bounds"]:
