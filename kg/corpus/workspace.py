@@ -4,7 +4,7 @@ Every index is made when it is first needed, so that a worker pays only for what
 packages through the public look-ups alone, which `kg.pipeline.recording` records; no look-up is built on another public
 one, so the record does not depend on what is indexed already.
 
-Which pages of documentation stand in a package or around it.
+`Documents` finds the pages of documentation in a package or around it.
 """
 
 from __future__ import annotations

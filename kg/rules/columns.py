@@ -1,10 +1,8 @@
-"""Triples of a store as columns: which ones rules need, and reading them graph by graph.
+"""Triples of a store as columns: which ones rules need, reading them graph by graph, and their lines of N-Triples.
 
 Only what the rules read, or might infer, is read: for `?x :p ?y` the triples of a predicate, for `?x a :Node` those of
 a predicate with one object. Reading takes far longer than evaluation, so it is
 done in two threads, while a third interns what they give.
-
-Columns as lines of N-Triples.
 """
 
 from __future__ import annotations

@@ -58,6 +58,10 @@ __all__ = ["Declared", "Framework"]
 _PARAMETER_TYPE: Final = "PARAMETER_"
 """How the types of parameters begin in C++: `rclcpp::ParameterType::PARAMETER_STRING`."""
 _NODES: Final = ("node", "handle")
+_OF_NODES: Final = frozenset({"create_publisher", "create_subscription", "create_service", "create_client"})
+"""Methods that only nodes of ROS 2 have."""
+_GENERATED: Final = frozenset({"msg", "srv", "action"})
+"""Namespaces and modules of the types of interfaces."""
 _AUTOMATIC: Final = "automatically_declare_parameters_from_overrides"
 _UNKNOWN_NODE: Final = Unknown("it has no node")
 
@@ -172,7 +176,8 @@ class Framework:
     def host_node(self) -> Object:
         """Return the node that loads the plugin."""
         if self.host is None:
-            self.host = Object(Kind(("rclcpp", "Node")), native={"namespace": EMPTY})
+            library = "rclpy" if self.descriptions.language == "python" else "rclcpp"
+            self.host = Object(Kind((library, "Node")), native={"namespace": EMPTY})
         return self.host
 
     def handed(self, of: Object, name: str, count: int) -> dict[int, Value]:
@@ -358,6 +363,18 @@ class Framework:
                     placed = replace(placed, values=rest)
                 return self._run(described, Invocation(node, placed, of.kind))
         return None
+
+    def call_unknown_node(self, name: str, kind: Value | None, given: Arguments) -> Value | None:
+        """Apply the effects of a method of a node of ROS 2 that is not known, which gets the type of an interface.
+
+        The node is the one of the program, or the one that loads the plugin, as there rarely is another.
+
+        Returns:
+            None unless only nodes have a method of the name, and `kind` is generated from an interface definition.
+        """
+        if name not in _OF_NODES or not isinstance(kind, TypeValue) or _GENERATED.isdisjoint(kind.kind.names[:-1]):
+            return None
+        return self.call_method(next(iter(self.nodes), None) or self.host_node(), name, given)
 
     def describes(self, names: tuple[str, ...]) -> bool:
         """Check whether a full name is that of a class or function that is described."""

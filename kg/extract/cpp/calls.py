@@ -42,10 +42,6 @@ __all__ = ["Calls", "Overload", "fits"]
 _HANDLE: Final = Kind(("ros", "NodeHandle"))
 _OF_HANDLES: Final = ("advertise", "subscribe", "advertiseService", "serviceClient")
 """Methods that tell a node handle."""
-_OF_NODES: Final = frozenset({"create_publisher", "create_subscription", "create_service", "create_client"})
-"""Methods that only nodes of ROS 2 have."""
-_GENERATED: Final = frozenset({"msg", "srv"})
-"""Namespaces of the types of interfaces."""
 Overload: TypeAlias = "tuple[Function, dict[str, Value]]"
 """A function, with the values of the template parameters around it."""
 
@@ -229,8 +225,9 @@ class Calls:
         known = self._of_object(of, name, given) if isinstance(of, Object) else None
         if isinstance(of, Unknown) and given.template:
             known = self._node_of(given)
-        if known is None and name in _OF_NODES and not (isinstance(of, Object) and of.kind.cls is not None):
-            known = self._of_unknown_node(name, given)
+        if known is None and not (isinstance(of, Object) and of.kind.cls is not None):
+            kind = given.template[0] if given.template else None
+            known = self._language.machine.framework.call_unknown_node(name, kind, given)
         if known is None:
             known = library.method(self._language, of, name, given, written)
         if known is not None:
@@ -246,17 +243,6 @@ class Calls:
         if made is None or not framework.is_node(made):
             return None
         return framework.host_node() if made.kind.cls is None else made
-
-    def _of_unknown_node(self, name: str, given: Arguments) -> Value | None:
-        """Call a method of a node that is not known; None unless a template argument is the type of an interface.
-
-        The node is the one of the program, or the one that loads the plugin, as there rarely is another.
-        """
-        first = given.template[0] if given.template else None
-        if not isinstance(first, TypeValue) or _GENERATED.isdisjoint(first.kind.names[:-1]):
-            return None
-        framework = self._language.machine.framework
-        return self._framework_method(next(iter(framework.nodes), None) or framework.host_node(), name, given)
 
     def _of_object(self, of: Object, name: str, given: Arguments) -> Value | None:
         """Call a method of an object; return None for methods unknown to the sources and the frameworks."""

@@ -46,7 +46,7 @@ _CONTINUED: Final = re.compile(rb"\s*(?:[,)?=|]|\.\w|&&|<<|:[^:])")
 _LEFT_OUT: Final = re.compile(rb"/\*.*?\*/|//[^\n]*|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
 """Comments and lines of the preprocessor."""
 _NEAR: Final = 300
-"""Bytes before a place that are searched for the end of the code there."""
+"""Bytes before and after a place that are searched for the code next to it."""
 _VISIBLE: Final = re.compile(rb"[^\r\n]")
 
 
@@ -69,8 +69,7 @@ def prepared(source: bytes, ros: int) -> bytes:
 
 def _if_statement(match: re.Match[bytes]) -> bytes:
     """Return spaces for a macro that stands where a statement or declaration begins, else the macro."""
-    before = _LEFT_OUT.sub(b"", match.string[max(0, match.start() - _NEAR) : match.start()]).rstrip()
-    return _spaces(match) if before.endswith((b";", b"}", b":")) else match[0]
+    return _spaces(match) if _before(match.string, match.start()).endswith((b";", b"}", b":")) else match[0]
 
 
 def _spaces(match: re.Match[bytes]) -> bytes:
@@ -191,10 +190,15 @@ def _splits(source: bytearray, start: int, end: int) -> bool:
 
 def _in_expression(source: bytearray, start: int, sides: list[tuple[int, int]]) -> bool:
     """Return whether an `#if` that begins at `start` is within an expression, or a list of initialisers."""
-    before = _LEFT_OUT.sub(b"", bytes(source[max(0, start - _NEAR) : start])).rstrip()
-    if _UNFINISHED.search(before):
+    if _UNFINISHED.search(_before(source, start)):
         return True
-    return any(_CONTINUED.match(_LEFT_OUT.sub(b"", bytes(source[begin:end]))) for begin, end in sides)
+    begins = (source[begin : min(end, begin + _NEAR)] for begin, end in sides)
+    return any(_CONTINUED.match(_LEFT_OUT.sub(b"", begin)) for begin in begins)
+
+
+def _before(source: bytes | bytearray, place: int) -> bytes:
+    """Return the end of the code before a place."""
+    return _LEFT_OUT.sub(b"", source[max(0, place - _NEAR) : place]).rstrip()
 
 
 def _blank(source: bytearray, start: int, end: int) -> None:

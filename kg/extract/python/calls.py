@@ -7,11 +7,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python import library
-from kg.extract.python.modules import GENERATED
 from kg.extract.python.statements import DECORATED
 from kg.symbolic import form
 from kg.symbolic.binding import bind
-from kg.symbolic.names import EMPTY
 from kg.symbolic.state import Alias, Arguments, Frame
 from kg.symbolic.values import (
     Bound,
@@ -45,8 +43,6 @@ _MOST_SITES: Final = 12
 _CLASS: Final = "__class__"
 _PLAIN: Final = frozenset({"builtins", "abc", "enum", "typing", "object", "collections", "dataclasses"})
 """Packages whose classes call no methods of those that derive from them."""
-_OF_NODES: Final = frozenset({"create_publisher", "create_subscription", "create_service", "create_client"})
-"""Methods that only nodes of ROS 2 have."""
 
 
 class Calls:
@@ -177,14 +173,8 @@ class Calls:
         return outside(name, given.values)
 
     def _of_unknown_node(self, name: str, given: Arguments) -> Value | None:
-        """Call a method of a node that is not known; None unless only nodes have it and it gets an interface's type."""
-        first = given.values[0] if given.values and name in _OF_NODES else None
-        if not isinstance(first, TypeValue) or not GENERATED.intersection(first.kind.names[:-1]):
-            return None
-        framework = self._language.machine.framework
-        if framework.host is None:
-            framework.host = Object(Kind(("rclpy", "Node")), native={"namespace": EMPTY})
-        return framework.call_method(framework.host, name, given)
+        kind = given.values[0] if given.values else None
+        return self._language.machine.framework.call_unknown_node(name, kind, given)
 
     def outside(self, called: TypeValue, given: Arguments) -> Value:
         """Call a function or construct a class that is not in the sources."""

@@ -21,7 +21,6 @@ from kg.facts import FileKind, Location, NodeKind, NodeType, Role
 from kg.names import normalise
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
-from kg.symbolic.names import EMPTY
 from kg.symbolic.state import Arguments, Site
 from kg.symbolic.values import Kind, Object, Text, TypeValue
 
@@ -182,8 +181,7 @@ class _Nodes:
         held = language.member(language.module(unit), cls.name)
         arguments = []
         if hosted:
-            framework.host = Object(Kind(("rclpy", "Node")), native={"namespace": EMPTY})
-            arguments.append(Object(Kind(("qt_gui", "PluginContext")), fields={"node": framework.host}))
+            arguments.append(Object(Kind(("qt_gui", "PluginContext")), fields={"node": framework.host_node()}))
         language.calls.value(held, Arguments(list(arguments)))
         language.machine.drain()
         if not framework.nodes and not hosted:
