@@ -23,10 +23,10 @@ __all__ = ["connect"]
 
 
 async def connect(address: str, name: str, types: Types | None = None) -> Ros2Connection:
-    """Become a node of a domain; there need not be anybody else in it yet.
+    """Become a node of a domain, which may have no other node yet.
 
     Raises:
-        RobotError: KG801 for an address of another form, a name that is none, or without rclpy in this Python; KG817
+        RobotError: KG801 for an address of another form, an invalid name, or without rclpy in this Python; KG817
             when the domain cannot be joined.
     """
     domain = "" if address.removeprefix("rclpy://")[:1].isdigit() else os.environ.get("ROS_DOMAIN_ID", "")
@@ -45,4 +45,4 @@ def _joined(address: Address, name: str, types: Types) -> RclpyMiddleware:
         return RclpyMiddleware(address.domain, name, types)
     except RuntimeError as error:  # what rclpy raises for all failures of the layers below
         told = f"the domain {address.domain} cannot be joined: {error}"
-        raise RobotError("KG817", told, hint="See to the network and to $RMW_IMPLEMENTATION.") from None
+        raise RobotError("KG817", told, hint="Check the network and $RMW_IMPLEMENTATION.") from None

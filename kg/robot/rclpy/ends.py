@@ -22,7 +22,7 @@ _MOMENT: Final = 0.02
 
 
 class End:
-    """What all ends have: `count` tells how many ends of others are connected, `destroy` closes it for good."""
+    """What all ends have: `count` returns how many ends of others are connected, `destroy` closes it for good."""
 
     def __init__(self, count: Callable[[], int], destroy: Callable[[], object]) -> None:
         self._count = count
@@ -36,18 +36,18 @@ class End:
 
     async def ready(self) -> None:
         """Return when an end of another node is connected."""
-        while not self._closed and not self.peers:  # noqa: ASYNC110 - rclpy tells nobody
+        while not self._closed and not self.peers:  # noqa: ASYNC110 - rclpy has no event for it
             await asyncio.sleep(_MOMENT)
 
     def close(self) -> None:
-        """Close it; closing again is nothing."""
+        """Close it; closing it again does nothing."""
         if not self._closed:
             self._closed = True
             self._destroy()
 
 
 def _passed(loop: asyncio.AbstractEventLoop, call: Callable[..., object], *arguments: object) -> None:
-    """Have something called in the loop, from another thread; nothing if the loop is closed."""
+    """Call something in the loop, from another thread; do nothing if the loop is closed."""
     if not loop.is_closed():
         loop.call_soon_threadsafe(call, *arguments)
 
