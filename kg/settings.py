@@ -17,12 +17,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg import forms
 from kg.errors import Place, UsageError
-from kg.forms import FormError
+from kg.forms import Form, FormError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from kg.forms import Form
 
 __all__ = [
     "DECLARED",

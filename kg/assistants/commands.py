@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["program_file", "run_command"]
-
 _GRACE: Final = 5.0
 """Seconds that a command has to end by itself, so that a robot that it drives is stopped."""
 

@@ -10,22 +10,6 @@ from kg.views.wording import quoted
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-__all__ = [
-    "Where",
-    "capabilities",
-    "channel",
-    "findings",
-    "hits",
-    "impact",
-    "lacking",
-    "node",
-    "paged",
-    "parameter",
-    "proofs",
-    "system",
-    "systems",
-]
-
 _TEXTS: Final = 2
 """So many descriptions of a node are shown without detail."""
 _WORDS: Final = 200

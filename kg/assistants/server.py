@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from kg.settings import Settings
 
-__all__ = ["create_server", "serve"]
-
 _INSTRUCTIONS: Final = """\
 kg knows the ROS nodes of this workspace: what they publish, subscribe, offer and need, what they are for, how launch
 files wire them, and on which line of code each of these stands. Ask it before you read sources at length or write a

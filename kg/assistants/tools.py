@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from kg.query.readers.pool import Readers
 
-__all__ = ["PAGE", "Tools"]
-
 PAGE: Final = 2700
 """Bytes of an answer, or of a page of it: with what the protocol adds, 3 KB."""
 _DETAILED: Final = 12_000

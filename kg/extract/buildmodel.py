@@ -13,8 +13,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from kg.facts import Location
 
-__all__ = ["BuildModel", "EntryPoint", "PluginClass", "Registration", "Script", "Target", "TargetKind"]
-
 
 class TargetKind(StrEnum):
     """What a build target becomes."""

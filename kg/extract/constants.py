@@ -6,14 +6,11 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from kg.extract.definitions import fields_of
-from kg.facts import Resolution
+from kg.facts import Field, Resolution
 from kg.symbolic.values import Number, Text, Truth, Value
 
 if TYPE_CHECKING:
     from kg.corpus.reading import Reader
-    from kg.facts import Field
-
-__all__ = ["Constants"]
 
 
 class Constants:

@@ -7,24 +7,20 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final, Protocol
 
 from kg.extract.marks import Mark
-from kg.facts import Access, Bound, Interface, Location, Parameter, Resolution
+from kg.facts import Access, Bound, Interface, Location, Parameter, Resolution, Role
 from kg.holes import PARENT, is_known
 from kg.names import normalise, resolve
 from kg.symbolic.form import Literal
 from kg.symbolic.names import namespace_of
-from kg.symbolic.values import Either, Mapping, Number, Sequence, Text, Truth, TypeValue, Unknown, Value
+from kg.symbolic.values import Either, Mapping, Number, Object, Sequence, Text, Truth, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from collections.abc import Mapping as Counts
 
     from kg.corpus.files import FilePath
-    from kg.facts import Role
     from kg.symbolic.effects import Declared
     from kg.symbolic.state import Site
-    from kg.symbolic.values import Object
-
-__all__ = ["Home", "bounds_of", "evidence", "facts_of", "mark_of"]
 
 _ROS2: Final = 2
 _PARENT: Final = f"{{{PARENT}}}/"

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.corpus.workspace import PackageFolder
 
-__all__ = ["fields_of", "read_definitions"]
-
 _SUFFIXES: Final = {
     "msg": {"": "message"},
     "srv": {"_Request": "request", "_Response": "response"},

@@ -12,7 +12,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import Place, UsageError
-from kg.extract.marks import Mark
+from kg.extract.marks import Extracted, Mark
 from kg.facts import Access, Interface, Location, NodeType, Parameter, Qos, Resolution, Role
 from kg.holes import is_partial
 from kg.names import normalise
@@ -21,9 +21,6 @@ from kg.resources import folder
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kg.extract.marks import Extracted
-
-__all__ = ["Use", "add", "load_table"]
 
 _TABLE_FILE: Final = "implicit.toml"
 _PROBE: Final = Mark("probe", Location("", 1), "namespace", "detail")

@@ -13,16 +13,13 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp.units import included
 from kg.extract.python.importing import imported
-from kg.facts import FileKind, Import, Location
+from kg.facts import FileKind, Import, Location, NodeType
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kg.corpus.files import FilePath, PackageFolder
     from kg.corpus.reading import Reader
-    from kg.facts import NodeType
-
-__all__ = ["add_imports"]
 
 _NAME: Final = re.compile(r"[\w./+-]+", re.ASCII)
 

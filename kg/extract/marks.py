@@ -35,8 +35,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from kg.facts import Location, NodeType
 
-__all__ = ["Extracted", "Mark"]
-
 
 @dataclass(frozen=True, slots=True)
 class Mark:

@@ -16,7 +16,19 @@ from kg.errors import guarded
 from kg.extract import cpp, definitions, implicit, manifests, parameters, python, texts
 from kg.extract.buildmodel import BuildModel, TargetKind
 from kg.extract.imports import add_imports
-from kg.facts import Interface, Location, NodeKind, Package, PackageFacts, Parameter, Role, SourceFile
+from kg.facts import (
+    Interface,
+    InterfaceDefinition,
+    Location,
+    NodeKind,
+    NodeType,
+    Package,
+    PackageFacts,
+    Parameter,
+    PluginSlot,
+    Role,
+    SourceFile,
+)
 from kg.holes import is_partial
 from kg.names import resolve
 from kg.symbolic.descriptions import merged
@@ -27,9 +39,6 @@ if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
     from kg.extract.marks import Extracted
-    from kg.facts import InterfaceDefinition, NodeType, PluginSlot
-
-__all__ = ["extract_package", "guard", "merge", "own_name", "settled"]
 
 _ROLES: Final = {role: position for position, role in enumerate(Role)}
 

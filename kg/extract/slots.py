@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.declared import evidence
+from kg.extract.declared import Home, evidence
 from kg.facts import PluginDefault, PluginSlot
 from kg.holes import hole_of, partition
 from kg.symbolic.values import Sequence, Text, Unknown, Value
@@ -14,11 +14,8 @@ from kg.symbolic.values import Sequence, Text, Unknown, Value
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.extract.declared import Home
     from kg.symbolic.effects import Declared
     from kg.symbolic.plugins import Loading
-
-__all__ = ["slots_of"]
 
 _ELEMENT: Final = "[]"
 _ID: Final = "{id}"

@@ -12,15 +12,12 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.corpus.files import FilePath
-from kg.facts import Location, Snippet
+from kg.facts import Location, PackageFacts, Snippet
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kg.corpus.reading import Reader
-    from kg.facts import PackageFacts
-
-__all__ = ["read_snippets"]
 
 _MOST_LINES: Final = 400
 """Lines of one file; where facts need more, those around them go first, and then the facts farthest down."""

@@ -11,33 +11,6 @@ from kg.facts.launch import LaunchConfiguration  # noqa: TC001 - see above
 from kg.facts.places import Location  # noqa: TC001 - see above
 from kg.facts.texts import Description, Snippet  # noqa: TC001 - see above
 
-__all__ = [
-    "TREE_NODE",
-    "Access",
-    "DataFile",
-    "Dependency",
-    "Field",
-    "FileKind",
-    "Import",
-    "Interface",
-    "InterfaceDefinition",
-    "NodeKind",
-    "NodeType",
-    "Package",
-    "PackageFacts",
-    "Parameter",
-    "Person",
-    "PluginDefault",
-    "PluginSlot",
-    "Problem",
-    "Qos",
-    "Repository",
-    "Resolution",
-    "Role",
-    "SourceFile",
-]
-
-
 TREE_NODE: Final = "BT::TreeNode"
 """The class as which nodes of behavior trees are loaded (BehaviorTree.CPP)."""
 

@@ -13,21 +13,6 @@ from enum import StrEnum
 # Imported when the module is, for the caches make facts from their annotations.
 from kg.facts.places import Location  # noqa: TC001 - see above
 
-__all__ = [
-    "LaunchArgument",
-    "LaunchConfiguration",
-    "LaunchDialect",
-    "LaunchInclude",
-    "LaunchParameter",
-    "LaunchPlugin",
-    "LaunchProblem",
-    "LaunchProblemKind",
-    "PluginValue",
-    "Remap",
-    "StartKind",
-    "StartedNode",
-]
-
 
 class LaunchDialect(StrEnum):
     """The language of a launch file; `running` is none: of a system that was seen running."""

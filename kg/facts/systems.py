@@ -7,24 +7,10 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from kg.facts.code import DataFile, NodeKind  # noqa: TC001 - results are read by the annotations of `Known`
-from kg.facts.launch import StartKind
+from kg.facts.launch import LaunchConfiguration, LaunchParameter, Remap, StartedNode, StartKind
 
 if TYPE_CHECKING:
     from kg.facts.code import Interface, Parameter, Qos, Resolution
-    from kg.facts.launch import LaunchConfiguration, LaunchParameter, Remap, StartedNode
-
-__all__ = [
-    "InstanceInterface",
-    "InstanceParameter",
-    "InstanceRemap",
-    "Known",
-    "MissingType",
-    "NodeInstance",
-    "NodeName",
-    "NodeReference",
-    "Sighting",
-    "System",
-]
 
 
 class MissingType(StrEnum):

@@ -9,8 +9,6 @@ from typing import Final
 # Imported when the module is, for property tests make facts from their annotations.
 from kg.facts.places import Location  # noqa: TC001 - see above
 
-__all__ = ["Description", "DescriptionKind", "Phrase", "Snippet"]
-
 _LONGEST: Final = 200
 """Characters of a line of a snippet."""
 

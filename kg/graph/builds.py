@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kg.facts import Resolution
+from kg.facts import PackageFacts, Problem, Repository, Resolution
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import Writer, boolean, literal, moment
 
@@ -13,10 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from datetime import datetime
 
-    from kg.facts import PackageFacts, Problem, Repository
     from kg.graph.iris import Iris
-
-__all__ = ["BuildRecord", "Counts", "build_triples", "count"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from kg.facts import Location
 
-__all__ = ["chain_of", "chain_text", "likely_chain"]
-
 
 def chain_text(chain: tuple[Location, ...]) -> str | None:
     """Return a chain as one text, None if it is empty; a place in another source has its repository in front."""

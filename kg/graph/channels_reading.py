@@ -10,32 +10,18 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
-from kg.facts import Interface
+from kg.facts import Interface, NodeReference, System
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.ntriples import literal
 from kg.graph.queries import select
-from kg.graph.reading import facts
+from kg.graph.reading import Queryable, facts
 from kg.graph.systems_reading import partial_systems
 from kg.graph.usual_ends import channels_by_system, unstated_ends
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.facts import NodeReference, System
-    from kg.graph.reading import Queryable
-
-__all__ = [
-    "CLASSES",
-    "channels_called",
-    "ends_in_code",
-    "every_name",
-    "findings_about",
-    "names",
-    "names_in",
-    "names_written",
-    "systems_at",
-]
 
 CLASSES: Final = {
     "topic": f"{v.PUBLISHER} {v.SUBSCRIBER}",

@@ -12,8 +12,6 @@ from kg.graph.queries import select
 if TYPE_CHECKING:
     from kg.graph.reading import Queryable
 
-__all__ = ["Class", "Classes", "Grade", "classes", "grades"]
-
 _QUERY: Final = """
 SELECT DISTINCT ?property ?class (STR(?label) AS ?text) WHERE {{
   VALUES ?property {{ rnkg:hasFunction rnkg:usesHardware rnkg:usesDevice }}

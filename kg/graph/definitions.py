@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.facts import Field, InterfaceDefinition
     from kg.graph.scope import Scope
 
-__all__ = ["definition", "message_of"]
-
 _SIZES: Final = ("8", "16", "32", "64")
 _PRIMITIVES: Final = frozenset(
     {"bool", "byte", "char", "float32", "float64", "string", "wstring", "time", "duration", "octet", "float", "double"}

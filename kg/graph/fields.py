@@ -8,33 +8,13 @@ Values that are things themselves (types, files, channels) and where a fact was 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from kg.facts import Access, LaunchProblemKind, NodeKind, Resolution
 from kg.graph import vocabulary as v
-from kg.graph.ntriples import boolean, double, integer, literal
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from kg.graph.ntriples import Writer
-
-__all__ = [
-    "ARGUMENT",
-    "INTERFACE",
-    "NODE",
-    "PARAMETER",
-    "PROBLEM",
-    "QOS",
-    "SETTING",
-    "SLOT",
-    "Fields",
-    "Properties",
-    "one",
-    "word",
-]
+from kg.graph.ntriples import Writer, boolean, double, integer, literal
 
 Properties: TypeAlias = Mapping[str, list[str]]
 """What the graph says of one thing: values by the IRIs of properties."""

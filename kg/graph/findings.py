@@ -10,8 +10,6 @@ from kg.errors import GraphError
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["OntologyCheck", "ShapeFinding"]
-
 
 @dataclass(frozen=True, slots=True)
 class OntologyCheck:

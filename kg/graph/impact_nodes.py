@@ -15,20 +15,6 @@ if TYPE_CHECKING:
 
     from kg.graph.reading import Queryable
 
-__all__ = [
-    "definitions_at",
-    "definitions_of",
-    "nodes_at_channel",
-    "nodes_called",
-    "nodes_in_file",
-    "nodes_loading",
-    "nodes_of_types",
-    "nodes_with_parameter",
-    "qualified_names",
-    "settable_names",
-    "types_called",
-]
-
 _PARTS: Final = "ros:hasComponent|rnkg:hasParameter|rnkg:hasPluginSlot"
 
 

@@ -12,16 +12,13 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
 from kg.graph.queries import select
-from kg.graph.usual_ends import unstated_ends
+from kg.graph.usual_ends import UsualEnd, unstated_ends
 from kg.holes import fits
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.graph.reading import Queryable
-    from kg.graph.usual_ends import UsualEnd
-
-__all__ = ["at_channel", "at_file", "at_node", "at_parameter", "of_types", "partly_known", "set_names"]
 
 _Parts: TypeAlias = "list[tuple[str, str]]"
 _HAVING: Final = "?instance ros:hasComponent ?part"

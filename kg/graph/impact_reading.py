@@ -16,17 +16,6 @@ if TYPE_CHECKING:
 
     from kg.graph.reading import Queryable
 
-__all__ = [
-    "arguments",
-    "configurations_in",
-    "configurations_with",
-    "definition_records",
-    "dependents",
-    "file_records",
-    "systems_naming",
-    "type_names",
-]
-
 _DEPENDENTS: Final = """
 SELECT ?package ?repository ?name ?folder ?manifest ?on ?kind ?line WHERE {
   VALUES ?on { %s }

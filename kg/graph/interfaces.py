@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Resolution, Role
+from kg.facts import Interface, Qos, Resolution, Role
 from kg.graph import vocabulary as v
 from kg.graph.fields import INTERFACE, QOS
 from kg.graph.ntriples import plain
@@ -18,10 +18,7 @@ from kg.graph.ntriples import plain
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.facts import Interface, Qos
     from kg.graph.scope import Scope
-
-__all__ = ["SHAPES", "Shape", "interface", "interface_type", "quality"]
 
 
 @dataclass(frozen=True, slots=True)

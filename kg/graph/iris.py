@@ -15,8 +15,6 @@ from urllib.parse import quote, unquote, urlsplit
 
 from kg.errors import UsageError
 
-__all__ = ["DEFAULT_BASE", "RUNNING", "UNKNOWN", "Iris", "Thing", "fragment", "is_source_graph"]
-
 DEFAULT_BASE: Final = "https://w3id.org/rnkg/"
 """The base of all IRIs unless a setting says otherwise."""
 

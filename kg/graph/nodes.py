@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kg.facts import Interface, NodeType
+from kg.facts import Interface, NodeType, Parameter
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_text
 from kg.graph.fields import NODE, PARAMETER
@@ -13,10 +13,7 @@ from kg.graph.interfaces import interface
 from kg.graph.plugin_slots import plugin_slot
 
 if TYPE_CHECKING:
-    from kg.facts import Parameter
     from kg.graph.scope import Scope
-
-__all__ = ["Stated", "node", "order"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,15 +8,12 @@ from pyoxigraph import BlankNode, RdfFormat, Triple, parse, serialize
 
 from kg.errors import GraphError, Place
 from kg.resources import folder
-from kg.settings import user_paths
+from kg.settings import Settings, user_paths
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
-    from kg.settings import Settings
-
-__all__ = ["ONTOLOGIES", "SHAPES", "default_ontologies", "ontologies_in_force", "ontology_triples", "shapes_file"]
 
 ONTOLOGIES: Final = (
     "onto-ros.ttl",

@@ -10,25 +10,12 @@ from kg.facts import FileKind, Location, NodeKind, Role
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
 from kg.graph.queries import select
-from kg.graph.reading import which
+from kg.graph.reading import Queryable, which
 from kg.graph.usual_ends import unstated_ends
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from kg.graph.reading import Queryable
-
-__all__ = [
-    "Channel",
-    "FileSummary",
-    "NodeSummary",
-    "PackageSummary",
-    "channels",
-    "files",
-    "nodes",
-    "package_names",
-    "packages",
-]
 
 _CHANNELS: Final = {
     "topic": ("ros:Publisher", "ros:Subscriber", "ros:hasMessage"),

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.facts import Dependency, Package, PackageFacts, Person, Problem, SourceFile
     from kg.graph.iris import Iris
 
-__all__ = ["package_parts", "package_triples", "problem", "spdx"]
-
 
 @cache
 def _table() -> dict[str, str]:

@@ -8,29 +8,16 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import NamedNode
 
-from kg.facts import Location, Parameter
+from kg.facts import Location, NodeReference, Parameter
 from kg.graph import vocabulary as v
 from kg.graph.fields import one
 from kg.graph.ntriples import literal
 from kg.graph.queries import select
-from kg.graph.reading import facts, grouped
+from kg.graph.reading import Queryable, facts, grouped
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
 
-    from kg.facts import NodeReference
-    from kg.graph.reading import Queryable
-
-__all__ = [
-    "SetParameter",
-    "Start",
-    "declarations",
-    "declared_among",
-    "declared_names",
-    "set_names",
-    "set_parameters",
-    "starts",
-]
 
 _DECLARED: Final = "SELECT DISTINCT ?name WHERE { ?parameter rnkg:access ?access ; rnkg:name ?name }"
 _DECLARED_AMONG: Final = """

@@ -11,8 +11,6 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord
 
-__all__ = ["node_picture"]
-
 
 def node_picture(record: NodeRecord, *, implicit: bool = False) -> str:
     """Return the SVG of a node; `implicit` adds what frameworks make by themselves."""

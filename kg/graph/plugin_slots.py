@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import NodeReference, PluginDefault, PluginSlot
+from kg.facts import Location, NodeReference, PluginDefault, PluginSlot
 from kg.graph import vocabulary as v
 from kg.graph.fields import SLOT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from kg.facts import Location
     from kg.graph.scope import Scope
-
-__all__ = ["NAMED", "SLOTS", "class_key", "plugin_slot", "plugins_by_class", "slots_by_node"]
 
 NAMED: Final = """
 SELECT ?node ?name ?package ?repository ?class WHERE {

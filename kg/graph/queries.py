@@ -11,8 +11,6 @@ if TYPE_CHECKING:
 
     from kg.graph.reading import Queryable
 
-__all__ = ["select"]
-
 
 def select(graph: Queryable, text: str) -> Iterable[Any]:
     """Return the rows of a SELECT over the union of all graphs; the prefixes are those of `kg.graph.vocabulary`."""

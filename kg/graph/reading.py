@@ -11,7 +11,19 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, runtime_check
 
 from pyoxigraph import NamedNode
 
-from kg.facts import Bound, DataFile, Import, Interface, Location, NodeReference, NodeType, Parameter, Qos
+from kg.facts import (
+    Bound,
+    DataFile,
+    Description,
+    Import,
+    Interface,
+    Location,
+    NodeReference,
+    NodeType,
+    Parameter,
+    Qos,
+    Role,
+)
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.fields import INTERFACE, NODE, PARAMETER, QOS, Properties, one
@@ -25,26 +37,6 @@ from kg.graph.texts import DESCRIPTIONS, descriptions_of
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
 
-    from kg.facts import Description, Role
-
-__all__ = [
-    "NodeRecord",
-    "Queryable",
-    "Readable",
-    "data_files",
-    "end_of",
-    "facts",
-    "grouped",
-    "loaded_as",
-    "node_names",
-    "node_records",
-    "programs",
-    "qualities",
-    "references",
-    "these",
-    "type_of",
-    "which",
-]
 
 _Ends: TypeAlias = "list[tuple[Interface, str]]"
 _Settable: TypeAlias = "list[tuple[Parameter, str]]"

@@ -17,8 +17,6 @@ from kg.errors import GraphError
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
-__all__ = ["entailments", "hermit", "reason"]
-
 _IMPORTS: Final = b"<http://www.w3.org/2002/07/owl#imports>"
 _OWL: Final = "http://www.w3.org/2002/07/owl#"
 _RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kg.facts import NodeKind, Role
+from kg.facts import (
+    InstanceInterface,
+    Interface,
+    Location,
+    NodeInstance,
+    NodeKind,
+    Parameter,
+    PluginSlot,
+    Qos,
+    Role,
+    System,
+)
 from kg.graph.chains import chain_text
 from kg.graph.texts import summary
 
 if TYPE_CHECKING:
-    from kg.facts import InstanceInterface, Interface, Location, NodeInstance, Parameter, PluginSlot, Qos, System
     from kg.graph.reading import NodeRecord
-
-__all__ = [
-    "_yaml",
-    "end_object",
-    "how_to_start",
-    "instance_object",
-    "interface_object",
-    "node_object",
-    "parameter_object",
-    "slot_object",
-]
 
 
 def node_object(record: NodeRecord) -> dict[str, Any]:

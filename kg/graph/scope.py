@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING
 
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_text
-from kg.graph.iris import fragment
+from kg.graph.iris import Iris, fragment
 from kg.graph.ntriples import Writer, integer, literal
 
 if TYPE_CHECKING:
     from kg.facts import Location
-    from kg.graph.iris import Iris
-
-__all__ = ["Scope"]
 
 
 @dataclass(slots=True)

@@ -10,8 +10,6 @@ from rdflib import RDF, BNode, Graph, URIRef
 from kg.errors import GraphError
 from kg.graph.findings import ShapeFinding
 
-__all__ = ["findings"]
-
 _SHACL: Final = "http://www.w3.org/ns/shacl#"
 
 

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from kg.graph.iris import Iris
 
-__all__ = ["SHARED", "split"]
-
 SHARED: Final = "shared"
 """The name of the graph."""
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.graph.reading import Queryable
     from kg.graph.scope import Scope
 
-__all__ = ["quoted_lines", "snippets"]
-
 _BETWEEN: Final = ": "
 _REPOSITORY: Final = "SELECT ?iri { ?iri a rnkg:Repository ; rnkg:name %s }"
 _LINES: Final = "SELECT ?lines { ?snippet rnkg:quotes <%s> ; rnkg:quotedLines ?lines }"

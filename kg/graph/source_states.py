@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from kg.graph.reading import Queryable
 
-__all__ = ["SourceState", "sources"]
-
 _BUILDS: Final = """
 SELECT ?name ?build ?predicate ?object WHERE {
   ?repository a rnkg:Repository ; rnkg:name ?name .

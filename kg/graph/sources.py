@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.facts import PackageFacts, Problem, Repository
     from kg.graph.iris import Iris
 
-__all__ = ["repository_triples", "source_triples"]
-
 
 def repository_triples(repository: Repository, iris: Iris, problems: Iterable[Problem] = ()) -> bytes:
     """Return the N-Triples about a source itself; `problems` are those that belong to none of its packages."""

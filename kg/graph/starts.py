@@ -11,18 +11,14 @@ from typing import TYPE_CHECKING, Final
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_text, likely_chain
 from kg.graph.fields import SETTING
-from kg.graph.iris import fragment
-from kg.graph.ntriples import integer, literal
+from kg.graph.iris import Iris, fragment
+from kg.graph.ntriples import Writer, integer, literal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.facts import InstanceParameter, InstanceRemap, LaunchParameter, Location, StartedNode
-    from kg.graph.iris import Iris
-    from kg.graph.ntriples import Writer
     from kg.graph.scope import Scope
-
-__all__ = ["STARTS", "Start", "start_of", "starts_apart"]
 
 STARTS: Final = "starts"
 """The name of the graph that has them."""

@@ -11,12 +11,26 @@ from dataclasses import replace
 from datetime import datetime
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Role
+from kg.facts import (
+    InstanceInterface,
+    InstanceParameter,
+    LaunchArgument,
+    LaunchConfiguration,
+    LaunchParameter,
+    LaunchProblem,
+    Location,
+    NodeInstance,
+    NodeReference,
+    Remap,
+    Role,
+    Sighting,
+    System,
+)
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_text
 from kg.graph.fields import ARGUMENT, PROBLEM, SETTING
 from kg.graph.interfaces import SHAPES, interface_type, quality
-from kg.graph.iris import fragment
+from kg.graph.iris import Iris, fragment
 from kg.graph.ntriples import boolean, integer, literal, moment
 from kg.graph.scope import Scope
 from kg.graph.shared import split
@@ -27,24 +41,7 @@ from kg.holes import is_known
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from kg.facts import (
-        InstanceInterface,
-        InstanceParameter,
-        LaunchArgument,
-        LaunchConfiguration,
-        LaunchParameter,
-        LaunchProblem,
-        Location,
-        NodeInstance,
-        NodeReference,
-        Remap,
-        Sighting,
-        System,
-    )
-    from kg.graph.iris import Iris
     from kg.graph.reading import NodeRecord
-
-__all__ = ["system_parts", "system_triples"]
 
 _ENDS: Final = frozenset(shape.component for shape in SHAPES.values())
 """What the IRIs of ends have behind the name of their instance."""

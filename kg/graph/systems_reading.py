@@ -29,6 +29,7 @@ from kg.facts import (
     NodeInstance,
     NodeReference,
     Parameter,
+    Qos,
     Remap,
     Resolution,
     Sighting,
@@ -54,18 +55,14 @@ from kg.graph.reading import (
     type_of,
 )
 from kg.graph.starts import STARTS
-from kg.graph.usual_ends import namespace_of, usual_ends, usual_resolution
+from kg.graph.usual_ends import UsualEnd, namespace_of, usual_ends, usual_resolution
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
-    from kg.facts import Qos
-    from kg.graph.usual_ends import UsualEnd
 
 _Content: TypeAlias = "dict[str, dict[str, list[str]]]"
 """What is said of things, by their IRIs and those of properties."""
-
-__all__ = ["SystemName", "included", "partial_systems", "started_names", "system_names", "systems"]
 
 _NAMES: Final = """
 SELECT ?name ?path ?repository ?ros WHERE {

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from kg.graph.scope import Scope
 
-__all__ = ["DESCRIPTIONS", "descriptions", "descriptions_of", "summary", "terms"]
-
 DESCRIPTIONS: Final = """
 SELECT ?node ?text ?kind ?path ?line ?heading WHERE {
   %s

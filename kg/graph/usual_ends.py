@@ -11,7 +11,7 @@ from urllib.parse import unquote
 
 from pyoxigraph import Literal, NamedNode
 
-from kg.facts import InstanceInterface, Resolution
+from kg.facts import InstanceInterface, Interface, LaunchParameter, NodeReference, Resolution, Role
 from kg.graph import vocabulary as v
 from kg.graph.interfaces import SHAPES
 from kg.graph.queries import select
@@ -21,10 +21,7 @@ from kg.launch.wiring.place import Place
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
 
-    from kg.facts import Interface, LaunchParameter, NodeReference, Role
     from kg.graph.reading import Queryable
-
-__all__ = ["UsualEnd", "channels_by_system", "namespace_of", "unstated_ends", "usual_ends", "usual_resolution"]
 
 _MET: Final = """
 SELECT DISTINCT ?system ?channel ?name WHERE {

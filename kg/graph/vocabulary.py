@@ -7,23 +7,6 @@ from __future__ import annotations
 
 from typing import Final
 
-__all__ = [
-    "DCTERMS",
-    "OWL",
-    "PREFIXES",
-    "PROV",
-    "RDF",
-    "RDFS",
-    "RNKG",
-    "ROS",
-    "SCHEMA",
-    "SKOS",
-    "XSD",
-    "bare",
-    "rnkg",
-    "ros",
-]
-
 ROS: Final = "http://data.mksmart.org/onto-ros/class#"
 RNKG: Final = "https://w3id.org/rnkg/ns#"
 RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from kg.facts.texts import Description, Phrase
 
-__all__ = ["LONGEST_TEXT", "LONGEST_WORD", "STOP_WORDS", "annotate", "prepare", "sentences"]
-
 LONGEST_TEXT: Final = 20_000
 """Characters of a description that are tagged: ten pages; longer ones are data."""
 LONGEST_WORD: Final = 80

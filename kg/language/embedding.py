@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from spacy.tokens import Doc
 
-__all__ = ["FEATURES", "affix_embed", "features"]
-
 FEATURES: Final = ("form", "shape", "prefix", "suffix2", "suffix3", "suffix4")
 """What of a word has a table of rows."""
 

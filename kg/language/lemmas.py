@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from spacy.tokens import Doc
     from spacy.vocab import Vocab
 
-__all__ = ["LONGEST_ENDING", "Lemmas", "lemma"]
-
 LONGEST_ENDING: Final = 6
 """How many characters of the end of a word are looked at."""
 

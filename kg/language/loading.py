@@ -15,8 +15,6 @@ from kg.errors import UsageError
 if TYPE_CHECKING:
     from spacy.language import Language
 
-__all__ = ["SHIPPED", "describe", "identity", "pipeline"]
-
 SHIPPED: Final = Path(__file__).resolve().parent / "model"
 """The folder of the model that belongs to `kg`."""
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from spacy.tokens import Doc, Token
     from spacy.vocab import Vocab
 
-__all__ = ["FILE_NAME", "Pattern", "PhraseFinder", "read_patterns"]
-
 FILE_NAME: Final = "hardware-patterns.toml"
 
 _REFERENCE: Final = re.compile(r"([a-z]+)(?:([?*+])|\{(\d+),(\d+)\})?")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from spacy.util import load_config, load_model_from_config
-from thinc.api import use_ops
+from thinc.api import Model, use_ops
 
 import kg.language.embedding
 import kg.language.lemmas
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from spacy.language import Language
-    from thinc.api import Model
-
-__all__ = ["load", "save"]
 
 _ABSENT: Final = ("tokenizer", "vocab")
 """The tokenizer is code, and the words of the treebank are not needed to tag others."""

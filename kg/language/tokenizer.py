@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from spacy.language import Language
 
-__all__ = ["IDENTIFIER", "make_tokenizer"]
-
 IDENTIFIER: Final = re.compile(
     r"""
       [~/]?[a-z]\w*(?:/\w+)*/[A-Z]\w*             # sensor_msgs/LaserScan

@@ -31,8 +31,6 @@ from kg.pipeline.work import Job, Outcome
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-__all__ = ["Artifacts", "Found", "without_extra"]
-
 _BYTES: Final = 16
 _JOBS: Final = "jobs"
 _RESULTS: Final = "results"

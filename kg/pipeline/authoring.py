@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["Attempt", "attempt"]
-
 
 @dataclass(frozen=True, slots=True)
 class Attempt:

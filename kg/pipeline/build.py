@@ -12,7 +12,7 @@ from __future__ import annotations
 import gc
 import os
 import time
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cached_property
@@ -27,33 +27,27 @@ from kg.graph.shared import SHARED
 from kg.pipeline import cache
 from kg.pipeline.calls import checked_calls
 from kg.pipeline.inferring import Inference
-from kg.pipeline.plan import code_version, entries_by_name, listing, make_plan, stamp, version
+from kg.pipeline.plan import Key, Plan, code_version, entries_by_name, listing, make_plan, stamp, version
 from kg.pipeline.reasoning import digest
 from kg.pipeline.recording import RecordingWorkspace
-from kg.pipeline.report import BuildReport, Silent, SourceReport, totals
+from kg.pipeline.report import BuildReport, Inferred, Report, Silent, SourceReport, SystemsReport, totals
 from kg.pipeline.sources import folders, gather, installed_folders
-from kg.pipeline.state import PackageState, SourceState, State, load, save
+from kg.pipeline.state import PackageState, SourceState, State, Systems, load, save
 from kg.store.allocator import share_pools
 from kg.store.changes import since
 from kg.store.failure import translated
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from contextlib import AbstractContextManager
 
     from kg.corpus.workspace import PackageFolder, Source
     from kg.pipeline.cluster import ClusterPool
-    from kg.pipeline.plan import Key, Plan
     from kg.pipeline.pool import Pool, Task
-    from kg.pipeline.report import Inferred, Report, SystemsReport
-    from kg.pipeline.state import Systems
     from kg.pipeline.work import Outcome
     from kg.pipeline.writing import Written
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
-
-__all__ = ["build"]
 
 _CODE = frozenset({FileKind.CPP, FileKind.PYTHON})
 _GC_THRESHOLD = 100_000

@@ -23,20 +23,6 @@ if TYPE_CHECKING:
     from kg.graph.nodes import Stated
     from kg.pipeline.recording import Lookup
 
-__all__ = [
-    "descriptions",
-    "exists",
-    "keep_only",
-    "launches",
-    "lookups",
-    "lookups_of",
-    "nodes",
-    "pack",
-    "shared",
-    "store",
-    "triples",
-]
-
 _LEVEL: Final = 1
 _ENDING: Final = ".z"
 _LENGTH_BYTES: Final = 8

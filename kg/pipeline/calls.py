@@ -6,14 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kg.errors import Place, SourceError
-from kg.settings import user_paths
+from kg.settings import Settings, user_paths
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-
-    from kg.settings import Settings
-
-__all__ = ["call_files", "checked_calls", "read_calls"]
 
 
 def call_files(settings: Settings) -> list[Path]:

@@ -10,10 +10,10 @@ from collections import OrderedDict
 from itertools import groupby
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import NodeName, NodeReference
+from kg.facts import DataFile, NodeName, NodeReference, System
 from kg.graph.nodes import Stated
 from kg.graph.reading import NodeRecord
-from kg.launch.wiring.types import NodeTypes
+from kg.launch.wiring.types import NodeTypes, Typed
 from kg.pipeline import cache
 from kg.pipeline.known import digest, known_as
 
@@ -21,12 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-    from kg.facts import DataFile, System
-    from kg.launch.wiring.types import Typed
     from kg.pipeline.plan import Key
     from kg.pipeline.state import PackageState, Question
-
-__all__ = ["Catalogue"]
 
 _DECODED: Final = 64
 """Node types of so many packages are held at a time; systems of a package start those of few others."""

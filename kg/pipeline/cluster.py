@@ -17,22 +17,17 @@ import threading
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import Place, SourceError
-from kg.pipeline.artifacts import without_extra
-from kg.pipeline.extracting import Extractor, Reading
-from kg.pipeline.work import failed
+from kg.pipeline.artifacts import Artifacts, without_extra
+from kg.pipeline.extracting import Extractor, Reading, Request
+from kg.pipeline.work import Outcome, failed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from types import TracebackType
     from typing import Self
 
-    from kg.pipeline.artifacts import Artifacts
-    from kg.pipeline.extracting import Request
     from kg.pipeline.pool import Task
     from kg.pipeline.report import Report
-    from kg.pipeline.work import Outcome
-
-__all__ = ["LOCAL", "ClusterPool", "batches", "read_packages"]
 
 LOCAL: Final = "local"
 """The address, with `:N` for N workers, of a cluster on this machine that lasts as long as the build."""

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from kg.pipeline.report import Report
     from kg.settings import Settings
 
-__all__ = ["Volume", "estimate"]
-
 _CODE: Final = frozenset({FileKind.CPP, FileKind.PYTHON})
 _READING: Final = 2.6
 """Processor seconds that a megabyte of code takes, measured on 77 repositories (docs/cluster.md, "Volumes")."""

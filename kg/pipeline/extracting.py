@@ -25,8 +25,6 @@ from kg.pipeline.artifacts import Artifacts
 from kg.pipeline.plan import code_version
 from kg.pipeline.pool import Task, attempt, end_of
 
-__all__ = ["Extractor", "Reading", "Request"]
-
 _START_SECONDS: Final = 120.0
 """How long a process may take to load code, the tagger and the description of a build."""
 _END_SECONDS: Final = 0.5

@@ -10,7 +10,7 @@ from pyoxigraph import NamedNode
 from kg.graph.iris import Iris
 from kg.pipeline.inferring import Inference
 from kg.pipeline.sharing import keep_shared
-from kg.pipeline.state import load, save
+from kg.pipeline.state import State, load, save
 from kg.pipeline.systems import update_systems
 from kg.pipeline.writing import shared_of
 from kg.store.failure import translated
@@ -19,11 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kg.pipeline.report import Inferred
-    from kg.pipeline.state import State
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
-
-__all__ = ["forget"]
 
 
 def forget(

@@ -19,9 +19,9 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 import msgspec
-from pyoxigraph import NamedNode, RdfFormat, parse
+from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 
-from kg.errors import GraphError, Place, RuleError, SourceError, UsageError
+from kg.errors import GraphError, KgError, Place, RuleError, SourceError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.vocabulary import RNKG
@@ -30,26 +30,20 @@ from kg.pipeline.report import Inferred
 from kg.rules.recording import Names
 from kg.rules.specialise import is_schema, specialised
 from kg.store.failure import translated
-from kg.store.layout import write_atomically
+from kg.store.layout import Layout, write_atomically
 from kg.store.opening import existing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from pyoxigraph import Triple
-
-    from kg.errors import KgError
     from kg.rules.engine.limits import Limits
     from kg.rules.remote.running import RemoteReport
     from kg.rules.reports import RunReport
     from kg.rules.running import Runner
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
-    from kg.store.layout import Layout
     from kg.store.transaction import EmbeddedTransaction
-
-__all__ = ["Inference", "LastRun", "last_run", "run_on_files", "run_on_server", "run_on_store", "unchanged"]
 
 _LAST: Final = "rules"
 """The file of the cache with the record of the last run; the next one: the ontologies that the store was given."""

@@ -16,8 +16,6 @@ from kg.store.layout import write_atomically
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["State", "installations", "kept", "settled", "states"]
-
 _SETTLED: Final = 2_000_000_000
 """Nanoseconds after which a file that changes again is certain to have another time."""
 _BYTES: Final = 16

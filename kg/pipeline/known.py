@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
-from kg.facts import Known, NodeName
+from kg.facts import DataFile, Known, NodeName
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from kg.facts import DataFile
     from kg.graph.nodes import Stated
-
-__all__ = ["digest", "known_as"]
 
 _BYTES: Final = 16
 

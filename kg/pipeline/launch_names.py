@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from kg.graph.systems_reading import SystemName
 
-__all__ = ["assignments", "check_given", "find", "matching", "several_launches", "shared_names", "unknown_launch"]
-
 _SHOWN: Final = 8
 
 

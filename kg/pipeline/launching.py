@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 from pyoxigraph import NamedNode
 
 from kg.corpus.reading import Reader
-from kg.corpus.workspace import INSTALLED, Workspace, scan_tree
+from kg.corpus.workspace import INSTALLED, PackageFolder, Source, Workspace, scan_tree
 from kg.errors import Place, SourceError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.systems import system_triples
-from kg.graph.systems_reading import system_names, systems
+from kg.graph.systems_reading import SystemName, system_names, systems
 from kg.launch.wiring.systems import wire
 from kg.pipeline.inferring import Inference
 from kg.pipeline.launch_names import check_given, find
@@ -30,16 +30,12 @@ from kg.store.opening import layout_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from kg.corpus.workspace import PackageFolder, Source
     from kg.facts import System
     from kg.graph.reading import Queryable
-    from kg.graph.systems_reading import SystemName
     from kg.launch.wiring.types import NodeTypes
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
-
-__all__ = ["LaunchFile", "chosen", "trial", "unread"]
 
 
 def chosen(

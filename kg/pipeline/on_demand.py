@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import UnknownNameError
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.reasoning import rules_over
-from kg.rules.demand.deriving import Base, derive
+from kg.rules.demand.deriving import Base, Derived, derive
 from kg.rules.engine.limits import Limits
 from kg.rules.folders import known_families
 from kg.rules.recording import Names
@@ -19,11 +19,8 @@ from kg.store.overlay import overlaid
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.rules.demand.deriving import Derived
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["with_family"]
 
 _FOLDER: Final = "on-demand"
 """Below the cache of a store: the columns that the rules of each family read."""

@@ -13,14 +13,11 @@ from kg.pipeline.plan import make_plan, version
 from kg.pipeline.reasoning import digest
 from kg.pipeline.report import Silent
 from kg.pipeline.sources import gather, installed_folders
-from kg.pipeline.state import load
+from kg.pipeline.state import State, load
 
 if TYPE_CHECKING:
-    from kg.pipeline.state import State
     from kg.settings import Settings
     from kg.store.layout import Layout
-
-__all__ = ["pending", "rules_changed"]
 
 
 def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | None]:

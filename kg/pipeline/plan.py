@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final
 from kg import resources
 from kg.corpus.files import FilePath
 from kg.corpus.reading import load, mark
-from kg.corpus.workspace import INSTALLED
+from kg.corpus.workspace import INSTALLED, FileEntry, PackageFolder, Source, Workspace
 from kg.language.loading import identity
 from kg.pipeline import cache
 from kg.pipeline.calls import call_files, read_calls
@@ -26,11 +26,8 @@ from kg.pipeline.recording import answer
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.corpus.workspace import FileEntry, PackageFolder, Source, Workspace
     from kg.pipeline.state import PackageState, State
     from kg.settings import Settings
-
-__all__ = ["CODE", "LIBRARIES", "Key", "Plan", "code_version", "listing", "make_plan", "shape", "stamp", "version"]
 
 Key = tuple[str, str]
 """Name of the source and path of the package in it."""

@@ -16,19 +16,16 @@ import signal
 import time
 from collections import deque
 from dataclasses import dataclass, field
-from multiprocessing.connection import wait
+from multiprocessing.connection import Connection, wait
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from kg.pipeline.work import Job, Outcome, failed, work
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
-    from multiprocessing.connection import Connection
     from multiprocessing.process import BaseProcess
     from types import TracebackType
     from typing import Self
-
-__all__ = ["PACKAGE_SECONDS", "Pool", "Task", "attempt", "end_of"]
 
 PACKAGE_SECONDS: Final = 300.0
 """How long one package may take; the largest known takes some seconds."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import pyoxigraph
-from pyoxigraph import NamedNode, RdfFormat, parse
+from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 
 from kg import resources
 from kg.errors import RuleError
@@ -17,11 +17,11 @@ from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.shared import SHARED
 from kg.graph.vocabulary import RNKG
-from kg.pipeline.kept import installations, kept, settled, states
+from kg.pipeline.kept import State, installations, kept, settled, states
 from kg.rules import compiled
 from kg.rules.files import RuleSet
 from kg.rules.folders import families_in_force, user_folders
-from kg.rules.reading import discover, packs, rule_files
+from kg.rules.reading import Pack, discover, packs, rule_files
 from kg.rules.recording import Names
 from kg.rules.specialise import schema_pattern, schema_query, specialised
 from kg.store.failure import translated
@@ -29,33 +29,14 @@ from kg.store.terms import cells
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from pyoxigraph import Triple
-
-    from kg.pipeline.kept import State
     from kg.rules.checks.finding import Context
     from kg.rules.columns import Tables
     from kg.rules.documents import Statement
     from kg.rules.explain.proof import Evidence
     from kg.rules.explain.view import Vocabulary
     from kg.rules.partitions import Parts
-    from kg.rules.reading import Pack
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = [
-    "check_context",
-    "digest",
-    "division",
-    "explained_vocabulary",
-    "installed_packs",
-    "ontology_digest",
-    "ontology_schema",
-    "rule_folders",
-    "rules_in_force",
-    "rules_over",
-    "schema_of",
-    "term_uses",
-]
 
 _USES: Final = """
 SELECT ?term (COUNT(*) AS ?uses) WHERE { { ?s ?term ?o } UNION { ?s a ?term FILTER(ISIRI(?term)) } } GROUP BY ?term"""

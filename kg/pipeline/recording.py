@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-__all__ = ["Lookup", "RecordingWorkspace", "answer"]
-
 Lookup: TypeAlias = tuple[str, ...]
 """The name of a method of `Workspace` and its arguments; see `answer`."""
 

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from kg.facts import Problem, Repository
     from kg.pipeline.state import Systems
 
-__all__ = ["BuildReport", "Inferred", "PackageResult", "Report", "Silent", "SourceReport", "SystemsReport", "totals"]
-
 
 @dataclass(frozen=True, slots=True)
 class PackageResult:

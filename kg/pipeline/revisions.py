@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from kg.pipeline.report import Report
     from kg.settings import Settings
 
-__all__ = ["Revision", "beside", "merge_base", "resolve", "revision_store"]
-
 _CHECKOUT_SECONDS: Final = 600.0
 
 Revision: TypeAlias = str

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.graph.iris import Iris
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["Described", "keep_shared", "keep_starts", "patch_shared"]
-
 _FEW: Final = 20
 """Triples are taken out one by one when they are less than one in so many; else the graph is written anew."""
 _HELD_BYTES: Final = 4 << 20

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["Manifest", "Part", "publish", "pull"]
-
 _FORM: Final = 1
 _MANIFEST: Final = "manifest.json"
 _KEPT: Final = "published"

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from kg.pipeline.report import Report
     from kg.settings import Settings
 
-__all__ = ["folders", "gather", "installed_folders"]
-
 _ROS_VARIABLES = (("ROS_PACKAGE_PATH", ""), ("AMENT_PREFIX_PATH", "share"))
 """Where ROS 1 and ROS 2 look for packages, and the folder below that has one folder a package."""
 

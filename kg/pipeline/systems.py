@@ -16,9 +16,9 @@ import msgspec
 from pyoxigraph import NamedNode
 
 from kg.errors import guarded
-from kg.facts import LaunchProblem, LaunchProblemKind, Location, System
+from kg.facts import LaunchConfiguration, LaunchProblem, LaunchProblemKind, Location, NodeReference, System
 from kg.graph import vocabulary as v
-from kg.graph.reading import data_files, node_records, programs
+from kg.graph.reading import NodeRecord, Queryable, data_files, node_records, programs
 from kg.graph.starts import STARTS, starts_apart
 from kg.graph.systems import system_triples
 from kg.launch.wiring.systems import wire
@@ -26,24 +26,18 @@ from kg.launch.wiring.types import NodeTypes
 from kg.pipeline import cache
 from kg.pipeline.catalogue import Catalogue
 from kg.pipeline.known import digest
-from kg.pipeline.report import totals
+from kg.pipeline.report import SystemsReport, totals
 from kg.pipeline.sharing import Described, keep_starts
-from kg.pipeline.state import PackageSystems, Systems, WiredSystem
+from kg.pipeline.state import PackageState, PackageSystems, Question, Systems, WiredSystem
 from kg.store.allocator import give_back
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
-    from kg.facts import LaunchConfiguration, NodeReference
     from kg.graph.iris import Iris
-    from kg.graph.reading import NodeRecord, Queryable
     from kg.pipeline.plan import Key
-    from kg.pipeline.report import SystemsReport
-    from kg.pipeline.state import PackageState, Question
     from kg.store.transaction import EmbeddedTransaction
-
-__all__ = ["node_types", "update_systems", "used_packages"]
 
 _SMALL: Final = 2
 """A graph is patched when less than one in so many of its triples change."""

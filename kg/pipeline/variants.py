@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
 
-__all__ = ["MOST_VARIANTS", "Variants", "united", "variants"]
-
 MOST_VARIANTS: Final = 32
 """How many variants of one launch file are evaluated."""
 _OTHER: Final = {"true": "false", "false": "true", "True": "False", "False": "True"}

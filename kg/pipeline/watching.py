@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Final, Self
 from kg.errors import KgError, RuleError, StoreError
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.reasoning import check_context, explained_vocabulary
-from kg.rules.authoring.differences import difference
-from kg.rules.authoring.library import Library
+from kg.rules.authoring.differences import Difference, difference
+from kg.rules.authoring.library import Entry, Library
 from kg.rules.authoring.naming import choose
-from kg.rules.authoring.testing import parted, run_examples
+from kg.rules.authoring.testing import Result, parted, run_examples
 from kg.rules.authoring.watching import Watched
 from kg.rules.authoring.workbench import Workbench
-from kg.rules.checks.finding import from_error
+from kg.rules.checks.finding import Context, Finding, from_error
 from kg.rules.checks.run import Read, check
 from kg.rules.explain.view import View
 from kg.rules.files import RuleSet
@@ -25,13 +25,7 @@ from kg.store.opening import existing
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from kg.rules.authoring.differences import Difference
-    from kg.rules.authoring.library import Entry
-    from kg.rules.authoring.testing import Result
-    from kg.rules.checks.finding import Context, Finding
     from kg.settings import Settings
-
-__all__ = ["Glance", "glances"]
 
 _INTERVAL: Final = 0.2
 """Seconds between two looks at the files."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
 from kg.extract.package import extract_package, guard
 from kg.extract.snippets import read_snippets
-from kg.facts import DataFile, FileKind, Known, Problem, Resolution
+from kg.facts import DataFile, FileKind, Known, LaunchConfiguration, PackageFacts, Problem, Resolution
 from kg.graph.builds import count
 from kg.graph.iris import Iris
 from kg.graph.packages import package_parts
@@ -25,10 +25,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import PackageFolder, Source
     from kg.corpus.workspace import Workspace
-    from kg.facts import LaunchConfiguration, PackageFacts
     from kg.pipeline.recording import Lookup, RecordingWorkspace
-
-__all__ = ["Job", "Outcome", "failed", "read_package", "work"]
 
 _UNKNOWN: Final = (Resolution.UNRESOLVED, Resolution.PARTIAL)
 _NO_REASON: Final = "no reason was noted"

@@ -22,7 +22,7 @@ from kg.graph.iris import Iris
 from kg.graph.sources import repository_triples
 from kg.pipeline import cache
 from kg.pipeline.sharing import keep_shared, patch_shared
-from kg.pipeline.state import discard
+from kg.pipeline.state import PackageState, SourceState, State, discard
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,11 +30,8 @@ if TYPE_CHECKING:
 
     from kg.corpus.workspace import Source
     from kg.pipeline.plan import Key, Plan
-    from kg.pipeline.state import PackageState, SourceState, State
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
-
-__all__ = ["Writing", "Written", "shared_of", "untouched"]
 
 _FLUSH_BYTES: Final = 16 << 20
 _MOST_BYTES: Final = 64 << 20

@@ -9,19 +9,16 @@ from pyoxigraph import Literal, NamedNode
 from kg.errors import UsageError
 from kg.query.binding import bind
 from kg.query.core import run
-from kg.query.result import Solutions
+from kg.query.result import Result, Solutions
 from kg.query.runner import DeadlineError
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.query.result import Result
     from kg.query.stored import StoredQuery
     from kg.store.interface import Snapshot
     from kg.store.terms import Term
-
-__all__ = ["ask", "row", "suggestion"]
 
 _PATIENCE: Final = 3.0
 """Seconds: so long a suggestion is looked for."""

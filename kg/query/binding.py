@@ -15,16 +15,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.errors import QueryError
-from kg.syntax.lexer import Kind, tokens
+from kg.syntax.lexer import Kind, Token, tokens
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from pyoxigraph import Literal, NamedNode
-
-    from kg.syntax.lexer import Token
-
-__all__ = ["bind", "defaults"]
 
 
 def bind(text: str, values: Mapping[str, NamedNode | Literal]) -> str:

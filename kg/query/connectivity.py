@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     Numbers = NDArray[np.int64]
 
-__all__ = ["Neighbours", "connectivity"]
-
 _SAMPLE: Final = 400
 """From how many entities paths are followed in a graph with more: the error of the mean stays below a few percent."""
 _BITS: Final = 64

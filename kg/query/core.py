@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
-from kg.query.evaluation import Dataset, prepare
-from kg.query.result import Boolean, Graph, Solutions
-from kg.query.runner import in_thread
+from kg.query.evaluation import Dataset, Evaluation, prepare
+from kg.query.result import Boolean, Graph, Result, Solutions
+from kg.query.runner import Runner, in_thread
 from kg.query.window import Window
 
 if TYPE_CHECKING:
@@ -15,12 +15,7 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Literal, NamedNode
 
-    from kg.query.evaluation import Evaluation
-    from kg.query.result import Result
-    from kg.query.runner import Runner
     from kg.store.interface import Snapshot
-
-__all__ = ["run"]
 
 
 def run(  # noqa: PLR0913 - the settings of one query, all by name

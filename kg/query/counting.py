@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from kg.query.stats import Asked
 
-__all__ = ["Counted", "counted"]
-
 
 @dataclass(frozen=True, slots=True)
 class Counted:

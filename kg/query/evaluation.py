@@ -7,27 +7,21 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import pyoxigraph
-from pyoxigraph import NamedNode
+from pyoxigraph import Literal, NamedNode, Triple
 
-from kg.errors import QueryError
+from kg.errors import KgError, QueryError
 from kg.query.binding import bind
 from kg.query.guard import check
 from kg.query.syntax import syntax_error
 from kg.store.failure import is_of_store, store_error
-from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.lexer import Kind, Token, normalise, tokens
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from pyoxigraph import Literal, Triple
-
-    from kg.errors import KgError
     from kg.query.result import Row
     from kg.store.interface import Snapshot
-    from kg.syntax.lexer import Token
-
-__all__ = ["Dataset", "Evaluation", "Prepared", "evaluation_of", "prefixes_in", "prepare"]
 
 _FRESH: Final = re.compile("now|rand|uuid|bnode")
 """Functions, STRUUID among them, that give another value at each call, or at each query."""

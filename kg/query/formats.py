@@ -10,7 +10,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import QueryError
-from kg.query.result import Boolean, Graph
+from kg.query.result import Boolean, Graph, Result, Row
 from kg.query.writing import parquet
 from kg.query.writing.graphs import GRAPHS, write_triples
 from kg.query.writing.rows import BOOLEANS, ROWS
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Triple
 
-    from kg.query.result import Result, Row
 
 __all__ = [
     "BOOLEAN_FORMATS",

@@ -9,15 +9,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import QueryError
-from kg.syntax.lexer import Kind
+from kg.syntax.lexer import Kind, Token
 from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.syntax.lexer import Token
-
-__all__ = ["MAX_CHAIN", "MAX_DEPTH", "check"]
 
 MAX_DEPTH: Final = 500
 """How deep brackets and unary operators may nest."""

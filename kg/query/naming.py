@@ -6,7 +6,17 @@ import re
 from itertools import product
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, cast
 
-from pyoxigraph import Literal, NamedNode, RdfFormat, Triple, parse
+from pyoxigraph import (
+    BlankNode,
+    Literal,
+    NamedNode,
+    QueryBoolean,
+    QuerySolutions,
+    QueryTriples,
+    RdfFormat,
+    Triple,
+    parse,
+)
 
 from kg.errors import UnknownNameError, UsageError
 from kg.similar import did_you_mean
@@ -15,11 +25,7 @@ from kg.syntax.names import PREFIXES, shorten
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from pyoxigraph import BlankNode, QueryBoolean, QuerySolutions, QueryTriples
-
     _Term: TypeAlias = NamedNode | BlankNode | Literal
-
-__all__ = ["Askable", "facts", "terms"]
 
 _PREFIXED: Final = re.compile(r"([A-Za-z][\w.-]*):([\w.-]*)")
 _WRITTEN: Final = re.compile(r"""["'].*|[+-]?\d[\d.eE+-]*|true|false|<<.*""", re.DOTALL)

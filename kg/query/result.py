@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 
     from kg.store.terms import Term
 
-    Row: TypeAlias = tuple[Term | None, ...]
-
-__all__ = ["Boolean", "Graph", "Result", "Solutions"]
+Row: TypeAlias = "tuple[Term | None, ...]"
 
 _SHOWN: Final = 100
 """How many rows a notebook shows."""

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
 
     from kg.store.interface import Snapshot
 
-__all__ = ["rows"]
-
 
 def rows(snapshot: Snapshot, text: str, *, union: bool = False) -> Iterator[Any]:
     """Yield the rows of a SELECT as tuples of IRIs and texts, None for what is not bound.

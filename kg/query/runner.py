@@ -17,8 +17,6 @@ from kg.errors import Exit, QueryError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["DeadlineError", "Runner", "in_thread"]
-
 Answer = TypeVar("Answer")
 
 _STACK_BYTES: Final = 256 << 20

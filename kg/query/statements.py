@@ -13,8 +13,6 @@ from kg.syntax.lexer import Kind, tokens
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["Statement", "segment_at", "statement_at", "statements"]
-
 _PROLOGUE: Final = frozenset({"prefix", "base"})
 _FORMS: Final = frozenset({"select", "construct", "ask", "describe"})
 

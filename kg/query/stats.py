@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from kg.store.terms import Term
 
-__all__ = ["Asked", "Connectivity", "Statistics", "statistics"]
-
 
 @dataclass(frozen=True, slots=True)
 class Connectivity:

@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
     from pathlib import Path
 
-__all__ = ["QueryParameter", "StoredQuery", "discover", "find", "internal", "read"]
-
 _PARAMETER = re.compile(r'@param\s+(?P<name>\w+)\s+(?P<type>\w+)\s+"(?P<example>[^"]*)"\s+(?P<description>.+)')
 _TYPES: Final = ("string", "name", "integer", "boolean", "iri")
 _INTERNAL: Final = "internal"

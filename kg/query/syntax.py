@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import pyoxigraph
 
-from kg.errors import QueryError
+from kg.errors import Place, QueryError
 from kg.query.completion.outline import Slot, outline
 from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS
 from kg.similar import asked, did_you_mean
-from kg.syntax.lexer import Kind, tokens
+from kg.syntax.lexer import Kind, Token, tokens
 from kg.syntax.names import PREFIXES, WELL_KNOWN
 from kg.syntax.position import offset_of, place_at, place_of
 
@@ -21,12 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import TypeAlias
 
-    from kg.errors import Place
-    from kg.syntax.lexer import Token
-
     Parse: TypeAlias = Callable[[str], object]
-
-__all__ = ["keywords_meant", "syntax_error"]
 
 _POSITION = re.compile(r"error at (\d+):(\d+): expected (.*)", re.DOTALL)
 _SENTENCE = re.compile(r"(?:^|one of |, )([A-Z][a-z]+ [A-Za-z][^\[\]\"']*?)(?=, |$)")

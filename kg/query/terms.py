@@ -5,16 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from kg.similar import asked, similar
-from kg.syntax.lexer import Kind, tokens
+from kg.syntax.lexer import Kind, Token, tokens
 from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kg.store.interface import Snapshot
-    from kg.syntax.lexer import Token
-
-__all__ = ["Unknown", "iris_of", "unknown", "unknown_terms"]
 
 _NOT_LOOKED_UP: Final = frozenset({"xsd", "sh"})
 """Prefixes whose terms stand in queries but seldom in data: data types of literals, shapes."""

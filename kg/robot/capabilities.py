@@ -14,7 +14,7 @@ from pyoxigraph import NamedNode, Triple, Variable
 
 from kg.errors import RobotError, UnknownNameError, UsageError
 from kg.graph import vocabulary as v
-from kg.graph.fields import one
+from kg.graph.fields import Properties, one
 from kg.graph.reading import grouped
 from kg.query.binding import bind
 from kg.query.stored import internal
@@ -26,25 +26,10 @@ from kg.syntax.names import PREFIXES
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.graph.fields import Properties
     from kg.rules.explain.proof import Proof
     from kg.rules.explain.view import View
     from kg.rules.form import Rule
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = [
-    "Askable",
-    "Definition",
-    "added",
-    "capabilities_of",
-    "definitions",
-    "find",
-    "held",
-    "package_iri",
-    "proofs",
-    "read",
-]
-
 
 _SKOS_ALTERNATIVE: Final = f"{v.SKOS}altLabel"
 _PARTS: Final = {"read": frozenset({"response", "result", "feedback"}), "write": frozenset({"request", "goal"})}

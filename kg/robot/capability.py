@@ -8,8 +8,6 @@ import msgspec
 
 from kg.facts import Role
 
-__all__ = ["Capabilities", "Capability", "Parameter", "Way", "role_of"]
-
 _SERVED_BY: Final = {"service": Role.SERVICES, "action": Role.ACTION_SERVERS}
 
 

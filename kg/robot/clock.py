@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from kg.robot.connection import Received
 
-__all__ = ["Clock", "SimulatedClock", "WallClock", "stamp", "within"]
-
 Result = TypeVar("Result")
 
 _INSTANT: Final = 1e-9

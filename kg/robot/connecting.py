@@ -27,20 +27,6 @@ if TYPE_CHECKING:
     from kg.robot.messages import Types
     from kg.settings import Settings
 
-__all__ = [
-    "SCHEMES",
-    "address_of",
-    "connect",
-    "connected",
-    "default_address",
-    "inhabited",
-    "is_recording",
-    "look",
-    "not_commanded",
-    "of_robot",
-    "scheme_of",
-]
-
 
 def of_robot(graph: ComputationGraph) -> ComputationGraph:
     """Return a computation graph without the nodes that `ontology/implicit.toml` calls infrastructure."""

@@ -19,25 +19,6 @@ if TYPE_CHECKING:
     from kg.robot.clock import Clock
     from kg.robot.messages import Types
 
-__all__ = [
-    "FAILURES",
-    "Canceller",
-    "ComputationGraph",
-    "Connection",
-    "Goal",
-    "GraphProblem",
-    "LiveEnd",
-    "LiveNode",
-    "Publication",
-    "Received",
-    "RecordedTopic",
-    "Serving",
-    "Subscription",
-    "Value",
-    "goal_lost",
-    "reason",
-]
-
 Value: TypeAlias = dict[str, Any]
 """A message as plain values."""
 FAILURES: Final = (KgError, ArithmeticError, AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError)

@@ -8,14 +8,11 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final, Generic, NamedTuple, TypeVar
 
 from kg.errors import RobotError
-from kg.robot.connection import Received
+from kg.robot.connection import Received, Value
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterator
 
-    from kg.robot.connection import Value
-
-__all__ = ["Changes", "GoalProgress", "Inbox", "Messages", "Raw"]
 
 Item = TypeVar("Item")
 

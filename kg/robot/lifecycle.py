@@ -16,16 +16,13 @@ import msgspec
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.capability import role_of
+from kg.robot.capability import Capabilities, Capability, Way, role_of
 from kg.robot.tasks import Tasks
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from kg.robot.capability import Capabilities, Capability, Way
     from kg.robot.connection import ComputationGraph, Connection, LiveNode
-
-__all__ = ["ACTIVE", "States", "available", "idle", "in_words"]
 
 ACTIVE: Final = "active"
 _STATES: Final = {

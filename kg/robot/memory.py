@@ -18,8 +18,19 @@ from urllib.parse import urlsplit
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.clock import WallClock, within
-from kg.robot.connection import FAILURES, ComputationGraph, GraphProblem, LiveEnd, LiveNode, Received, goal_lost, reason
+from kg.robot.clock import Clock, WallClock, within
+from kg.robot.connection import (
+    FAILURES,
+    Accepted,
+    ComputationGraph,
+    GraphProblem,
+    LiveEnd,
+    LiveNode,
+    Received,
+    Value,
+    goal_lost,
+    reason,
+)
 from kg.robot.inbox import Changes, GoalProgress, Inbox
 from kg.robot.messages import Types
 from kg.robot.tasks import spawn
@@ -27,11 +38,6 @@ from kg.robot.tasks import spawn
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
     from types import TracebackType
-
-    from kg.robot.clock import Clock
-    from kg.robot.connection import Accepted, Value
-
-__all__ = ["Bus", "MemoryConnection", "connect"]
 
 
 @dataclass(slots=True)

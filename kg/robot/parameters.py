@@ -15,16 +15,13 @@ from yaml import BaseLoader, YAMLError
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connecting import is_recording, of_robot
-from kg.robot.connection import GraphProblem
+from kg.robot.connection import Connection, GraphProblem, Value
 from kg.similar import did_you_mean
 from kg.yamltext import load_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.robot.connection import Connection, Value
-
-__all__ = ["NodeParameter", "find", "parsed", "read", "write"]
 
 _LIST: Final = "rcl_interfaces/ListParameters"
 _LISTING: Final = "/list_parameters"

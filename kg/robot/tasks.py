@@ -13,8 +13,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Coroutine
 
-__all__ = ["Tasks", "ended", "finished", "first", "outcome", "report", "spawn"]
-
 Result = TypeVar("Result")
 
 

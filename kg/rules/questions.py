@@ -21,15 +21,13 @@ from pyoxigraph import NamedNode
 from kg.errors import KgError
 from kg.rules.decompose import decompose
 from kg.rules.decompose.uses import uses
-from kg.rules.form import EngineBlock, Variable, readers_of
+from kg.rules.form import Atom, EngineBlock, Rule, Variable, readers_of
 from kg.syntax.parser import parse_rq
-from kg.syntax.tree import Alternative, Filter, GraphBlock, Inverse, SubSelect, TriplePattern, Union
+from kg.syntax.tree import Alternative, Filter, GraphBlock, Group, Inverse, Node, Path, SubSelect, TriplePattern, Union
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.rules.form import Atom, Rule
-    from kg.syntax.tree import Group, Node, Path
 
 __all__ = ["COLUMN", "MARK", "Among", "Question", "question"]
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["Documents", "alone", "load", "save"]
-
 _FOLDER: Final = "search"
 _COLUMNS: Final = ("text", "names", "features")
 

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import msgspec
 
-__all__ = ["Document", "End", "PackageDocument", "Text"]
-
 
 class Text(msgspec.Struct, array_like=True, frozen=True, gc=False):
     """A paragraph about a node or package, and where it is; `kind` is that of `kg.facts.DescriptionKind`."""

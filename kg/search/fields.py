@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kg.search.documents import Document, PackageDocument
     from kg.search.reading import Content
 
-__all__ = ["documents", "own_words", "shared_words", "worths"]
-
 _COMMON: Final = ("name", "plugin", "text", "interface", "type", "parameter", "class")
 """What variants of a node have in common."""
 _PROSE: Final = ("manifest", "readme")

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from kg.search.names import Names
 
-__all__ = ["known", "wishes"]
-
 _TYPED: Final = {
     "subscribes": ("subscribes",),
     "publishes": ("publishes",),

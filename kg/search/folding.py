@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from kg.search.documents import Document, End, PackageDocument
 
-__all__ = ["bare_name", "groups", "is_main", "order"]
-
 _FORMS: Final = frozenset({"node", "nodelet", "component", "nodes", "main", "ros", "ros2", "exe"})
 
 _STARTED: Final = ("executable", "script")

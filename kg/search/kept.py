@@ -13,8 +13,6 @@ from kg.store import kept as files
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["keep", "kept"]
-
 _VERSION_BYTES: Final = 4
 _DATA: Final = ("search.toml", "composing.toml")
 """Files in the folder `ontology` that what is kept depends on."""

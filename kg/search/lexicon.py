@@ -12,8 +12,6 @@ from kg import resources
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["FILE", "Lexicon", "lexicon"]
-
 FILE: Final = "search.toml"
 """The file of the lexicon in the folder `ontology`."""
 

@@ -9,8 +9,6 @@ from kg.search.words import terms
 if TYPE_CHECKING:
     from kg.search.documents import Document, PackageDocument
 
-__all__ = ["MARKS", "marks"]
-
 MARKS: Final = frozenset(
     (
         *("test", "tester", "exampl", "demo", "sampl", "tutori", "mock", "fake", "simul", "rviz", "gui", "gazebo"),

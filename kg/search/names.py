@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from kg.search.reading import Concept
 
-__all__ = ["ROLES", "Names"]
-
 ROLES: Final = ("subscribes", "publishes", "services", "clients", "action_servers", "action_clients")
 
 

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from kg.search.searching import Hit
 
-__all__ = ["QUESTIONS", "Question", "question"]
-
 QUESTIONS: Final = {
     "ros": "Which version of ROS?",
     "subscribes": "What does it subscribe to?",

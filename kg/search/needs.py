@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from kg.search.names import Names
 
-__all__ = ["Alternative", "Need", "Wish", "Wording", "parse"]
-
 _EXPLICIT: Final = re.compile(
     r"\b(?P<role>subscrib|publish|provid|offer|serv|call)\w*\s+(?:to\s+|a\s+|an\s+|the\s+)?"
     r"(?P<type>(?:[a-z]\w*/)?(?:msg/|srv/|action/)?[A-Z]\w*)"

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-__all__ = ["FILTERS", "Filter"]
-
 
 class Filter(NamedTuple):
     """A filter of `kg search`: its name, and what `--help` says of it."""

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from kg.search.index import Columns, Floats, Index
     from kg.search.needs import Alternative, Need, Wish, Wording
 
-__all__ = ["covered", "fits", "gain", "prior", "scores", "share", "wish_rows", "wording_scores"]
-
 _RAREST: Final = 2.0
 _ABOUT: Final = ("ros", "license", "kind", "package")
 """Filters that tell nothing of what a node does."""

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from kg.store.interface import Snapshot
 
-__all__ = ["Concept", "Content", "read"]
-
 _NODES: Final = (
     "?s ?p ?o { ?s a rnkg:NodeType ; ?p ?o "
     "FILTER(?p NOT IN (ros:hasComponent, rnkg:hasParameter, rnkg:hasSource, rnkg:imports, rnkg:importedAt)) }"

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.search.index import Index
     from kg.search.needs import Need, Wish
 
-__all__ = ["Reason", "reasons"]
-
 _VERBS: Final = {
     "publishes": "publishes",
     "subscribes": "subscribes",

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["Answer", "Hit", "Search", "hit_object", "open_search", "search_of"]
-
 _REASONS = 5
 _DIGITS = 4
 """Scores are compared to so many decimals, so that sums of floats in another order change nothing."""

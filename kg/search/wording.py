@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from kg.search.needs import Need, Wish
     from kg.search.searching import Search
 
-__all__ = ["NEAREST", "near", "understood", "unknown"]
-
 NEAREST: Final = "nothing here fits; nearest are"
 
 _VERBS: Final = {"services": "offers", "clients": "calls"}

@@ -16,8 +16,6 @@ from kg.search.lexicon import lexicon
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["is_stop", "joined", "name_terms", "phrase", "stem", "terms", "words"]
-
 _WORD: Final = re.compile(
     r"\d[dD](?![a-zA-Z])"  # 2D, 3d
     r"|(?<![A-Za-z])[A-Z]{2}[a-z]{2,}"  # RViz, GMapping

@@ -11,8 +11,6 @@ import sys
 from functools import cache
 from typing import Any, Final
 
-__all__ = ["give_back", "share_pools"]
-
 _ARENA_MAX: Final = -8
 """The number of the setting in glibc (`M_ARENA_MAX`)."""
 _POOLS: Final = 2

@@ -33,8 +33,6 @@ if TYPE_CHECKING:
 
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["Backup", "back_up", "canonical", "is_file", "restore"]
-
 _MANIFEST: Final = "backup.json"
 _FILES: Final = (".nq", ".nq.gz")
 

@@ -17,7 +17,17 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, BinaryIO, Final, cast
 
-from pyoxigraph import DefaultGraph, Quad, QueryResultsFormat, RdfFormat, parse
+from pyoxigraph import (
+    BlankNode,
+    DefaultGraph,
+    NamedNode,
+    Quad,
+    QueryResultsFormat,
+    QuerySolutions,
+    RdfFormat,
+    Store,
+    parse,
+)
 
 from kg.store.allocator import give_back
 from kg.store.terms import BLANK_MARK
@@ -26,12 +36,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
     from typing import TypeAlias
 
-    from pyoxigraph import BlankNode, NamedNode, QuerySolutions, Store
-
     Engine: TypeAlias = Callable[[], Store]
     Graph: TypeAlias = NamedNode | BlankNode | DefaultGraph
-
-__all__ = ["Interruptible", "add", "exchange", "load", "load_quads", "remove", "table"]
 
 _THREADS: Final = 2
 _LEAST_BYTES: Final = 2 << 20

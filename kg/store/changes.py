@@ -13,14 +13,11 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from kg.store.layout import write_atomically
+from kg.store.layout import Layout, write_atomically
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kg.store.layout import Layout
-
-__all__ = ["Changes", "Patches", "since"]
 
 _KEPT: Final = 64
 _MOST_BYTES: Final = 1 << 20

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     from kg.store.layout import Layout
 
-__all__ = ["EmbeddedStore"]
-
 
 class EmbeddedStore:
     """A store in a folder of this machine; see `kg.store.interface.QuadStore`."""

@@ -16,8 +16,6 @@ from kg.errors import Place, StoreError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["is_of_store", "store_error", "translated"]
-
 _FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 _CLOSED = frozenset({errno.EACCES, errno.EPERM, errno.EROFS})
 _NO_FOLDER = frozenset({errno.ENOTDIR, errno.EEXIST})

@@ -23,8 +23,6 @@ from kg.errors import Place, StoreError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["Answer", "Endpoint"]
-
 _ATTEMPTS: Final = 4
 _FIRST_PAUSE: Final = 0.1
 """Seconds before the second attempt; each further pause is twice as long."""

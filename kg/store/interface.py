@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from pyoxigraph import NamedNode, QueryBoolean, QuerySolutions, QueryTriples, RdfFormat
 
-__all__ = ["QuadStore", "Snapshot", "Transaction"]
-
 
 class Snapshot(Protocol):
     """The content of a store at one moment; it does not change while it is held."""

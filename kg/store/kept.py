@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-__all__ = ["keep", "kept"]
-
 _CHECKSUM_BYTES: Final = 4
 
 

@@ -27,8 +27,6 @@ from kg.store.failure import translated
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["FOLDER", "LAYOUT", "Layout", "create", "find", "folder_bytes", "user_cache", "write_atomically"]
-
 FOLDER: Final = ".kg"
 """Name of the folder of a store."""
 

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from kg.store.layout import Layout
 
-__all__ = ["busy", "hold_generation", "remove_unused", "writer"]
-
 _PATIENCE: Final = 2.0
 _PAUSE: Final = 0.01
 """Seconds: how long is waited for a lock that nobody who lives has written a name to, and how often is looked."""

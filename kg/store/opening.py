@@ -16,17 +16,6 @@ if TYPE_CHECKING:
     from kg.store.layout import Layout
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = [
-    "existing",
-    "layout_of",
-    "or_empty",
-    "reading",
-    "reading_all",
-    "reading_with_cache",
-    "remote_refusal",
-    "writable",
-]
-
 _PATIENT_SECONDS: Final = 3600.0
 """How long a server may be silent where queries have no deadline."""
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pyoxigraph import Store
+from pyoxigraph import NamedNode, Store
 
 from kg.store import bulk
 from kg.store.failure import translated
@@ -20,10 +20,6 @@ from kg.store.snapshot import EmbeddedSnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
-
-    from pyoxigraph import NamedNode
-
-__all__ = ["overlaid"]
 
 
 class _Overlay(EmbeddedSnapshot):

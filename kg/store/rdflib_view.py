@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["SnapshotDataset"]
-
 
 class SnapshotDataset(Dataset):
     """All graphs of a snapshot, read-only; the default graph is their union.

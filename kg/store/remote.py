@@ -21,8 +21,10 @@ from pyoxigraph import (
     DefaultGraph,
     NamedNode,
     Quad,
+    QueryBoolean,
     QueryResultsFormat,
     QuerySolutions,
+    QueryTriples,
     RdfFormat,
     Store,
     Variable,
@@ -32,18 +34,12 @@ from pyoxigraph import (
 )
 
 from kg.errors import GraphError, Place, SourceError, StoreError
-from kg.store.http import Endpoint
+from kg.store.http import Answer, Endpoint
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
     from types import TracebackType
-
-    from pyoxigraph import QueryBoolean, QueryTriples
-
-    from kg.store.http import Answer
-
-__all__ = ["RemoteSnapshot", "RemoteStore"]
 
 
 class RemoteTransaction:

@@ -13,7 +13,19 @@ import re
 from typing import TYPE_CHECKING, Final, cast
 from urllib.parse import urlsplit
 
-from pyoxigraph import BlankNode, DefaultGraph, NamedNode, QueryResultsFormat, RdfFormat, Store
+from pyoxigraph import (
+    BlankNode,
+    DefaultGraph,
+    NamedNode,
+    Quad,
+    QueryBoolean,
+    QueryResultsFormat,
+    QuerySolutions,
+    QueryTriples,
+    RdfFormat,
+    Store,
+    Variable,
+)
 
 from kg.errors import Place, StoreError
 from kg.store.http import Endpoint
@@ -23,11 +35,7 @@ from kg.store.snapshot import EmbeddedSnapshot
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from pyoxigraph import Quad, QueryBoolean, QuerySolutions, QueryTriples, Variable
-
     from kg.store.terms import Term
-
-__all__ = ["RemoteReading"]
 
 _GRAPH: Final = re.compile(r"\bGRAPH\b", re.IGNORECASE)
 

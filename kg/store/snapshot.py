@@ -5,7 +5,19 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, cast
 
-from pyoxigraph import DefaultGraph, NamedNode, RdfFormat, Store, serialize
+from pyoxigraph import (
+    BlankNode,
+    DefaultGraph,
+    NamedNode,
+    Quad,
+    QueryBoolean,
+    QuerySolutions,
+    QueryTriples,
+    RdfFormat,
+    Store,
+    Variable,
+    serialize,
+)
 
 from kg.store import bulk
 from kg.store.failure import translated
@@ -16,12 +28,8 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from pyoxigraph import BlankNode, Quad, QueryBoolean, QuerySolutions, QueryTriples, Variable
-
     from kg.store.layout import Layout
     from kg.store.terms import Term
-
-__all__ = ["EmbeddedSnapshot", "MemorySnapshot"]
 
 
 class EmbeddedSnapshot:

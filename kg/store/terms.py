@@ -25,8 +25,6 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, Tr
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["BLANK_MARK", "Term", "cells", "datatype", "literal", "of_spelling", "parts_of_lines", "spell"]
-
 Term: TypeAlias = NamedNode | BlankNode | Literal | Triple
 
 BLANK_MARK: Final = b"_:"

@@ -11,24 +11,30 @@ from __future__ import annotations
 import shutil
 from typing import TYPE_CHECKING, BinaryIO, cast
 
-from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, parse, serialize
+from pyoxigraph import (
+    DefaultGraph,
+    NamedNode,
+    Quad,
+    QueryBoolean,
+    QuerySolutions,
+    QueryTriples,
+    RdfFormat,
+    Store,
+    parse,
+    serialize,
+)
 
 from kg.errors import GraphError, Place, SourceError
 from kg.store import bulk
 from kg.store.changes import Changes
 from kg.store.failure import translated
-from kg.store.layout import folder_bytes
+from kg.store.layout import Layout, folder_bytes
 from kg.store.snapshot import EmbeddedSnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples
-
-    from kg.store.layout import Layout
-
-__all__ = ["EmbeddedTransaction"]
 
 _MERGED_SHARE = 0.25
 """A load of more than this share of a generation's bytes has its files merged."""

@@ -10,14 +10,10 @@ from typing import TYPE_CHECKING
 from pyoxigraph import DefaultGraph, RdfFormat, Store
 
 from kg.store.failure import translated
-from kg.store.snapshot import MemorySnapshot
+from kg.store.snapshot import EmbeddedSnapshot, MemorySnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-
-    from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["union_of"]
 
 
 @contextmanager

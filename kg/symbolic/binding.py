@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 from kg.symbolic import form
 from kg.symbolic.containers import part_at, rest_of
-from kg.symbolic.values import Either, Mapping, Number, Pack, Sequence, Text, Truth, Unknown, number
+from kg.symbolic.values import Either, Mapping, Number, Pack, Sequence, Text, Truth, Unknown, Value, number
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Expression, Function, Parameter
     from kg.symbolic.machine import Machine
     from kg.symbolic.state import Frame
-    from kg.symbolic.values import Value
-
-__all__ = ["bind", "hand_back", "put", "unpack", "write_back"]
 
 _HANDED: Final = frozenset({Text, Number, Truth, Sequence, Mapping, Either})
 """Values that a function gives back through references; objects are the same ones already."""

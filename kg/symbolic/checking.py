@@ -29,15 +29,13 @@ from kg.symbolic.columns import (
     SECONDS,
     SLOT,
     TYPES,
+    Form,
 )
 from kg.symbolic.descriptions import agree, shipped
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.symbolic.columns import Form
-
-__all__ = ["check"]
 
 _WRONG: Final = "KG123"
 _UNREACHABLE: Final = "KG124"

@@ -9,26 +9,6 @@ from kg.facts import Role
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = [
-    "ACCESSES",
-    "CALL",
-    "CLASS",
-    "FILE",
-    "GIVES",
-    "INDEX",
-    "INTERFACE",
-    "KINDS",
-    "LANGUAGES",
-    "MOST_ARGUMENTS",
-    "PARAMETER",
-    "PORT",
-    "RESULTS",
-    "SECONDS",
-    "SLOT",
-    "TYPES",
-    "Form",
-]
-
 ACCESSES: Final = ("reads", "writes", "declares")
 MOST_ARGUMENTS: Final = 99
 """The number of arguments that a call can have if its description gives none."""

@@ -29,21 +29,6 @@ if TYPE_CHECKING:
     from kg.symbolic.language import Language
     from kg.symbolic.state import Written
 
-__all__ = [
-    "COMMAND_LINE",
-    "counted",
-    "element",
-    "elements",
-    "grown",
-    "is_unknown_parameter",
-    "is_unset",
-    "key_of",
-    "part_at",
-    "part_of",
-    "rest_of",
-    "with_element",
-]
-
 _NAMESPACES: Final = (OWN_NAMESPACE, PARENT_NAMESPACE)
 """What begins with a slash."""
 COMMAND_LINE: Final = Sequence((), open=True, parameter="argv")

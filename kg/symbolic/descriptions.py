@@ -15,18 +15,6 @@ from kg.facts import Access, Role
 from kg.resources import folder
 from kg.symbolic.columns import ACCESSES, MOST_ARGUMENTS
 
-__all__ = [
-    "CallDescription",
-    "ClassDescription",
-    "Descriptions",
-    "Effect",
-    "PortDescription",
-    "SlotDescription",
-    "agree",
-    "merged",
-    "shipped",
-]
-
 _ROLES: Final = {role.value: role for role in Role}
 _ACCESSES: Final = dict(zip(ACCESSES, (Access.READ, Access.WRITE, Access.DECLARE), strict=True))
 

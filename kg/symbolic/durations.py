@@ -10,8 +10,6 @@ from typing import Final
 
 from kg.symbolic.values import Kind, Number, Object, Sequence, TypeValue, Value, number
 
-__all__ = ["CONSTANTS", "DURATION", "INFINITE", "duration", "made_duration", "scaled", "seconds_of"]
-
 DURATION: Final = Kind(("rclcpp", "Duration"))
 INFINITE: Final = 9_223_372_036.0
 """Durations from here on have no end: 64 bits of nanoseconds hold no more (RMW_DURATION_INFINITE)."""

@@ -22,7 +22,7 @@ from kg.symbolic.parameters import Parameters, listed, type_of_value
 from kg.symbolic.plugins import Loading, loading
 from kg.symbolic.results import result
 from kg.symbolic.spelling import spelled
-from kg.symbolic.state import Arguments, Invocation
+from kg.symbolic.state import Arguments, Invocation, Site
 from kg.symbolic.trees import Registered, port_value
 from kg.symbolic.values import (
     ABSENT,
@@ -51,9 +51,6 @@ if TYPE_CHECKING:
     from kg.symbolic.descriptions import CallDescription, ClassDescription, Descriptions, Effect, SlotDescription
     from kg.symbolic.form import Expression
     from kg.symbolic.machine import Machine
-    from kg.symbolic.state import Site
-
-__all__ = ["Declared", "Framework"]
 
 _PARAMETER_TYPE: Final = "PARAMETER_"
 """How the types of parameters begin in C++: `rclcpp::ParameterType::PARAMETER_STRING`."""

@@ -16,44 +16,6 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from kg.corpus.files import FilePath
 
-__all__ = [
-    "Assign",
-    "Binary",
-    "Block",
-    "Branch",
-    "Call",
-    "Choice",
-    "Class",
-    "Construct",
-    "Declare",
-    "Define",
-    "Display",
-    "Expression",
-    "Field",
-    "Function",
-    "Import",
-    "Index",
-    "Initialiser",
-    "Jump",
-    "Lambda",
-    "Literal",
-    "Loop",
-    "Member",
-    "Name",
-    "Opaque",
-    "Pairs",
-    "Parameter",
-    "Return",
-    "Spread",
-    "Statement",
-    "Static",
-    "Step",
-    "Try",
-    "Type",
-    "Unary",
-    "Unit",
-]
-
 
 @dataclass(slots=True, frozen=True)
 class Type:

@@ -6,8 +6,6 @@ from typing import Final
 
 from kg.symbolic.values import Kind, TypeValue
 
-__all__ = ["POINTER", "POINTERS", "POINTER_ALIASES", "is_pointer", "pointee"]
-
 POINTER: Final = "*"
 """The name of the type of a plain pointer, with the type that it points to as its argument."""
 

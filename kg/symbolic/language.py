@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from kg.symbolic.state import Frame
     from kg.symbolic.values import Kind, Value
 
-__all__ = ["Language"]
-
 
 class Language(Protocol):
     """A language of the sources."""

@@ -28,7 +28,7 @@ from kg.symbolic.operators import (
     truth,
 )
 from kg.symbolic.spelling import member_label
-from kg.symbolic.state import UNSET, Alias, Frame, Journal, Site
+from kg.symbolic.state import UNSET, Alias, Frame, Holder, Journal, Site, Slot, Variables, Written
 from kg.symbolic.values import (
     Bound,
     Closure,
@@ -59,9 +59,6 @@ if TYPE_CHECKING:
     from kg.symbolic.effects import Framework
     from kg.symbolic.form import Expression, Function, Statement
     from kg.symbolic.language import Language
-    from kg.symbolic.state import Holder, Slot, Variables, Written
-
-__all__ = ["Machine"]
 
 DEEPEST: Final = 70
 MOST_FRUITLESS: Final = 6

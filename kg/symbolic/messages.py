@@ -6,16 +6,13 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
 from kg.symbolic.kinds import pointee
-from kg.symbolic.state import Frame
+from kg.symbolic.state import Frame, Invocation
 from kg.symbolic.values import Bound, Closure, Kind, Object, Text, TypeValue, Value, alternatives
 
 if TYPE_CHECKING:
     from kg.symbolic.descriptions import Effect
     from kg.symbolic.form import Function
     from kg.symbolic.language import Language
-    from kg.symbolic.state import Invocation
-
-__all__ = ["message_type", "type_name"]
 
 _SUFFIXES: Final = frozenset(
     {

@@ -21,19 +21,6 @@ from kg.symbolic.values import (
     worse,
 )
 
-__all__ = [
-    "EMPTY",
-    "NODE_NAME",
-    "OWN_NAMESPACE",
-    "PARENT_NAMESPACE",
-    "below",
-    "camera_info",
-    "handle_namespace",
-    "namespace_of",
-    "own_namespace",
-    "with_node_name",
-]
-
 EMPTY: Final = Text.of("")
 OWN_NAMESPACE: Final = Hole("namespace")
 """The namespace of the node itself, as a part of a text."""

@@ -36,23 +36,6 @@ if TYPE_CHECKING:
 
     from kg.symbolic.form import Literal
 
-__all__ = [
-    "NULL",
-    "chosen",
-    "compute",
-    "for_each",
-    "is_floating",
-    "literal",
-    "logical",
-    "negate",
-    "negated_term",
-    "negative",
-    "plain",
-    "terms_of",
-    "truth",
-    "under",
-]
-
 NULL: Final = Unknown("it is null")
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _NEGATED: Final = {"==": "!=", "!=": "==", "<": ">=", ">": "<=", "<=": ">", ">=": "<"}

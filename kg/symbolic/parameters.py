@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from kg.symbolic.language import Language
     from kg.symbolic.state import Invocation
 
-__all__ = ["Parameters", "Reading", "listed", "type_of_value"]
-
 _INTEGERS: Final = frozenset(
     {
         "int",

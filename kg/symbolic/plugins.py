@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from kg.symbolic.descriptions import SlotDescription
     from kg.symbolic.state import Invocation, Site
 
-__all__ = ["Loading", "loading"]
-
 _ARGUMENT: Final = re.compile(r"\{(\d+)\}")
 _PLACE: Final = re.compile(r"\{(\d+|T)\}")
 

@@ -17,18 +17,6 @@ from kg.symbolic.values import ABSENT, Kind, Number, Object, Profile, Sequence, 
 if TYPE_CHECKING:
     from kg.symbolic.machine import Machine
 
-__all__ = [
-    "METHODS",
-    "PROFILES",
-    "RMW_PROFILE",
-    "changed_profile",
-    "construct",
-    "policy",
-    "profile_of",
-    "rmw_profile",
-    "with_fields",
-]
-
 RMW_PROFILE: Final = "rmw_qos_profile_t"
 PYTHON_PROFILE: Final = "QoSProfile"
 _DEFAULT: Final = Qos("reliable", "volatile", "keep_last", 10)

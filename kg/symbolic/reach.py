@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     Code: TypeAlias = Function | Class
 
-__all__ = ["Program", "Reach"]
-
 
 class Program(Protocol):
     """Meaning of the words of a program."""

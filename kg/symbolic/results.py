@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.symbolic.effects import Framework
     from kg.symbolic.state import Invocation
 
-__all__ = ["result"]
-
 _DEPENDS: Final = Unknown("it depends on a parameter")
 _FIXED: Final[dict[str, Value]] = {
     "node name": Text((NODE_NAME,)),

@@ -10,8 +10,6 @@ from kg.symbolic import form
 if TYPE_CHECKING:
     from kg.symbolic.form import Expression
 
-__all__ = ["member_label", "spelled"]
-
 _SELF: Final = ("this", "self", "cls")
 
 

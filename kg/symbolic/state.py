@@ -6,30 +6,14 @@ from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, cast, final
 
-from kg.symbolic.form import Opaque
+from kg.symbolic.form import Call, Expression, Opaque, Type, Unit
 from kg.symbolic.operators import under
-from kg.symbolic.values import ABSENT, Pack, Text, Unknown, Value
+from kg.symbolic.values import ABSENT, Kind, Pack, Text, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from kg.symbolic.form import Call, Expression, Type, Unit
     from kg.symbolic.language import Language
-    from kg.symbolic.values import Kind
-
-__all__ = [
-    "UNSET",
-    "Alias",
-    "Arguments",
-    "Frame",
-    "Holder",
-    "Invocation",
-    "Journal",
-    "Site",
-    "Slot",
-    "Variables",
-    "Written",
-]
 
 
 class _Missing(Enum):

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from kg.symbolic.descriptions import PortDescription
     from kg.symbolic.state import Invocation, Site
 
-__all__ = ["FACTORY", "Registered", "port_value"]
-
 FACTORY: Final = Kind(("BT", "BehaviorTreeFactory"))
 
 _PORT: Final = "the XML of the behavior tree gives the port"

@@ -13,54 +13,14 @@ from itertools import islice, product, repeat
 from operator import is_
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from kg.facts import Resolution
+from kg.facts import Qos, Resolution
 from kg.holes import PARENT, SUBSTITUTIONS, Hole, label_of, written
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from kg.facts import Qos
     from kg.symbolic.form import Class, Function
     from kg.symbolic.state import Frame
-
-__all__ = [
-    "ABSENT",
-    "LENGTH",
-    "OUTSIDE",
-    "PLACEHOLDER",
-    "Bound",
-    "Closure",
-    "Either",
-    "Enumerator",
-    "Guard",
-    "Kind",
-    "Mapping",
-    "Number",
-    "Object",
-    "Pack",
-    "Profile",
-    "Sequence",
-    "Text",
-    "Truth",
-    "TypeValue",
-    "Unknown",
-    "Value",
-    "alternatives",
-    "as_text",
-    "combinations",
-    "concatenate",
-    "join",
-    "labelled",
-    "number",
-    "options",
-    "outside",
-    "over",
-    "paths",
-    "read_back",
-    "rows",
-    "whole_parameter",
-    "worse",
-]
 
 Way: TypeAlias = "frozenset[tuple[object, int]]"
 """Choices, each with the option that was taken."""

@@ -18,8 +18,6 @@ from kg.syntax.tree import Span
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-__all__ = ["MAX_NESTING", "Cursor"]
-
 MAX_NESTING: Final = 100
 """How deep brackets may nest: far more than anyone writes, and few enough for every reader that recurses."""
 

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["AGGREGATES", "FUNCTIONS", "RULE_FUNCTIONS", "Arguments"]
-
 Arguments = tuple[int, int | None]
 """The fewest and the most arguments of a function; None for any number."""
 

@@ -19,24 +19,6 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-__all__ = [
-    "END",
-    "Kind",
-    "Token",
-    "as_assignment",
-    "as_operator",
-    "as_written",
-    "iri_of",
-    "is_name",
-    "normalise",
-    "quoted",
-    "token_at",
-    "tokens",
-    "tokens_of",
-    "unescape",
-    "unescape_local",
-]
-
 
 class Kind(Enum):
     """What a token is."""

@@ -11,8 +11,6 @@ from pyoxigraph import RdfFormat, parse
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["PREFIXES", "WELL_KNOWN", "is_absolute", "prefixed", "resolve", "shorten"]
-
 PREFIXES: Final = MappingProxyType(
     {
         "rnkg": "https://w3id.org/rnkg/ns#",

@@ -11,7 +11,7 @@ from kg.syntax.functions import RULE_FUNCTIONS
 from kg.syntax.lexer import END, Kind, as_assignment
 from kg.syntax.names import PREFIXES
 from kg.syntax.patterns import Patterns
-from kg.syntax.tree import Bind, Exists, Filter, Group, RuleText, RuleUnit
+from kg.syntax.tree import Bind, Exists, Filter, Group, Node, RuleText, RuleUnit, TriplePattern
 from kg.syntax.triples import Mode
 
 if TYPE_CHECKING:
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 
     from pyoxigraph import NamedNode
 
-    from kg.syntax.tree import Node, TriplePattern
-
-__all__ = ["QueryUnit", "parse_query", "parse_rq", "parse_srl"]
 
 _OTHERS: Final = frozenset({"SELECT", "ASK", "DESCRIBE", "INSERT", "DELETE", "WITH", "LOAD", "CLEAR", "DROP", "CREATE"})
 _ELEMENTS: Final = ("FILTER", "NOT", "SET")

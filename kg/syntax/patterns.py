@@ -15,7 +15,7 @@ from kg.similar import asked, similar
 from kg.syntax.cursor import MAX_NESTING
 from kg.syntax.functions import AGGREGATES, FUNCTIONS, Arguments
 from kg.syntax.lexer import Kind, as_operator
-from kg.syntax.terms import Variable
+from kg.syntax.terms import Term, Variable
 from kg.syntax.tree import (
     AggregateCall,
     Bind,
@@ -25,6 +25,7 @@ from kg.syntax.tree import (
     GraphBlock,
     Group,
     Minus,
+    Node,
     Optional,
     Projection,
     SubSelect,
@@ -37,10 +38,6 @@ from kg.syntax.triples import Mode, Triples
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.syntax.terms import Term
-    from kg.syntax.tree import Node
-
-__all__ = ["Patterns"]
 
 _COMPARISONS: Final = ("=", "!=", "<", ">", "<=", ">=")
 _ARITHMETIC: Final = ("+", "-", "*", "/")

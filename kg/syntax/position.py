@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from kg.errors import Place
 
-__all__ = ["offset_of", "place_at", "place_of"]
-
 
 def place_at(text: str, offset: int, path: str, end: int | None = None) -> Place:
     """Return the place of the character at `offset` in `text`; with `end` that of all characters before that offset."""

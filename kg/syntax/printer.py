@@ -6,17 +6,12 @@ from typing import TYPE_CHECKING
 
 from pyoxigraph import NamedNode
 
-from kg.syntax.lexer import Kind, tokens_of
+from kg.syntax.lexer import Kind, Token, tokens_of
 from kg.syntax.terms import Variable
-from kg.syntax.tree import Alternative, Inverse, Negated, Sequence
+from kg.syntax.tree import Alternative, Inverse, Negated, Path, Sequence
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
-
-    from kg.syntax.lexer import Token
-    from kg.syntax.tree import Path
-
-__all__ = ["path_text", "renamed", "respelt"]
 
 
 def respelt(text: str, spelling: Callable[[Token], str | None]) -> str:

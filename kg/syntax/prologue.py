@@ -10,8 +10,6 @@ from kg.syntax.lexer import tokens
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["declaration", "declared"]
-
 _PREFIX: Final = re.compile(r"@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.IGNORECASE)
 _LENGTHS: Final = {"prefix": 3, "base": 2, "@prefix": 4, "@base": 3}
 """How many tokens a declaration has that begins with these."""

@@ -10,43 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.syntax.terms import Variable, variables_of
+from kg.syntax.terms import Pattern, Term, Variable, variables_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from pyoxigraph import NamedNode
-
-    from kg.syntax.terms import Pattern, Term
-
-__all__ = [
-    "AggregateCall",
-    "Alternative",
-    "Bind",
-    "Exists",
-    "Expression",
-    "Filter",
-    "GraphBlock",
-    "Group",
-    "Inverse",
-    "Minus",
-    "Negated",
-    "Node",
-    "Optional",
-    "Path",
-    "Projection",
-    "Repeat",
-    "RuleText",
-    "RuleUnit",
-    "Sequence",
-    "Span",
-    "SubSelect",
-    "TriplePattern",
-    "Union",
-    "ValuesBlock",
-    "groups_of",
-    "visible",
-]
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Triple
 
 from kg.syntax.cursor import Cursor
 from kg.syntax.lexer import Kind, Token, quoted, unescape
-from kg.syntax.terms import TripleTerm, Variable
-from kg.syntax.tree import Alternative, Inverse, Negated, Repeat, Sequence, TriplePattern
-
-if TYPE_CHECKING:
-    from kg.syntax.terms import Pattern
-    from kg.syntax.tree import Path
-
-__all__ = ["Block", "Mode", "Triples"]
+from kg.syntax.terms import Pattern, TripleTerm, Variable
+from kg.syntax.tree import Alternative, Inverse, Negated, Path, Repeat, Sequence, TriplePattern
 
 RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
 TYPE: Final = NamedNode(RDF + "type")

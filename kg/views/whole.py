@@ -5,12 +5,11 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Final
 
-from kg.query.result import Solutions
+from kg.query.result import Row, Solutions
 from kg.query.runner import in_thread
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from kg.query.result import Row
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["answer"]

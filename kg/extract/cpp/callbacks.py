@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Function, Parameter
 
-__all__ = ["Callbacks", "closure_frame"]
-
 _WITHOUT: Final = frozenset({Text, Number, Truth, Unknown, Sequence, Mapping, TypeValue})
 """Values that are not functions, nor objects with methods."""
 _MOST_PARTS: Final = 64

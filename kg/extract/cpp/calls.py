@@ -12,7 +12,7 @@ from kg.symbolic import form
 from kg.symbolic.binding import put
 from kg.symbolic.kinds import POINTERS, is_pointer, pointee
 from kg.symbolic.operators import NULL
-from kg.symbolic.state import Arguments
+from kg.symbolic.state import Arguments, Frame
 from kg.symbolic.values import (
     Bound,
     Closure,
@@ -35,9 +35,6 @@ from kg.symbolic.values import (
 if TYPE_CHECKING:
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Expression, Function
-    from kg.symbolic.state import Frame
-
-__all__ = ["Calls", "Overload", "fits"]
 
 _HANDLE: Final = Kind(("ros", "NodeHandle"))
 _OF_HANDLES: Final = ("advertise", "subscribe", "advertiseService", "serviceClient")

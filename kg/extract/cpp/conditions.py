@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Macros", "holds"]
-
 _VERSION: Final = re.compile(rb"(?:\w*_)?ROS_?(?:VERSION|AVAILABLE|EDITION|VERSION_MAJOR)_*", re.IGNORECASE)
 _FLAG: Final = re.compile(
     rb"(?:\w*_)?ROS_?([12])(?:_(?:AVAILABLE|BUILD|BUILDING|ENABLED|FOUND|SUPPORT|VERSION))?_*", re.IGNORECASE

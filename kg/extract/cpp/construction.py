@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Class, Expression, Field, Function, Type
 
-__all__ = ["Constructions"]
-
 _DEEPEST: Final = 60
 _MOST_REPEATS: Final = 2
 _PAIR: Final = 2

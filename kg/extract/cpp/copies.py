@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Expression, Type
 
-__all__ = ["Copies"]
-
 _COPIED: Final = frozenset({Object, Either, Sequence, Mapping})
 """Values that are objects, or can have them."""
 _PLACES: Final = frozenset({form.Name, form.Member, form.Index, form.Unary})

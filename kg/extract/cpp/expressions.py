@@ -17,6 +17,7 @@ from kg.symbolic.form import (
     Choice,
     Construct,
     Display,
+    Expression,
     Function,
     Index,
     Lambda,
@@ -27,6 +28,7 @@ from kg.symbolic.form import (
     Parameter,
     Type,
     Unary,
+    Unit,
 )
 
 if TYPE_CHECKING:
@@ -34,9 +36,6 @@ if TYPE_CHECKING:
 
     from tree_sitter import Node
 
-    from kg.symbolic.form import Expression, Unit
-
-__all__ = ["PREPROCESSED", "Expressions", "line_of", "plain_number"]
 
 _DEEPEST: Final = 150
 _SHOWN: Final = 60

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.extract.cpp.units import CppUnit
     from kg.symbolic.form import Class, Expression, Function, Type, Unit
 
-__all__ = ["Kinds", "frame_of", "inside", "this_of"]
-
 _DEEPEST: Final = 12
 _ROSSERIAL: Final = "ros/msg.h"
 """What the headers of messages include that rosserial generates, and no other header of messages."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import Callbacks
-from kg.extract.cpp.calls import Calls
+from kg.extract.cpp.calls import Calls, Overload
 from kg.extract.cpp.construction import Constructions
 from kg.extract.cpp.copies import Copies
 from kg.extract.cpp.kinds import Kinds, inside, this_of
@@ -39,7 +39,6 @@ from kg.symbolic.values import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.extract.cpp.calls import Overload
     from kg.extract.cpp.linking import Linker, Variable
     from kg.extract.cpp.units import Macro
     from kg.symbolic.form import Class, Expression, Field, Type

@@ -16,7 +16,7 @@ from kg.symbolic.binding import put
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.operators import compute, negate
-from kg.symbolic.state import Arguments
+from kg.symbolic.state import Arguments, Frame
 from kg.symbolic.values import (
     LENGTH,
     Bound,
@@ -49,7 +49,6 @@ if TYPE_CHECKING:
 
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Expression, Type
-    from kg.symbolic.state import Frame
 
 __all__ = [
     "MAPS",

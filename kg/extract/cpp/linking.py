@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from kg.extract.cpp.units import CppUnit, Macro
     from kg.symbolic.form import Class, Declare, Function, Type, Unit
 
-__all__ = ["Linker", "Variable"]
-
 _Found = TypeVar("_Found")
 _Scope: TypeAlias = tuple[str, ...]
 Variable: TypeAlias = "tuple[Declare, CppUnit, _Scope]"

@@ -12,17 +12,17 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, cast
 
-from kg.extract.buildmodel import PluginClass, Registration, TargetKind
+from kg.extract.buildmodel import BuildModel, PluginClass, Registration, Target, TargetKind
 from kg.extract.cpp import syntax
 from kg.extract.cpp.language import Cpp
 from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.project import FRAMEWORKS, Project
-from kg.extract.cpp.units import CppClass
+from kg.extract.cpp.units import CppClass, CppUnit
 from kg.extract.declared import bounds_of, facts_of, mark_of
 from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
 from kg.extract.slots import slots_of
-from kg.facts import TREE_NODE, Location, NodeKind, NodeType
+from kg.facts import TREE_NODE, Interface, Location, NodeKind, NodeType, Parameter
 from kg.names import normalise
 from kg.symbolic import form
 from kg.symbolic.containers import COMMAND_LINE
@@ -30,7 +30,7 @@ from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
 from kg.symbolic.names import NODE_NAME
 from kg.symbolic.state import Arguments, Frame, Site
-from kg.symbolic.trees import FACTORY
+from kg.symbolic.trees import FACTORY, Registered
 from kg.symbolic.values import Bound, Kind, Mapping, Object, Text, Unknown, Value
 
 if TYPE_CHECKING:
@@ -38,14 +38,8 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import FilePath, PackageFolder
     from kg.corpus.reading import Reader
-    from kg.extract.buildmodel import BuildModel, Target
-    from kg.extract.cpp.units import CppUnit
-    from kg.facts import Interface, Parameter
     from kg.symbolic.descriptions import Descriptions
     from kg.symbolic.form import Class, Function
-    from kg.symbolic.trees import Registered
-
-__all__ = ["read_nodes"]
 
 _KINDS: Final = {
     Registration.NODELET: NodeKind.NODELET,

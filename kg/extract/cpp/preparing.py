@@ -14,8 +14,6 @@ from kg.extract.cpp.conditions import Macros, holds
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["prepared"]
-
 _CLASS_HEAD: Final = re.compile(rb"\b(class|struct)(\s+)([A-Z][A-Z0-9_]{3,})(\s+)(?=[A-Za-z_]\w*\s*(?:final\s*)?[:{])")
 _EXPORTED: Final = (re.compile(rb"class\s+[A-Z][A-Z0-9_]{3,}\s"), re.compile(rb"struct\s+[A-Z][A-Z0-9_]{3,}\s"))
 """What every match of `_CLASS_HEAD` contains; a literal in front is found much faster."""

@@ -12,25 +12,21 @@ from functools import lru_cache
 from itertools import chain, islice
 from typing import TYPE_CHECKING, Any, Final, cast
 
-from kg.corpus.files import FilePath, Place
+from kg.corpus.files import FilePath, PackageFolder, Place
 from kg.extract.constants import Constants
 from kg.extract.cpp.units import CppClass, CppFunction, CppUnit, assigned_in, words_of
 from kg.extract.manifests import read_build
 from kg.extract.parameters import listener
 from kg.facts import FileKind
-from kg.symbolic.form import Function
+from kg.symbolic.form import Class, Function
 from kg.symbolic.reach import Reach
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator
 
-    from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel
     from kg.symbolic.descriptions import Descriptions
-    from kg.symbolic.form import Class
-
-__all__ = ["FRAMEWORKS", "Project"]
 
 FRAMEWORKS: Final = frozenset(
     {

@@ -6,10 +6,10 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from tree_sitter import Query
+from tree_sitter import Node, Query
 
 from kg.extract.cpp import syntax
-from kg.extract.cpp.expressions import PREPROCESSED, line_of
+from kg.extract.cpp.expressions import PREPROCESSED, Expressions, line_of
 from kg.symbolic.form import (
     Assign,
     Binary,
@@ -19,6 +19,7 @@ from kg.symbolic.form import (
     Construct,
     Declare,
     Display,
+    Expression,
     Index,
     Jump,
     Literal,
@@ -27,6 +28,7 @@ from kg.symbolic.form import (
     Name,
     Opaque,
     Return,
+    Statement,
     Static,
     Step,
     Try,
@@ -36,12 +38,6 @@ from kg.symbolic.form import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from tree_sitter import Node
-
-    from kg.extract.cpp.expressions import Expressions
-    from kg.symbolic.form import Expression, Statement
-
-__all__ = ["Statements"]
 
 _DEEPEST: Final = 150
 _SKIPPED: Final = frozenset({"comment", "ERROR"})

@@ -7,29 +7,10 @@ than a fixed bound, because hostile nesting would exhaust the stack.
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import tree_sitter_cpp
-from tree_sitter import Language, Parser, Point, Query, QueryCursor, Range
-
-if TYPE_CHECKING:
-    from tree_sitter import Node, Tree
-
-__all__ = [
-    "LANGUAGE",
-    "PLAIN",
-    "Part",
-    "arguments",
-    "captures",
-    "declared_name",
-    "literal",
-    "of_type",
-    "parse",
-    "parse_range",
-    "parts",
-    "simple_name",
-    "text",
-]
+from tree_sitter import Language, Node, Parser, Point, Query, QueryCursor, Range, Tree
 
 LANGUAGE: Final = Language(tree_sitter_cpp.language())
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Expression
     from kg.symbolic.state import Arguments
 
-__all__ = ["STREAMS", "call"]
-
 STREAMS: Final = frozenset({"stringstream", "istringstream", "ostringstream", "basic_stringstream"})
 _READ: Final = "it is read when the program runs"
 _SPACE: Final = r"\s+"

@@ -11,7 +11,7 @@ from kg.extract.cpp import syntax
 from kg.extract.cpp.expressions import PREPROCESSED, Expressions, line_of
 from kg.extract.cpp.preparing import prepared
 from kg.extract.cpp.statements import Statements
-from kg.symbolic.form import Block, Class, Field, Function, Initialiser, Parameter, Type, Unit
+from kg.symbolic.form import Block, Class, Declare, Field, Function, Initialiser, Parameter, Type, Unit
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from tree_sitter import Node
 
     from kg.corpus.files import FilePath
-    from kg.symbolic.form import Declare
-
-__all__ = ["CppClass", "CppUnit", "Macro"]
 
 
 def included(source: bytes) -> dict[str, int]:

@@ -10,12 +10,11 @@ from kg.extract.manifests.package_xml import read_package_xml
 from kg.extract.manifests.plugin_xml import exported_files, read_plugin_file
 from kg.extract.manifests.scripts import read_scripts
 from kg.extract.manifests.setup_py import read_setup
-from kg.facts import FileKind
+from kg.facts import FileKind, Package
 
 if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
-    from kg.facts import Package
 
 __all__ = ["read_build", "read_manifest"]
 

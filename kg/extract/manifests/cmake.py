@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.facts import Location, Package
 
-__all__ = ["read_cmake"]
-
 _TARGET_WORDS: Final = frozenset(
     {"WIN32", "MACOSX_BUNDLE", "EXCLUDE_FROM_ALL", "STATIC", "SHARED", "MODULE", "OBJECT", "INTERFACE", "UNKNOWN"}
     | {"PUBLIC", "PRIVATE", "LINK_PUBLIC", "LINK_PRIVATE", "LINK_INTERFACE_LIBRARIES", "SYSTEM"}

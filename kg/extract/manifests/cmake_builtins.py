@@ -6,15 +6,12 @@ import posixpath
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.manifests.cmake_run import BINARY, SOURCE
+from kg.extract.manifests.cmake_run import BINARY, SOURCE, Run
 from kg.extract.manifests.cmake_scope import keep_matching, replace_all, split_list
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.extract.manifests.cmake_run import Run
-
-__all__ = ["HANDLERS", "compute"]
 
 _LARGEST: Final = 1 << 63
 

@@ -6,14 +6,11 @@ import operator
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.manifests.cmake_scope import matches, split_list
+from kg.extract.manifests.cmake_scope import Scope, matches, split_list
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kg.extract.manifests.cmake_scope import Scope
-
-__all__ = ["Token", "decide"]
 
 _TRUE: Final = frozenset({"1", "ON", "YES", "TRUE", "Y"})
 _FALSE: Final = frozenset({"0", "OFF", "NO", "FALSE", "N", "IGNORE", "NOTFOUND", ""})

@@ -17,7 +17,7 @@ from enum import Enum
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.files import FilePath
+from kg.corpus.files import FilePath, PackageFolder
 from kg.extract.manifests.cmake_conditions import Token, decide
 from kg.extract.manifests.cmake_scope import Scope, split_list
 from kg.extract.manifests.cmake_syntax import Block, Command, Statement, parse
@@ -27,10 +27,7 @@ from kg.resources import folder
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
-
-__all__ = ["BINARY", "SOURCE", "CMakeFiles", "Run"]
 
 SOURCE: Final = "/@source"
 """Stands for the root of the source in paths that CMake code computes."""

@@ -10,8 +10,6 @@ import re
 from functools import lru_cache
 from typing import Final
 
-__all__ = ["LONGEST_VALUE", "Scope", "keep_matching", "matches", "replace_all", "split_list", "strip_generators"]
-
 _LONGEST: Final = 200
 _MOST_STEPS: Final = 2_000_000
 _NESTED: Final = re.compile(r"\)[+*?]|[+*?][+*?]")

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["Argument", "Block", "Command", "Statement", "SyntaxFault", "parse", "parse_commands"]
-
 _GAP: Final = re.compile(r"(?:\s|#\[(?P<level>=*)\[.*?\](?P=level)\]|#(?!\[=*\[)[^\n]*)+", re.DOTALL)
 _NAME: Final = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)[ \t]*\(")
 _ARGUMENT: Final = re.compile(

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
 
-__all__ = ["holds", "read_package_xml"]
-
 _VALUE: Final = r"""("[^"]*"|'[^']*'|[$\w.+-]+)"""
 _COMPARISON: Final = re.compile(rf"{_VALUE}\s*(<=|>=|==|!=|<|>)\s*{_VALUE}")
 _INNERMOST: Final = re.compile(r"\(([^()]*)\)")

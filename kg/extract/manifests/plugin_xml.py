@@ -6,7 +6,7 @@ import posixpath
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.buildmodel import PluginClass, Registration
+from kg.extract.buildmodel import PluginClass, Registration, Target
 from kg.facts import FileKind, Location
 from kg.xmltext import line_of, parse_xml
 
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
-    from kg.extract.buildmodel import Target
-
-__all__ = ["exported_files", "read_plugin_file"]
 
 _ROOTS: Final = frozenset({"library", "class_libraries"})
 _REGISTRATIONS: Final = {

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from kg.corpus.files import FileEntry, PackageFolder
     from kg.corpus.reading import Reader
 
-__all__ = ["read_scripts"]
-
 _FOLDERS: Final = frozenset({"scripts", "script", "nodes", "bin"})
 
 

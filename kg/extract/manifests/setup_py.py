@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.extract.python.programs import Called
 
-__all__ = ["read_setup"]
-
 _SETUP_CALLS: Final = frozenset({"setup", "generate_distutils_setup"})
 _ENTRY: Final = re.compile(r"^\s*([^\s=]+)\s*=\s*([\w.]+)\s*(?::\s*([\w.]+))?")
 

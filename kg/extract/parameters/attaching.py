@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 import yaml
 
-from kg.corpus.files import FilePath
+from kg.corpus.files import FilePath, PackageFolder
 from kg.extract.marks import Extracted, Mark
 from kg.extract.parameters.reconfigure import read_configuration
 from kg.extract.python.syntax import argument_nodes, captures, code, parse
@@ -26,11 +26,8 @@ from kg.yamltext import Walk, YamlFault, compose_yaml
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel
-
-__all__ = ["attach", "parse_generated", "read_generated"]
 
 _MAP: Final = "__map_"
 _TEXT: Final = "tag:yaml.org,2002:str"

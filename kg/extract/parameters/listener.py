@@ -16,8 +16,6 @@ import yaml
 from kg.extract.parameters.attaching import parse_generated
 from kg.holes import Hole, parse
 
-__all__ = ["listener"]
-
 _TYPES: Final = {"bool": "bool", "int": "int64_t", "double": "double", "string": "std::string"}
 _CLASS: Final = """class ParamListener { public: Params params_; Params get_params() { return params_; } \
 bool try_get_params(Params & params) { params = params_; return true; } \

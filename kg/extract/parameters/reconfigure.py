@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.extract.python.programs import Called
 
-__all__ = ["read_configuration"]
-
 _TYPES: Final = {"int_t": "int", "double_t": "double", "bool_t": "bool", "str_t": "string"}
 _ADD_ARGUMENTS: Final = ("name", "paramtype", "level", "description", "default")
 

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from kg.extract.python.language import Python
     from kg.symbolic.form import Expression, Function
 
-__all__ = ["Calls"]
-
 _DEEPEST: Final = 60
 _MOST_REPEATS: Final = 2
 _MOST_SITES: Final = 12

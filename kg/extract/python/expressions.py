@@ -21,6 +21,7 @@ from kg.symbolic.form import (
     Choice,
     Declare,
     Display,
+    Expression,
     Function,
     Index,
     Lambda,
@@ -33,6 +34,7 @@ from kg.symbolic.form import (
     Parameter,
     Return,
     Spread,
+    Statement,
     Step,
     Unary,
     Unit,
@@ -44,9 +46,6 @@ if TYPE_CHECKING:
 
     from tree_sitter import Node
 
-    from kg.symbolic.form import Expression, Statement
-
-__all__ = ["YIELDED", "Expressions", "expression_of"]
 
 YIELDED: Final = "<yielded>"
 """The variable that holds what a generator yields."""

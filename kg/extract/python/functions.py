@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from collections.abc import Mapping as Names
 
-__all__ = ["FUNCTIONS", "NAMED", "countable", "elements", "from_environment", "is_open"]
-
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _LONGEST_NUMBER: Final = 40
 _MOST_ITEMS: Final = 5_000

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any, Final, cast
 from kg.extract.python import library
 from kg.extract.python.calls import Calls
 from kg.extract.python.functions import elements
-from kg.extract.python.modules import BUILTINS, FRAMEWORKS, GENERATED, mentions_ros
+from kg.extract.python.modules import BUILTINS, FRAMEWORKS, GENERATED, Modules, PythonUnit, mentions_ros
 from kg.extract.python.texts import percent
 from kg.symbolic import form
 from kg.symbolic.containers import counted, with_element
 from kg.symbolic.qos import PROFILES, RMW_PROFILE, policy, rmw_profile
-from kg.symbolic.state import Frame, Site
+from kg.symbolic.state import Frame, Site, Variables
 from kg.symbolic.values import (
     OUTSIDE,
     Bound,
@@ -39,12 +39,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping as Names
 
     from kg.corpus.files import FilePath
-    from kg.extract.python.modules import Modules, PythonUnit
     from kg.symbolic.form import Class, Expression, Function, Type
     from kg.symbolic.machine import Machine
-    from kg.symbolic.state import Variables
-
-__all__ = ["CLASS", "Python", "public"]
 
 CLASS: Final = "__class__"
 """The name under which the frame of a method has the class that defines it."""

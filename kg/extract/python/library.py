@@ -15,7 +15,7 @@ from kg.symbolic.containers import COMMAND_LINE, is_unknown_parameter, is_unset,
 from kg.symbolic.durations import INFINITE, duration
 from kg.symbolic.operators import NULL
 from kg.symbolic.parameters import with_parameter
-from kg.symbolic.state import Alias
+from kg.symbolic.state import Alias, Arguments
 from kg.symbolic.values import (
     ABSENT,
     Closure,
@@ -41,9 +41,6 @@ if TYPE_CHECKING:
 
     from kg.extract.python.language import Python
     from kg.symbolic.form import Expression
-    from kg.symbolic.state import Arguments
-
-__all__ = ["CONSTANTS", "call", "element", "member", "method", "object_method"]
 
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _NOTHING: Final = NULL

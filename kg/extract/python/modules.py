@@ -9,24 +9,19 @@ import tomllib
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.files import Place
+from kg.corpus.files import FilePath, PackageFolder, Place
 from kg.extract.constants import Constants
 from kg.extract.python.expressions import Expressions
 from kg.extract.python.importing import imported
 from kg.extract.python.statements import Statements
 from kg.extract.python.syntax import first_error, parse
 from kg.resources import folder
-from kg.symbolic.form import Block, Unit
+from kg.symbolic.form import Block, Function, Unit
 
 if TYPE_CHECKING:
     from tree_sitter import Node
 
-    from kg.corpus.files import FilePath, PackageFolder
     from kg.corpus.reading import Reader
-    from kg.symbolic.form import Function
-
-__all__ = ["BUILTINS", "GENERATED", "Modules", "PythonUnit", "mentions_ros"]
-
 
 _SEARCHED: Final = re.compile(r"^[ \t]*sys\.path\.(?:append|insert)\((.*__file__.*)\)", re.MULTILINE)
 """What is added to the search path in terms of the place of the file."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.declared import bounds_of, facts_of, mark_of
 from kg.extract.marks import Extracted
 from kg.extract.python.language import Python
-from kg.extract.python.modules import Modules, mentions_ros
+from kg.extract.python.modules import Modules, PythonUnit, mentions_ros
 from kg.extract.slots import slots_of
 from kg.facts import FileKind, Location, NodeKind, NodeType, Role
 from kg.names import normalise
@@ -30,11 +30,8 @@ if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel, PluginClass
-    from kg.extract.python.modules import PythonUnit
     from kg.symbolic.descriptions import Descriptions
     from kg.symbolic.form import Class
-
-__all__ = ["read_nodes"]
 
 _RECURSION: Final = 20_000
 

@@ -9,24 +9,6 @@ from typing import TYPE_CHECKING, Any, Final
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = [
-    "ARRANGING",
-    "BINARY",
-    "CONSTANTS",
-    "FUNCTIONS",
-    "METHODS",
-    "MOST_BITS",
-    "MOST_ITEMS",
-    "MOST_TEXT",
-    "PADDED",
-    "TOO_LARGE",
-    "UNARY",
-    "ExpressionError",
-    "UnsupportedError",
-    "called",
-    "refuse_over",
-]
-
 MOST_ITEMS: Final = 5_000
 MOST_TEXT: Final = 200_000
 MOST_BITS: Final = 8_192

@@ -15,8 +15,6 @@ from kg.symbolic.values import Sequence, Text, Unknown, Value, as_text, concaten
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["FUNCTIONS", "MEMBERS", "METHODS", "joined"]
-
 _MARK: Final = "://"
 _PARENTS: Final = 8
 

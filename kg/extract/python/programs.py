@@ -10,7 +10,7 @@ from kg.extract.python.modules import Modules
 from kg.symbolic.descriptions import Descriptions
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
-from kg.symbolic.values import Mapping, Sequence, Text, Value, alternatives
+from kg.symbolic.values import Kind, Mapping, Object, Sequence, Text, Value, alternatives
 
 if TYPE_CHECKING:
     from collections.abc import Mapping as Names
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath
     from kg.corpus.reading import Reader
     from kg.symbolic.state import Arguments
-    from kg.symbolic.values import Kind, Object
-
-__all__ = ["Called", "calls_of", "entries", "lines"]
 
 
 @dataclass(frozen=True, slots=True)

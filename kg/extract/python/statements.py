@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import chain
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from kg.extract.python.expressions import YIELDED
+from kg.extract.python.expressions import YIELDED, Expressions
 from kg.extract.python.syntax import argument_nodes, code, line_of
 from kg.symbolic.form import (
     Assign,
@@ -17,6 +17,7 @@ from kg.symbolic.form import (
     Declare,
     Define,
     Display,
+    Expression,
     Field,
     Function,
     Import,
@@ -29,8 +30,10 @@ from kg.symbolic.form import (
     Name,
     Return,
     Spread,
+    Statement,
     Step,
     Try,
+    Unit,
 )
 
 if TYPE_CHECKING:
@@ -38,10 +41,6 @@ if TYPE_CHECKING:
 
     from tree_sitter import Node
 
-    from kg.extract.python.expressions import Expressions
-    from kg.symbolic.form import Expression, Statement, Unit
-
-__all__ = ["DECORATED", "Statements"]
 
 DECORATED: Final = "<decorated>"
 """The name of the function that applies a decorator to a function or class."""

@@ -6,25 +6,10 @@ The grammar of tree-sitter covers Python 2 as well (`print x`, `exec code`, back
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import tree_sitter_python
-from tree_sitter import Language, Parser, Query, QueryCursor
-
-if TYPE_CHECKING:
-    from tree_sitter import Node, Tree
-
-__all__ = [
-    "argument_nodes",
-    "captures",
-    "code",
-    "first_error",
-    "line_of",
-    "operands_of",
-    "parse",
-    "strip_parentheses",
-]
-
+from tree_sitter import Language, Node, Parser, Query, QueryCursor, Tree
 
 _PATTERNS: Final = """
 (call) @call

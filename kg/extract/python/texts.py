@@ -30,8 +30,6 @@ from kg.symbolic.values import (
 if TYPE_CHECKING:
     from collections.abc import Mapping as Names
 
-__all__ = ["braces", "method", "percent", "stringified"]
-
 _HOLE: Final = Unknown("part of it is not known")
 _KEPT: Final = frozenset({"strip", "lstrip", "rstrip"})
 """Methods that leave a text that is not known as it is."""

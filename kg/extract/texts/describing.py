@@ -11,7 +11,7 @@ from kg.extract.texts.documents import of_documents
 from kg.extract.texts.paragraphs import joined, plain, prose
 from kg.extract.texts.prose import is_prose, shortened
 from kg.extract.texts.sources import of_sources
-from kg.facts import Description, DescriptionKind, FileKind, Location
+from kg.facts import Description, DescriptionKind, FileKind, Location, NodeType
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel
-    from kg.facts import NodeType
-
-__all__ = ["MOST_OF_ONE", "of_launch_files", "read_descriptions"]
 
 _COMMENT: Final = re.compile(r"<!--(.*?)(?:-->|\Z)", re.DOTALL)
 _ELEMENT: Final = re.compile(r"[ \t]*\r?\n(?:[ \t]*\r?\n)?[ \t]*<(?:node|composable_node)\s([^<>]{1,1500})>")

@@ -11,7 +11,7 @@ from kg.extract.texts.pages import is_wiki, moin_markdown, read_page, wiki_nodes
 from kg.extract.texts.paragraphs import plain
 from kg.extract.texts.prose import is_prose, shortened
 from kg.extract.texts.readme import About, find
-from kg.facts import Description, DescriptionKind, Location
+from kg.facts import Description, DescriptionKind, Location, NodeType
 from kg.names import key
 
 if TYPE_CHECKING:
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import FilePath, PackageFolder
     from kg.corpus.reading import Reader
-    from kg.facts import NodeType
-
-__all__ = ["markdown", "of_documents"]
 
 _SIGNS: Final = re.compile(r"^\s*(?:/\*\*?!?|///?|\*/|\*+(?=\s|$))?")
 _COMMAND: Final = re.compile(r"^\s*[@\\](\w+)\s*(.*)$")

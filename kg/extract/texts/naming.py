@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from kg.facts import NodeType
 
-__all__ = ["Names", "last_part"]
-
 _TOKEN: Final = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9_.\-]|::|/)*[A-Za-z0-9]|[A-Za-z0-9]")
 _KINDS: Final = frozenset(
     {"node", "nodes", "nodelet", "nodelets", "component", "components", "executable", "plugin", "program"}

@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-__all__ = ["Block", "BlockKind", "WikiEntry", "WikiNode", "is_wiki", "moin_markdown", "read_page", "wiki_nodes"]
-
 _BEGIN: Final = re.compile(r"#!\s*clearsilver\s+CS/(?:Node|Nodelet)?API", re.IGNORECASE)
 _END: Final = re.compile(r"^\s*\}\}\}|^\s*```")
 _OPEN: Final = re.compile(r"^([\w.\-]+)\s*\{\s*(.*)$")

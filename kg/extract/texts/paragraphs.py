@@ -11,8 +11,6 @@ from kg.extract.texts.prose import LONGEST_TEXT, is_prose, shortened
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-__all__ = ["Paragraph", "joined", "plain", "prose"]
-
 _MOST_LINES: Final = 400
 """Lines of one comment that are looked at; what a node is for stands in the first dozen."""
 _LONGEST_LINE: Final = 2000

@@ -10,8 +10,6 @@ import re
 from functools import lru_cache
 from typing import Final
 
-__all__ = ["LONGEST_TEXT", "is_prose", "shortened"]
-
 LEGAL: Final = (
     "copyright", "(c) 20", "(c) 19", "\N{COPYRIGHT SIGN}", "all rights reserved", "spdx-", "license agreement",
     "licence agreement", "licensed under", "under the terms of", "redistribut", "in source and binary",

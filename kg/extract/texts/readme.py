@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from kg.extract.texts.naming import Names
 
-__all__ = ["About", "find"]
-
 _REMEMBERED: Final = 2048
 """Headings whose meaning is kept, for many pages have the same."""
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.texts.naming import last_part
 from kg.extract.texts.paragraphs import Paragraph, joined, prose
-from kg.facts import Description, DescriptionKind, FileKind, Location
+from kg.facts import Description, DescriptionKind, FileKind, Location, NodeType
 from kg.names import key
 
 if TYPE_CHECKING:
@@ -25,10 +25,6 @@ if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel
-    from kg.extract.texts.paragraphs import Paragraph
-    from kg.facts import NodeType
-
-__all__ = ["Comments", "of_sources", "read_comments", "read_docstrings"]
 
 _TOKENS: Final = re.compile(
     r"""//[^\n]*|/\*.*?(?:\*/|\Z)|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'""",

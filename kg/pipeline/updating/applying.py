@@ -11,7 +11,7 @@ from pyoxigraph import DefaultGraph, NamedNode
 from kg.errors import KgError, Place, QueryError
 from kg.pipeline.inferring import Inference
 from kg.pipeline.updating import contents
-from kg.pipeline.updating.changes import GraphChange, Updated
+from kg.pipeline.updating.changes import Change, GraphChange, Updated
 from kg.pipeline.updating.checking import parsed
 from kg.pipeline.updating.executing import Executor
 from kg.pipeline.updating.ownership import protected_graphs, warnings
@@ -19,12 +19,9 @@ from kg.store.failure import is_of_store
 
 if TYPE_CHECKING:
     from kg.pipeline.report import Inferred
-    from kg.pipeline.updating.changes import Change
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
-
-__all__ = ["Applier", "apply"]
 
 
 def apply(

@@ -6,8 +6,6 @@ from typing import Literal, TypeAlias
 
 import msgspec
 
-__all__ = ["Change", "GraphChange", "Update", "Updated"]
-
 
 class Update(msgspec.Struct, frozen=True, tag="update", kw_only=True):
     """A SPARQL update: operations of which all happen or none.

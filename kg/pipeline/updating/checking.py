@@ -8,19 +8,15 @@ from typing import TYPE_CHECKING, Final
 import pyoxigraph
 
 from kg.errors import QueryError
-from kg.pipeline.updating.operations import operations
+from kg.pipeline.updating.operations import Operation, operations
 from kg.query.guard import check
-from kg.syntax.lexer import Kind, normalise, tokens
+from kg.syntax.lexer import Kind, Token, normalise, tokens
 from kg.syntax.names import PREFIXES
 from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.pipeline.updating.operations import Operation
-    from kg.syntax.lexer import Token
-
-__all__ = ["parsed"]
 
 _FAILING: Final = "CLEAR GRAPH <urn:kg:no-such-graph>; "
 """Put before the operations of an update, they are parsed, and then none runs: this one fails first."""

@@ -6,22 +6,17 @@ import os
 import sys
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, Final
+from typing import BinaryIO, Final
 
 import msgspec
 
 from kg.pipeline.updating.applying import Applier
 from kg.pipeline.updating.changes import Change
-from kg.query.readers.messages import Call, Configuration, frame
+from kg.query.readers.messages import Call, Configuration, Message, frame
 from kg.query.readers.requests import failure, received
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 from kg.store.layout import Layout
-
-if TYPE_CHECKING:
-    from kg.query.readers.messages import Message
-
-__all__ = ["main"]
 
 _STACK_BYTES: Final = 256 << 20
 """The engine recurses over an update; what the guards let through needs less than this (reserved, not used)."""

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pyoxigraph import Quad, RdfFormat, parse
+from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, parse
 
 from kg.errors import Place, QueryError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
-
-    from pyoxigraph import DefaultGraph, NamedNode
-
-__all__ = ["quads"]
 
 
 def quads(parts: Iterable[tuple[bytes, str]], graph: NamedNode | DefaultGraph, base: str | None) -> Iterator[Quad]:

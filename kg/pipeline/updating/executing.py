@@ -12,17 +12,14 @@ from typing import TYPE_CHECKING, Any, Final
 from pyoxigraph import DefaultGraph, NamedNode, Quad
 
 from kg.errors import QueryError
-from kg.pipeline.updating.operations import Data, Manage, Modify
+from kg.pipeline.updating.operations import Data, Manage, Modify, Operation
 from kg.pipeline.updating.templates import Template, data, iris
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kg.pipeline.updating.operations import Operation
     from kg.store.transaction import EmbeddedTransaction
-
-__all__ = ["Executor"]
 
 _DEFAULT: Final = DefaultGraph()
 

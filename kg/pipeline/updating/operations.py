@@ -16,8 +16,6 @@ from kg.syntax.position import place_at
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["Data", "Manage", "Modify", "Operation", "Part", "operations"]
-
 _PROLOGUE: Final = {"prefix": 3, "base": 2, "version": 2}
 _MANAGING: Final = frozenset({"clear", "drop", "create", "add", "move", "copy"})
 _GROUPS: Final = frozenset({"default", "named", "all"})

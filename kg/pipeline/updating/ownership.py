@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.pipeline.updating.executing import Executor
     from kg.settings import Settings
 
-__all__ = ["protected_graphs", "warnings"]
-
 _NEVER: Final = ("inferred", "builds")
 _BUILT: Final = ("shared", "source/", "launch/")
 _FEW: Final = 2

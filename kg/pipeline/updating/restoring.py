@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from kg.store.embedded import EmbeddedStore
 
-__all__ = ["Restored", "restore"]
-
 
 @dataclass(frozen=True, slots=True)
 class Restored:

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from kg.pipeline.updating.operations import Part
 
-__all__ = ["Template", "data", "iris"]
-
 _MARK: Final = f"urn:kg:{secrets.token_hex(16)}:"
 _RESOURCE: Final = (NamedNode, BlankNode)
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 import msgspec
 
 from kg.errors import QueryError
-from kg.pipeline.updating.changes import GraphChange, Update, Updated
+from kg.pipeline.updating.changes import Change, GraphChange, Update, Updated
 from kg.query.readers.messages import PREFIX, Call, Configuration, Failure, decode, frame
 from kg.query.runner import DeadlineError
 
@@ -27,11 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from typing import Self
 
-    from kg.pipeline.updating.changes import Change
     from kg.settings import Settings
     from kg.store.layout import Layout
-
-__all__ = ["Writer"]
 
 _MEMORY: Final = 8 << 30
 _MOVED: Final = "The data changed just then: look whether it was by this update."

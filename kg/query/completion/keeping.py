@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     from kg.store.interface import Snapshot
 
-__all__ = ["Kept"]
-
 _FORMAT: Final = 1
 """Raised when what the files hold changes."""
 _Content = TypeVar("_Content")

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.query.completion.outline import TYPE, Step
+from kg.query.completion.outline import TYPE, Pattern, Step
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from kg.query.completion.outline import Pattern
     from kg.query.completion.statistics import Statistics
-
-__all__ = ["asserted", "behind", "classes", "fitting", "leading"]
 
 _SHARE: Final = 0.1
 """A class of which a property has fewer values, measured by its most frequent class, does not count."""

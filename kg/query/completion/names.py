@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from kg.query.completion.keeping import Kept
 
-__all__ = ["Value", "Values", "graphs", "of_iri", "values"]
-
 _MOST: Final = 50_000
 """How many values of a property are kept, the most frequent ones."""
 _IRI: Final = re.compile(r"[A-Za-z][\w+.-]*:[^\x00-\x20<>\"{}|^`\\]*", re.ASCII)

@@ -10,15 +10,12 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from kg.syntax.lexer import Kind
+from kg.syntax.lexer import Kind, Token
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from kg.syntax.lexer import Token
-
-__all__ = ["TYPE", "Outline", "Pattern", "Role", "Slot", "Step", "Use", "outline"]
 
 TYPE: Final = PREFIXES["rdf"] + "type"
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.query.completion import terms
 from kg.query.completion.outline import Role, Slot
-from kg.query.completion.site import Candidate, site_of
+from kg.query.completion.site import Candidate, Site, site_of
 from kg.query.completion.typed import Form, typed
 from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS
 from kg.syntax.lexer import Kind
@@ -17,10 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from kg.query.completion.keeping import Kept
-    from kg.query.completion.site import Site
     from kg.query.stored import StoredQuery
-
-__all__ = ["complete", "matcher"]
 
 WORST: Final = 4
 _SHORTEST: Final = 2

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.query.completion.outline import outline
-from kg.query.completion.typed import Form
+from kg.query.completion.outline import Outline, outline
+from kg.query.completion.typed import Form, Typed
 from kg.syntax.lexer import Kind, Token
 from kg.syntax.names import PREFIXES, shorten
 
@@ -14,12 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from kg.query.completion.keeping import Kept
-    from kg.query.completion.outline import Outline
     from kg.query.completion.statistics import Statistics
-    from kg.query.completion.typed import Typed
     from kg.query.stored import StoredQuery
-
-__all__ = ["Candidate", "Site", "site_of"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from kg.store.interface import Snapshot
 
-__all__ = ["SAMPLE", "Statistics", "count", "declared"]
-
 _Part = TypeVar("_Part")
 
 SAMPLE: Final = 300

@@ -7,17 +7,13 @@ from typing import TYPE_CHECKING, Final
 from kg.query.completion import names
 from kg.query.completion.meaning import asserted, behind, classes, fitting, leading
 from kg.query.completion.outline import TYPE, Slot, Step
-from kg.query.completion.site import Candidate
+from kg.query.completion.site import Candidate, Site
 from kg.query.completion.typed import Form
 from kg.syntax.lexer import Kind
 from kg.syntax.names import WELL_KNOWN
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
-
-    from kg.query.completion.site import Site
-
-__all__ = ["compared_values", "declarations", "graph_names", "namespaces", "prefixes", "properties", "values_here"]
 
 
 def prefixes(site: Site) -> Iterator[Candidate]:

@@ -4,14 +4,9 @@ from __future__ import annotations
 
 import re
 from enum import Enum, auto
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
-from kg.syntax.lexer import Kind, tokens
-
-if TYPE_CHECKING:
-    from kg.syntax.lexer import Token
-
-__all__ = ["Form", "Typed", "typed"]
+from kg.syntax.lexer import Kind, Token, tokens
 
 
 class Form(Enum):

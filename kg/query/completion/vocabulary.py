@@ -5,8 +5,6 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
-__all__ = ["AGGREGATES", "FUNCTIONS", "KEYWORDS", "Function"]
-
 KEYWORDS: Final = MappingProxyType(
     {
         "PREFIX": ("PREFIX ", "declares a prefix for IRIs"),

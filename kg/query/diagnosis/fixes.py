@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from kg.query.syntax import keywords_meant
 from kg.similar import similar
-from kg.syntax.lexer import Kind
+from kg.syntax.lexer import Kind, Token
 from kg.syntax.names import PREFIXES, WELL_KNOWN
 from kg.syntax.prologue import declaration
 
@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from kg.query.completion.outline import Outline
-    from kg.syntax.lexer import Token
-
-__all__ = ["closing", "of_token", "replacing"]
 
 
 def replacing(token: Token, names: Iterable[str]) -> list[dict[str, Any]]:

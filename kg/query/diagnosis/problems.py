@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from kg.store.interface import Snapshot
 
-__all__ = ["diagnose"]
-
 
 def diagnose(
     text: str, snapshot: Snapshot, declared: Mapping[str, str] | None = None, used: Iterable[str] = ()

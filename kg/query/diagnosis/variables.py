@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.query.completion.outline import Slot
+from kg.query.completion.outline import Outline, Pattern, Slot, Use
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.query.completion.outline import Outline, Pattern, Use
-
-__all__ = ["bound", "product", "unbound"]
 
 _PATTERN: Final = frozenset({Slot.SUBJECT, Slot.PREDICATE, Slot.OBJECT, Slot.AFTER, Slot.GRAPH, Slot.OPENING})
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.query.readers.jobs import Job
     from kg.query.readers.processes import Process
 
-__all__ = ["Answer"]
-
 
 class Answer:
     """What a reader says: `head` first, then `parts`, then `end`.

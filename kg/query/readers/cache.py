@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from kg.query.readers.messages import End, Head
     from kg.store.layout import Layout
 
-__all__ = ["AnswerCache", "CacheStats", "Kept", "Pointer"]
-
 _SHARE: Final = 8
 """No answer may take more than the eighth part of a cache, so that one does not drive out all others."""
 _ENTRY_BYTES: Final = 1024

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Final, cast
+from typing import Final, cast
 
-from kg.query.readers.messages import PREFIX, decode
-
-if TYPE_CHECKING:
-    from kg.query.readers.messages import Message
-
-__all__ = ["Channel"]
+from kg.query.readers.messages import PREFIX, Message, decode
 
 _BUFFER_BYTES: Final = 512 << 10
 """With more bytes than this in the buffer, the reader process has to wait."""

@@ -13,26 +13,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, cast
 
 import msgspec
-from pyoxigraph import Literal, NamedNode
+from pyoxigraph import Literal, NamedNode, Triple
 
 from kg.errors import KgError, QueryError
-from kg.query.evaluation import Dataset, prepare
+from kg.query.evaluation import Dataset, Evaluation, prepare
 from kg.query.formats import write_boolean, write_graph, write_rows
 from kg.query.readers.cache import Pointer
-from kg.query.readers.messages import (
-    Call,
-    Configuration,
-    End,
-    Head,
-    Question,
-    Ready,
-    Refresh,
-    frame,
-)
+from kg.query.readers.messages import Call, Configuration, End, Head, Message, Question, Ready, Refresh, frame
 from kg.query.readers.parts import Parts, Pulse
 from kg.query.readers.requests import failure, received
 from kg.query.window import Window
-from kg.settings import load
+from kg.settings import Settings, load
 from kg.store.layout import Layout
 from kg.store.snapshot import EmbeddedSnapshot
 from kg.store.terms import of_spelling
@@ -40,15 +31,7 @@ from kg.store.terms import of_spelling
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from pyoxigraph import Triple
-
-    from kg.query.evaluation import Evaluation
-    from kg.query.readers.messages import Message
     from kg.query.result import Row
-    from kg.settings import Settings
-
-__all__ = ["serve"]
-
 
 _RESERVED_BYTES: Final = 1 << 30
 """About what a reader reserves, where the system does not tell."""

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from kg.query.readers.processes import Process, Spawner
 
-__all__ = ["Fleet"]
-
 
 class Fleet:
     """Readers made by `spawner`, of which `ready` are kept idle, so that no request has to wait for one to start.

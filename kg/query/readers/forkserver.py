@@ -32,8 +32,6 @@ from kg.query.readers.child import serve
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["END", "FORK", "ORDER", "PAUSE", "RESUME", "YIELD", "main"]
-
 ORDER: Final = struct.Struct(">cI")
 """What is to be done, and the number of the reader."""
 

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from kg.errors import KgError
     from kg.query.readers.processes import Process
 
-__all__ = ["Job"]
-
 
 @dataclass(slots=True, eq=False)
 class Job:

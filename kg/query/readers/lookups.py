@@ -18,21 +18,17 @@ from typing import TYPE_CHECKING, Final, cast
 from pyoxigraph import Triple
 
 from kg.errors import KgError
-from kg.query.evaluation import evaluation_of, prefixes_in
+from kg.query.evaluation import Evaluation, evaluation_of, prefixes_in
 from kg.query.formats import BOOLEAN_FORMATS, SOLUTION_FORMATS, write_boolean, write_rows
 from kg.query.readers.cache import Kept
-from kg.query.readers.messages import End, Head
+from kg.query.readers.messages import End, Head, Question
 from kg.store.snapshot import EmbeddedSnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.query.evaluation import Evaluation
-    from kg.query.readers.messages import Question
     from kg.query.result import Row
     from kg.store.layout import Layout
-
-__all__ = ["LookUps", "is_look_up"]
 
 _CHARS: Final = 2048
 """Longer texts are not looked at."""

@@ -14,22 +14,6 @@ import msgspec
 
 from kg.errors import KgError, Place, QueryError
 
-__all__ = [
-    "PREFIX",
-    "Call",
-    "Configuration",
-    "End",
-    "Failure",
-    "Head",
-    "Message",
-    "Progress",
-    "Question",
-    "Ready",
-    "Refresh",
-    "decode",
-    "frame",
-]
-
 PREFIX: Final = struct.Struct(">IB")
 """The length of what follows, and its kind."""
 

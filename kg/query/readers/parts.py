@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, BinaryIO, Final
+from typing import BinaryIO, Final
 
 from kg.errors import QueryError
-from kg.query.readers.messages import Progress, frame
-
-if TYPE_CHECKING:
-    from kg.query.readers.messages import End, Head
-
-__all__ = ["Parts", "Pulse"]
+from kg.query.readers.messages import End, Head, Progress, frame
 
 _PART_BYTES: Final = 64 << 10
 _SECONDS: Final = 0.1

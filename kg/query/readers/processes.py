@@ -16,14 +16,11 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.errors import QueryError
 from kg.query.readers.channel import Channel
 from kg.query.readers.forkserver import END, FORK, ORDER, PAUSE, RESUME, YIELD
-from kg.query.readers.messages import frame
+from kg.query.readers.messages import Configuration, frame
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kg.query.readers.messages import Configuration
-
-__all__ = ["PROGRAM", "Process", "Spawner"]
 
 PROGRAM: Final = (sys.executable, "-P", "-m", "kg.query.readers.forkserver")
 """What readers are forked from."""

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import traceback
-from typing import TYPE_CHECKING, BinaryIO, Final
+from typing import BinaryIO, Final
 
 from kg.errors import KgError
-from kg.query.readers.messages import PREFIX, Failure, decode
+from kg.query.readers.messages import PREFIX, Failure, Message, decode
 from kg.store.failure import is_of_store, store_error
-
-if TYPE_CHECKING:
-    from kg.query.readers.messages import Message
-
-__all__ = ["failure", "received"]
 
 _NO_THREAD: Final = "can't start new thread"
 """How Python says that there is no room for the stack of one."""

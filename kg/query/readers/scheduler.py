@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from kg.query.readers.jobs import Job
     from kg.query.readers.processes import Process
 
-__all__ = ["Run", "Scheduler"]
-
 _TURN_SECONDS: Final = 0.01
 _LONE_TURN_SECONDS: Final = 0.1
 """Processor time of the first turn, while other queries wait and while none does."""

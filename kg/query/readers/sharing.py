@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from kg.query.readers.processes import Process
 
-__all__ = ["Sharing"]
-
 _TURN_SECONDS: Final = 0.1
 """Interval at which the running readers are chosen again."""
 _NICE_SECONDS: Final = 0.1

@@ -11,8 +11,6 @@ from kg.errors import QueryError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Slots"]
-
 
 class Slots:
     """`slots`, each held by one request at a time; at most `queue` requests wait.

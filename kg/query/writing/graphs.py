@@ -6,7 +6,7 @@ import re
 from typing import IO, TYPE_CHECKING, Final, cast
 
 import pyoxigraph
-from pyoxigraph import Literal, RdfFormat
+from pyoxigraph import Literal, RdfFormat, Triple
 
 from kg.errors import QueryError
 from kg.query.writing.xml import refuse_unwritable
@@ -15,9 +15,6 @@ from kg.syntax.names import PREFIXES
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from pyoxigraph import Triple
-
-__all__ = ["GRAPHS", "write_triples"]
 
 GRAPHS: Final = {
     "turtle": RdfFormat.TURTLE,

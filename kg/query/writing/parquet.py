@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.query.result import Row
     from kg.store.terms import Term
 
-__all__ = ["NAME", "is_installed", "written"]
-
 NAME: Final = "parquet"
 _MOST: Final = 1 << 63
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from kg.query.result import Row
     from kg.store.terms import Term
 
-__all__ = ["BOOLEANS", "ROWS", "RowFormat"]
-
 _INTEGER: Final = f'"^^<{XSD}integer>'
 _INTEGER_CHARS: Final = len(_INTEGER)
 _BOOLEANS: Final = frozenset(f'"{value}"^^<{XSD}boolean>' for value in ("true", "false"))

@@ -13,8 +13,6 @@ from kg.syntax.names import shorten
 if TYPE_CHECKING:
     from kg.store.terms import Term
 
-__all__ = ["STRING", "XSD", "bare", "display", "plain", "quoted_and_mark", "turtle"]
-
 XSD: Final = "http://www.w3.org/2001/XMLSchema#"
 STRING: Final = XSD + "string"
 _INTEGERS: Final = frozenset({XSD + "integer", XSD + "int", XSD + "long", XSD + "nonNegativeInteger"})

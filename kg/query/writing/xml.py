@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.query.result import Row
     from kg.store.terms import Term
 
-__all__ = ["TAIL", "boolean", "head", "refuse_unwritable", "rows"]
-
 _NAMESPACE: Final = "http://www.w3.org/2005/sparql-results#"
 _DIRECTION: Final = ' its:dir="{}" xmlns:its="http://www.w3.org/2005/11/its" its:version="2.0"'
 _ESCAPES: Final = {"\r": "&#13;"}

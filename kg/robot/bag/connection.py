@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from kg.robot.bag.files import Bag, Source
     from kg.robot.messages import Types
 
-__all__ = ["BagAddress", "BagConnection"]
-
-
 _OPTIONS: Final = {"speed": "as a multiple of the recorded one", "start": "seconds from the beginning"}
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Final
 
+from rosbags.interfaces import Connection as Channel
 from rosbags.interfaces import MessageDefinitionFormat, QosTime
 from rosbags.rosbag1 import Reader as Reader1
 from rosbags.rosbag2 import Reader as Reader2
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-    from rosbags.interfaces import Connection as Channel
-
-__all__ = ["Bag", "Source"]
 
 _TELLING: Final = {
     "/parameter_events": ("rcl_interfaces/ParameterEvent", "node"),

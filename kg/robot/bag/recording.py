@@ -24,9 +24,9 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 
 from kg.errors import Place, RobotError, UsageError
-from kg.facts import Role
+from kg.facts import Qos, Role
 from kg.robot.connecting import is_recording
-from kg.robot.connection import GraphProblem
+from kg.robot.connection import ComputationGraph, Connection, GraphProblem, LiveEnd, Received, Subscription
 from kg.robot.ros2.names import family
 from kg.robot.ros2.types import type_hash
 from kg.robot.tasks import Tasks, ended
@@ -35,11 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from pathlib import Path
 
-    from kg.facts import Qos
-    from kg.robot.connection import ComputationGraph, Connection, LiveEnd, Received, Subscription
     from kg.robot.messages import Types
-
-__all__ = ["SUFFIXES", "Recorded", "Recorder"]
 
 SUFFIXES: Final = {1: ".bag", 2: ".mcap"}
 """What the names of recordings end with, by the version of ROS."""

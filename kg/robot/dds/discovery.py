@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from kg.facts import Qos, Role
     from kg.robot.messages import Types
 
-__all__ = ["INFO", "LONG", "SHORT", "Discovery", "Endpoint", "decode_info", "encode_info"]
-
-
 INFO: Final = "rmw_dds_common/ParticipantEntitiesInfo"
 SHORT: Final = 16
 """How many bytes an identifier has since Iron."""

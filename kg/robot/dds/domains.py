@@ -16,7 +16,7 @@ import os
 from typing import TYPE_CHECKING, Final
 from xml.sax.saxutils import quoteattr
 
-from cyclonedds.core import DDSException
+from cyclonedds.core import DDSException, Qos
 from cyclonedds.domain import Domain, DomainParticipant
 
 from kg.errors import RobotError
@@ -24,10 +24,6 @@ from kg.robot.dds.entities import delete
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from cyclonedds.core import Qos
-
-__all__ = ["discovery_settings", "join", "leave"]
 
 
 _RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")

@@ -16,7 +16,16 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from cyclonedds import _clayer
-from cyclonedds.core import DDSException, DDSStatus, GuardCondition, InstanceState, SampleState, ViewState, WaitSet
+from cyclonedds.core import (
+    DDSException,
+    DDSStatus,
+    Entity,
+    GuardCondition,
+    InstanceState,
+    SampleState,
+    ViewState,
+    WaitSet,
+)
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.util import duration
@@ -27,11 +36,7 @@ from kg.robot.tasks import Tasks, outcome
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from cyclonedds.core import Entity
     from cyclonedds.domain import DomainParticipant
-
-__all__ = ["PREFIX", "Bell", "DdsCaller", "DdsReader", "DdsServer", "DdsWriter", "delete"]
-
 
 _EVER: Final = duration(infinite=True)
 

@@ -24,7 +24,7 @@ from kg.robot.dds.domains import join, leave
 from kg.robot.dds.entities import Bell, DdsCaller, DdsReader, DdsServer, DdsWriter
 from kg.robot.dds.qos import from_dds, to_dds, told, user_data, written
 from kg.robot.dds.types import Classes, learned
-from kg.robot.ros2.middleware import ANSWERS
+from kg.robot.ros2.middleware import ANSWERS, Deliver, Neighbourhood
 from kg.robot.ros2.names import dds_topic, replies
 from kg.robot.ros2.types import type_hash
 
@@ -33,9 +33,6 @@ if TYPE_CHECKING:
 
     from kg.robot.messages import Types
     from kg.robot.ros2.graph import Watch
-    from kg.robot.ros2.middleware import Deliver, Neighbourhood
-
-__all__ = ["DdsMiddleware"]
 
 _TOPIC: Final = "ros_discovery_info"
 _TOLD: Final = Qos("reliable", "transient_local", "keep_last", 1)

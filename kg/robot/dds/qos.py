@@ -16,8 +16,6 @@ from kg.facts import Qos
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["from_dds", "to_dds", "told", "user_data", "written"]
-
 _POLICIES: Final[Any] = _CQos
 _STRUCTURE: Final[Any] = dds_c_t.qos_p
 _READ: Final = ("reliability", "durability", "deadline", "lifespan", "liveliness", "userdata", "property")

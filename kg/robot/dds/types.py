@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 
     from kg.robot.messages import Field, Types
 
-__all__ = ["Classes", "learned"]
-
-
 _BASE: Final[dict[str, Any]] = {
     "bool": bool,
     "byte": idl.uint8,

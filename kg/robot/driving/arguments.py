@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capability, Parameter
 
-__all__ = ["Given", "given", "in_words", "missing"]
-
 Given: TypeAlias = "float | bool | str | list[Any]"
 """The value of one parameter."""
 

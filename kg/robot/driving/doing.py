@@ -13,20 +13,16 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, TypeVar
 from uuid import uuid4
 
 from kg.errors import RobotError
-from kg.robot.clock import within
+from kg.robot.clock import Clock, within
 from kg.robot.tasks import Tasks
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Iterable, Iterator
 
     from kg.robot.capability import Capabilities
-    from kg.robot.clock import Clock
     from kg.robot.connection import Connection, Goal, Publication, Value
     from kg.robot.driving.routes import Plan, Route
     from kg.robot.driving.watchdog import Watchdog
-
-__all__ = ["Command", "Doing", "Feedback", "Parts", "robots_of"]
-
 
 Ending: TypeAlias = Literal["taken over", "stopped"] | RobotError
 """Why something was ended before it was done: by a later command, by `stop`, by what went wrong."""

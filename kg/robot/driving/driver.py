@@ -7,12 +7,12 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final, Literal, Self, TypeAlias
 
 from kg.errors import RobotError
-from kg.robot.capability import role_of
+from kg.robot.capability import Capabilities, Capability, Way, role_of
 from kg.robot.connecting import is_recording, not_commanded, of_robot
 from kg.robot.driving.arguments import given
-from kg.robot.driving.doing import Command, Doing, Parts
+from kg.robot.driving.doing import Command, Doing, Feedback, Parts
 from kg.robot.driving.observing import MEASURED, NewestMessages, Observation, Throttle, other_controllers
-from kg.robot.driving.routes import Outcome, Plan, route
+from kg.robot.driving.routes import Outcome, Plan, Route, route
 from kg.robot.driving.ways import choose, doubts_of, find, named
 from kg.robot.lifecycle import idle, in_words
 from kg.robot.tasks import finished, spawn
@@ -21,13 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Collection, Iterator, Mapping
     from types import TracebackType
 
-    from kg.robot.capability import Capabilities, Capability, Way
     from kg.robot.connection import ComputationGraph, Connection, GraphProblem, Subscription
-    from kg.robot.driving.doing import Feedback
-    from kg.robot.driving.routes import Route
     from kg.robot.driving.watchdog import Watchdog
-
-__all__ = ["Driver"]
 
 _QUEUE: Final = 100
 """Messages that may wait for a reader that is slower than the robot."""

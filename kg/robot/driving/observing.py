@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.connection import GraphProblem
+from kg.robot.connection import ComputationGraph, Connection, GraphProblem, Received, Subscription
 from kg.robot.driving.watchdog import NODES
 from kg.robot.tasks import ended, spawn
 
@@ -20,11 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Container, Iterator, Mapping
 
     from kg.robot.clock import Clock
-    from kg.robot.connection import ComputationGraph, Connection, Received, Subscription
     from kg.robot.driving.routes import Route
-
-__all__ = ["MEASURED", "NewestMessages", "Observation", "Throttle", "other_controllers"]
-
 
 _EARLY: Final = 0.1
 """The part of a period by which a message may come early and still be its turn."""

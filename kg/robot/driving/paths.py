@@ -23,22 +23,6 @@ if TYPE_CHECKING:
     from kg.robot.connection import Value
     from kg.robot.messages import Types
 
-__all__ = [
-    "FUNCTIONS",
-    "Argument",
-    "Call",
-    "Each",
-    "Element",
-    "Field",
-    "Path",
-    "check",
-    "look",
-    "parse",
-    "put",
-    "roots",
-    "type_at",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class Field:

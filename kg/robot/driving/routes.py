@@ -11,16 +11,13 @@ from kg.errors import RobotError
 from kg.robot.clock import stamp
 from kg.robot.connection import Value  # noqa: TC001 - read when the classes are made
 from kg.robot.driving.arguments import missing
-from kg.robot.driving.paths import check, look, parse, put, roots
+from kg.robot.driving.paths import Path, check, look, parse, put, roots
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.robot.capability import Capability, Way
-    from kg.robot.driving.paths import Path
     from kg.robot.messages import Types
-
-__all__ = ["Outcome", "Plan", "Route", "route"]
 
 
 class Plan(msgspec.Struct, frozen=True, kw_only=True):

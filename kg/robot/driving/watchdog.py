@@ -13,7 +13,7 @@ import os
 import signal
 import sys
 import time
-from asyncio.subprocess import PIPE
+from asyncio.subprocess import PIPE, Process
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
@@ -25,12 +25,9 @@ from kg.robot.connecting import SCHEMES, connect, scheme_of
 from kg.robot.tasks import ended, spawn
 
 if TYPE_CHECKING:
-    from asyncio.subprocess import Process
     from collections.abc import Callable
 
     from kg.robot.connection import Canceller, Connection, Publication, Value
-
-__all__ = ["NODES", "SILENCE", "Watchdog", "main"]
 
 NODES: Final = "/kg_watchdog_"
 """What the names of watchdogs begin with."""

@@ -6,18 +6,13 @@ from typing import TYPE_CHECKING, Final, Literal
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.capability import role_of
-from kg.robot.connection import GraphProblem
+from kg.robot.capability import Capabilities, Capability, Way, role_of
+from kg.robot.connection import ComputationGraph, GraphProblem
 from kg.robot.lifecycle import ACTIVE, idle
 from kg.similar import did_you_mean, folded
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
-
-    from kg.robot.capability import Capabilities, Capability, Way
-    from kg.robot.connection import ComputationGraph
-
-__all__ = ["choose", "doubts_of", "find", "named"]
 
 
 def find(capabilities: Capabilities, name: str, modality: Literal["read", "write"] | None = None) -> Capability:

@@ -15,7 +15,7 @@ from kg.graph.iris import Iris
 from kg.pipeline.launching import chosen
 from kg.pipeline.reasoning import explained_vocabulary, rules_in_force
 from kg.pipeline.systems import node_types
-from kg.robot.capabilities import capabilities_of, find, package_iri, proofs, read
+from kg.robot.capabilities import Askable, capabilities_of, find, package_iri, proofs, read
 from kg.robot.lifecycle import available
 from kg.robot.live.inference import knowledge, now, world_of
 from kg.robot.live.systems import Seen, name_of, system_of
@@ -26,15 +26,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from kg.facts import System
-    from kg.robot.capabilities import Askable
     from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
     from kg.rules.explain.proof import Proof
     from kg.rules.form import Rule
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-
-__all__ = ["Subject", "launched", "of_package", "running"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.systems import system_triples
 from kg.pipeline.kept import installations, states
 from kg.pipeline.reasoning import digest, rule_folders, schema_of
-from kg.robot.capabilities import definitions, read
+from kg.robot.capabilities import Definition, definitions, read
 from kg.robot.capability import Capabilities
 from kg.robot.lifecycle import available
 from kg.robot.live.systems import Seen, name_of, system_of
@@ -45,27 +45,10 @@ if TYPE_CHECKING:
 
     from kg.facts import NodeReference, System
     from kg.graph.reading import NodeRecord
-    from kg.robot.capabilities import Definition
     from kg.robot.connection import ComputationGraph
     from kg.rules.engine.facts import Facts
     from kg.rules.files import RuleSet
     from kg.settings import Settings
-
-__all__ = [
-    "FAMILIES",
-    "MOST",
-    "Knowledge",
-    "cache_folder",
-    "cache_key",
-    "general",
-    "infer",
-    "infer_system",
-    "knowledge",
-    "now",
-    "remembered",
-    "world_of",
-]
-
 
 MOST: Final = 64
 """How many files there are at most; those used least recently go first."""

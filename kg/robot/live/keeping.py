@@ -19,7 +19,7 @@ from kg.pipeline.inferring import Inference
 from kg.robot.capabilities import held
 from kg.robot.live.inference import now
 from kg.robot.live.recognizing import Recognizer
-from kg.robot.live.systems import Instances, Seen, system_of
+from kg.robot.live.systems import Instances, Match, Seen, system_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -29,13 +29,9 @@ if TYPE_CHECKING:
     from kg.facts import NodeInstance, NodeReference, System
     from kg.graph.reading import NodeRecord
     from kg.robot.connection import ComputationGraph
-    from kg.robot.live.systems import Match
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
-
-__all__ = ["Keeper", "Kept", "Parts"]
-
 
 _Lines = frozenset[bytes]
 

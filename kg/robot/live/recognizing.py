@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pyoxigraph import Literal, NamedNode
 
 from kg.graph.iris import Iris
-from kg.graph.reading import node_records
+from kg.graph.reading import NodeRecord, Queryable, node_records
 from kg.names import resolve
 from kg.query.stored import internal
 from kg.robot.live.systems import Match, is_implicit
@@ -24,10 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from kg.facts import Interface, NodeReference
-    from kg.graph.reading import NodeRecord, Queryable
     from kg.robot.connection import ComputationGraph, LiveEnd
-
-__all__ = ["Recognizer"]
 
 _ANONYMOUS: Final = re.compile(r"(_\d+)+$")
 """What ROS puts behind the names of nodes that are started anonymously."""

@@ -25,6 +25,7 @@ from kg.facts import (
     NodeInstance,
     NodeReference,
     Resolution,
+    Role,
     Sighting,
     StartedNode,
     StartKind,
@@ -36,12 +37,9 @@ from kg.resources import folder
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kg.facts import Role
     from kg.robot.connection import ComputationGraph, LiveEnd, LiveNode
 
     Similar: TypeAlias = Callable[[tuple[NodeInstance, ...], int], tuple[tuple[str, str, str], ...]]
-
-__all__ = ["NOWHERE", "Instances", "Match", "Seen", "is_implicit", "name_of", "system_of"]
 
 NOWHERE: Final = NodeReference("", "", "")
 """Stands for the node type of an end that no code of a store declares."""

@@ -19,21 +19,17 @@ from kg.errors import RobotError, StoreError
 from kg.facts import Role
 from kg.robot.clock import WallClock
 from kg.robot.connecting import connected, of_robot
-from kg.robot.connection import ComputationGraph
+from kg.robot.connection import ComputationGraph, Connection
 from kg.robot.live.inference import now
-from kg.robot.live.keeping import Keeper
+from kg.robot.live.keeping import Keeper, Kept
 from kg.robot.live.systems import is_implicit, name_of
 from kg.robot.tasks import ended
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, AsyncIterator, Iterator, Mapping
 
-    from kg.robot.connection import Connection
-    from kg.robot.live.keeping import Kept
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
-
-__all__ = ["Event", "Watching"]
 
 _AGAIN: Final = 1.0
 """Seconds between two attempts to connect to a robot that was lost, or to write a store that another writes."""

@@ -28,9 +28,6 @@ if TYPE_CHECKING:
 
     from rosbags.typesys.store import Typestore
 
-__all__ = ["Definition", "Line", "check_size", "derived", "is_type", "library", "parts", "read", "split", "sum_text"]
-
-
 _BASE: Final = frozenset(
     (
         "bool",

@@ -19,17 +19,13 @@ from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_typest
 
 from kg.errors import RobotError
 from kg.robot.messages import definitions
-from kg.robot.messages.definitions import check_size, derived, library, parts
+from kg.robot.messages.definitions import Definition, check_size, derived, library, parts
 from kg.robot.messages.values import MEMBER_OF_NOTHING, plain, shaped
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from kg.robot.connection import Value
-    from kg.robot.messages.definitions import Definition
-
-__all__ = ["Field", "Types", "learn", "learn_all", "short"]
-
 
 _STORES: Final = {1: Stores.ROS1_NOETIC, 2: Stores.ROS2_JAZZY}
 _ACTION_PARTS: Final = ("_Goal", "_Result", "_Feedback")

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from kg.robot.connection import Value
 
-__all__ = ["MEMBER_OF_NOTHING", "plain", "shaped"]
-
 MEMBER_OF_NOTHING: Final = "structure_needs_at_least_one_member"
 """What IDL, and so `rosbags`, puts into a message without fields."""
 

@@ -22,14 +22,17 @@ from kg.robot.programs.names import AT, Known, takes_place
 from kg.robot.programs.tree import (
     Break,
     Do,
+    Expression,
     For,
     Forever,
     If,
     OnEvent,
     Parallel,
     Position,
+    Program,
     Repeat,
     Set,
+    Statement,
     Stop,
     Variable,
     Wait,
@@ -51,9 +54,6 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capabilities, Capability, Parameter
     from kg.robot.connection import ComputationGraph, GraphProblem
-    from kg.robot.programs.tree import Expression, Program, Statement
-
-__all__ = ["check", "doubts", "kinds_of"]
 
 
 def collisions(statement: Parallel | OnEvent, path: str, known: Known) -> Iterator[tuple[str, str, bool]]:

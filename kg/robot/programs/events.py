@@ -9,18 +9,15 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import msgspec
 
-from kg.errors import Place
+from kg.errors import Place, RobotError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.errors import RobotError
     from kg.robot.capability import Capability, Parameter
     from kg.robot.clock import Clock
     from kg.robot.programs.tree import Statement
     from kg.robot.programs.values import Quantity
-
-__all__ = ["Ended", "Events", "Problem", "place_at"]
 
 
 class Problem(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -10,17 +10,13 @@ import msgspec
 from kg.errors import Place, RobotError, UsageError
 from kg.robot.programs.events import place_at
 from kg.robot.programs.parse import parse_with_places
-from kg.robot.programs.tree import BLOCKS_DEEP, EXPRESSIONS_DEEP, Program, expressions_of, height, statements
+from kg.robot.programs.tree import BLOCKS_DEEP, EXPRESSIONS_DEEP, Program, Statement, expressions_of, height, statements
 from kg.robot.programs.trees import program_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.robot.capability import Capabilities
-    from kg.robot.programs.tree import Statement
-
-__all__ = ["SUFFIX", "Loaded", "decode", "encode", "load", "load_tree", "schema"]
-
 
 _ID: Final = "https://w3id.org/rnkg/program.schema.json"
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from kg.errors import RobotError
 from kg.robot.programs import values
-from kg.robot.programs.tree import Binary, Position, Read, Unary, Variable, Written
+from kg.robot.programs.tree import Binary, Expression, Position, Read, Unary, Variable, Written
 from kg.robot.programs.units import PLAIN, UNITS, Dimension, described, divided, multiplied, unit_of
 from kg.robot.programs.write import written
 from kg.similar import did_you_mean
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Parameter
     from kg.robot.programs.names import Known
-    from kg.robot.programs.tree import Expression
-
-__all__ = ["ANY", "BOOLEAN", "PLACE", "TIME", "Kind", "Kinds", "Report", "constant", "of_parameter"]
 
 Report: TypeAlias = "Callable[[str, RobotError], None]"
 """Takes the path of a part and what is wrong with it."""

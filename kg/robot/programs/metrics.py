@@ -16,15 +16,12 @@ import msgspec
 
 from kg.robot.messages import Types
 from kg.robot.programs.names import named
-from kg.robot.programs.tree import Do, expressions_of, reads_of, statements
+from kg.robot.programs.tree import Do, Program, expressions_of, reads_of, statements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.robot.capability import Capabilities
-    from kg.robot.programs.tree import Program
-
-__all__ = ["CodeMetrics", "ProgramMetrics", "code_metrics", "foreign_types", "metrics"]
 
 _COMPONENTS: Final = {
     "Publisher": "publishers",

@@ -7,16 +7,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
 from kg.robot.driving.ways import find
-from kg.robot.programs.tree import rewritten
+from kg.robot.programs.tree import Program, rewritten
 from kg.similar import did_you_mean, folded
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.robot.capability import Capabilities, Capability, Parameter
-    from kg.robot.programs.tree import Program
-
-__all__ = ["AT", "Known", "labelled", "named", "takes_place"]
 
 AT: Final = "at"
 """The argument that takes a place: for x, y and what else a capability has of it."""

@@ -14,6 +14,7 @@ from kg.robot.programs.tree import (
     Binary,
     Break,
     Do,
+    Expression,
     For,
     Forever,
     If,
@@ -25,6 +26,7 @@ from kg.robot.programs.tree import (
     Read,
     Repeat,
     Set,
+    Statement,
     Stop,
     Unary,
     Variable,
@@ -41,12 +43,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.errors import RobotError
-    from kg.robot.programs.tree import Expression, Statement
 
 _Loop = TypeVar("_Loop", While, Forever, Repeat, For)
-
-__all__ = ["LEVELS", "parse", "parse_with_places"]
-
 
 LEVELS: Final = (("or",), ("and",), ("not",), ("<", "<=", "=", "!=", ">=", ">", "contains"), ("+", "-"), ("*", "/"))
 """Operators from those that bind least to those that bind most; comparisons cannot be chained."""

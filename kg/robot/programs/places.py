@@ -16,7 +16,7 @@ from kg.errors import RobotError, UsageError
 from kg.facts import Role
 from kg.robot.programs import values
 from kg.robot.programs.names import AT, takes_place
-from kg.robot.programs.tree import For, Position, Set, Written, rewritten, statements
+from kg.robot.programs.tree import For, Position, Program, Set, Written, rewritten, statements
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capability
     from kg.robot.connection import ComputationGraph, Connection
-    from kg.robot.programs.tree import Program
-
-__all__ = ["MOST", "TOPIC", "Places", "at_place", "offered", "offers", "placed", "places_of", "read_places"]
 
 Places: TypeAlias = "Mapping[str, Position]"
 """Places by their names; what is said of each is a number with its unit."""

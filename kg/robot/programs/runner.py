@@ -20,7 +20,7 @@ from kg.robot.programs import values
 from kg.robot.programs.check import check, doubts
 from kg.robot.programs.events import Ended, Events, Problem
 from kg.robot.programs.names import Known
-from kg.robot.programs.places import offered, placed, read_places
+from kg.robot.programs.places import Places, offered, placed, read_places
 from kg.robot.programs.statements import Evaluation, Failed, Pace, Statements, Stopped
 from kg.robot.tasks import ended, finished, first, spawn
 
@@ -28,11 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.robot.connection import ComputationGraph, GraphProblem
-    from kg.robot.programs.places import Places
     from kg.robot.programs.tree import Program
     from kg.settings import Settings
-
-__all__ = ["Execution", "Runner", "execute", "limited", "seen"]
 
 
 class Runner:

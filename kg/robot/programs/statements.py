@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from kg.errors import RobotError
 from kg.robot.programs import values
-from kg.robot.programs.events import Problem
-from kg.robot.programs.names import takes_place
+from kg.robot.programs.events import Events, Problem
+from kg.robot.programs.names import Known, takes_place
 from kg.robot.programs.tree import (
     Binary,
     Break,
     Do,
+    Expression,
     For,
     Forever,
     If,
@@ -25,6 +26,7 @@ from kg.robot.programs.tree import (
     Read,
     Repeat,
     Set,
+    Statement,
     Stop,
     Unary,
     Variable,
@@ -43,12 +45,6 @@ if TYPE_CHECKING:
     from kg.robot.clock import Clock
     from kg.robot.driving.driver import Driver
     from kg.robot.driving.routes import Outcome
-    from kg.robot.programs.events import Events
-    from kg.robot.programs.names import Known
-    from kg.robot.programs.tree import Expression, Statement
-
-__all__ = ["Evaluation", "Failed", "Pace", "Statements", "Stopped"]
-
 
 MOST_STEPS: Final = 20_000
 """How many statements may be carried out without one that waits or does something."""

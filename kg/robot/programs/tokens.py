@@ -17,20 +17,6 @@ from kg.similar import did_you_mean
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = [
-    "BEGINNINGS",
-    "ENDINGS",
-    "FOREIGN",
-    "FUNCTIONS",
-    "RESERVED",
-    "Cursor",
-    "bare_name",
-    "bare_phrase",
-    "quoted",
-    "quoted_name",
-]
-
-
 FUNCTIONS: Final = ("absolute", "round", "count")
 """Functions of one value, written with parentheses."""
 BEGINNINGS: Final = frozenset(

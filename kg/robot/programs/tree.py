@@ -16,42 +16,6 @@ from kg.robot.programs.units import UNITS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-__all__ = [
-    "BLOCKS_DEEP",
-    "EXPRESSIONS_DEEP",
-    "Binary",
-    "Break",
-    "Do",
-    "Expression",
-    "For",
-    "Forever",
-    "If",
-    "Log",
-    "OnEvent",
-    "Parallel",
-    "Position",
-    "Program",
-    "Read",
-    "Repeat",
-    "Set",
-    "Statement",
-    "Stop",
-    "Unary",
-    "Variable",
-    "Wait",
-    "WaitUntil",
-    "While",
-    "Written",
-    "expressions_of",
-    "height",
-    "parts_of",
-    "reads_of",
-    "rewritten",
-    "sequences_of",
-    "statements",
-    "variables_of",
-]
-
 
 class _Expression(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid_unknown_fields=True):
     pass

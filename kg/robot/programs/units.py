@@ -10,8 +10,6 @@ import math
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-__all__ = ["ALIASES", "PLAIN", "UNITS", "Dimension", "Unit", "convert", "described", "divided", "multiplied", "unit_of"]
-
 Dimension: TypeAlias = tuple[tuple[str, int], ...]
 """Base units with their exponents, sorted; empty for a plain number."""
 

@@ -17,21 +17,6 @@ if TYPE_CHECKING:
     from kg.robot.capability import Parameter
     from kg.robot.programs.tree import Written
 
-__all__ = [
-    "PLACES",
-    "Quantity",
-    "binary",
-    "for_parameter",
-    "of_parameter",
-    "of_place",
-    "place",
-    "seconds",
-    "shown",
-    "truth",
-    "unary",
-    "written",
-]
-
 PLACES: Final = MappingProxyType({"x": "m", "y": "m", "z": "m", "heading": "rad"})
 """The units of what is said of a place."""
 _TIME: Final[Dimension] = (("s", 1),)

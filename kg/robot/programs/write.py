@@ -35,8 +35,6 @@ from kg.robot.programs.tree import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-__all__ = ["headline", "write", "written"]
-
 _INDENT: Final = "  "
 _LEVEL: Final = {operator: level for level, operators in enumerate(LEVELS) for operator in operators}
 _NOT: Final = _LEVEL["not"]

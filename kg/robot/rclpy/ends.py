@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from kg.robot.ros2.middleware import Deliver
 
-__all__ = ["RclpyCaller", "RclpyReader", "RclpyServer", "RclpyWriter"]
-
 _MOMENT: Final = 0.02
 """Seconds between two looks for an end of another node, which rclpy does not report."""
 

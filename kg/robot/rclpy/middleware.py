@@ -24,16 +24,13 @@ from kg.facts import Qos, Role
 from kg.robot.connection import LiveEnd, LiveNode
 from kg.robot.messages.types import learn_all, short
 from kg.robot.rclpy.ends import RclpyCaller, RclpyReader, RclpyServer, RclpyWriter
-from kg.robot.ros2.middleware import Neighbourhood
+from kg.robot.ros2.middleware import Deliver, Neighbourhood
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
 
     from kg.robot.messages import Types
     from kg.robot.ros2.graph import Watch
-    from kg.robot.ros2.middleware import Deliver
-
-__all__ = ["RclpyMiddleware"]
 
 _EVERY: Final = 0.2
 """Seconds between two looks at the graph: rclpy does not report its changes."""

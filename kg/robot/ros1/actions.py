@@ -14,17 +14,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
 from kg.robot.clock import stamp
-from kg.robot.connection import FAILURES, goal_lost, reason
+from kg.robot.connection import FAILURES, Accepted, Publication, Value, goal_lost, reason
 from kg.robot.inbox import GoalProgress
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine
 
-    from kg.robot.connection import Accepted, Publication, Value
     from kg.robot.ros1.connection import Ros1Connection
     from kg.robot.ros1.topics import Ros1Subscription
-
-__all__ = ["ActionClient", "ActionServer", "Ros1Canceller", "Ros1Goal", "Status", "topics"]
 
 
 class Status(IntEnum):

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 from uuid import uuid4
 
 from kg.errors import RobotError
-from kg.robot.clock import SimulatedClock, WallClock, within
+from kg.robot.clock import Clock, SimulatedClock, WallClock, within
 from kg.robot.messages import Types
 from kg.robot.ros1.actions import ActionClient, ActionServer, Ros1Canceller, Ros1Goal
 from kg.robot.ros1.graph import Analyzer, system_state, topic_types
@@ -23,10 +23,7 @@ from kg.robot.tasks import ended
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine
 
-    from kg.robot.clock import Clock
     from kg.robot.connection import Accepted, ComputationGraph, Serving, Value
-
-__all__ = ["Ros1Connection", "connect"]
 
 Result = TypeVar("Result")
 

@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
     from kg.robot.ros1.node import Node
 
-__all__ = ["Analyzer", "fold", "pause", "system_state", "topic_types"]
-
-
 _GOAL: Final = "ActionGoal"
 _TOPICS: Final = frozenset({"goal", "cancel", "status", "feedback", "result"})
 _SERVER: Final = {(Role.PUBLISHES, "result"), (Role.PUBLISHES, "status"), (Role.SUBSCRIBES, "goal")}

@@ -11,8 +11,6 @@ from kg.errors import RobotError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["MOST_BYTES", "framed", "pack", "read_header", "read_message", "unpack"]
-
 MOST_BYTES: Final = 1 << 26
 """The longest message that is received: an image of 64 MiB."""
 

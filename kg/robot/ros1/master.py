@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from types import TracebackType
 
-__all__ = ["Master"]
-
 
 class Parameters:
     """The parameters of a system; a namespace is the dict of what is in it. A KeyError says that there is none."""

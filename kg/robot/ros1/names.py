@@ -10,8 +10,6 @@ from urllib.parse import urlsplit
 
 from kg.errors import RobotError
 
-__all__ = ["absolute", "is_name", "is_type", "listening", "netloc", "own_host", "peer", "shown"]
-
 _NAME: Final = re.compile(r"/(?:[A-Za-z][A-Za-z0-9_]*(?:/[A-Za-z0-9_]+)*)?")
 _TYPE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*")
 _HOST: Final = re.compile(r"[A-Za-z0-9_-]{1,63}(?:\.[A-Za-z0-9_-]{1,63})*\.?|[0-9A-Fa-f]*:[0-9A-Fa-f:.%]*")

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, Final
 from weakref import WeakValueDictionary
 
 from kg.errors import RobotError
-from kg.robot.connection import GraphProblem
+from kg.robot.connection import GraphProblem, Value
 from kg.robot.ros1.header import pack, read_header
 from kg.robot.ros1.names import listening, netloc, own_host, peer, shown
 from kg.robot.ros1.services import Service
-from kg.robot.ros1.topics import Offer
+from kg.robot.ros1.topics import Offer, Ros1Subscription
 from kg.robot.ros1.xmlrpc import XmlRpcServer, ask, listen
 from kg.robot.tasks import Tasks
 
@@ -24,11 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine
 
     from kg.robot.clock import Clock
-    from kg.robot.connection import Value
     from kg.robot.messages import Types
-    from kg.robot.ros1.topics import Ros1Subscription
-
-__all__ = ["Node"]
 
 _MOST_CONNECTIONS: Final = 1024
 _MOST_PROBLEMS: Final = 256

@@ -6,17 +6,14 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from kg.errors import RobotError
-from kg.robot.connection import FAILURES, reason
+from kg.robot.connection import FAILURES, Value, reason
 from kg.robot.ros1.header import framed, pack, read_header, read_message
 from kg.robot.ros1.names import is_type, peer, shown
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
 
-    from kg.robot.connection import Value
     from kg.robot.ros1.node import Node
-
-__all__ = ["Service", "call_service", "probe"]
 
 
 async def probe(caller: str, uri: str, service: str, *, seconds: float = 2.0) -> str:

@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     from kg.robot.messages import Types
     from kg.robot.ros1.node import Node
 
-__all__ = ["Offer", "Ros1Publication", "Ros1Subscription", "learn"]
-
-
 _QUEUE: Final = 100
 
 

@@ -19,9 +19,6 @@ from kg.robot.tasks import Tasks
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-__all__ = ["XmlRpcServer", "ask", "call", "exchange", "listen", "value", "xml_read"]
-
-
 _ODD: Final = (expat.ExpatError, client.Error, ValueError, TypeError, LookupError, AttributeError, OverflowError)
 
 

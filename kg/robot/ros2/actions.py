@@ -13,25 +13,18 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import RobotError
-from kg.facts import Role
-from kg.robot.clock import stamp, within
-from kg.robot.connection import GraphProblem, goal_lost
+from kg.facts import Qos, Role
+from kg.robot.clock import Clock, stamp, within
+from kg.robot.connection import Accepted, GraphProblem, Value, goal_lost
 from kg.robot.inbox import Inbox
-from kg.robot.ros2.ends import Ros2Publication, Service
+from kg.robot.ros2.ends import Client, Ros2Publication, Service
 from kg.robot.ros2.middleware import LATCHED, OFFERED
 from kg.robot.tasks import outcome, spawn
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
 
-    from kg.facts import Qos
-    from kg.robot.clock import Clock
-    from kg.robot.connection import Accepted, Value
     from kg.robot.ros2.connection import Ros2Connection
-    from kg.robot.ros2.ends import Client
-
-__all__ = ["ActionServer", "Ros2Canceller", "canceller", "send_goal"]
-
 
 _ACCEPTED, _EXECUTING, _CANCELLING, _SUCCEEDED, _CANCELLED, _ABORTED = range(1, 7)
 _STATUS: Final = {0: "is not known to the server", _CANCELLED: "was cancelled", _ABORTED: "was aborted"}

@@ -8,8 +8,6 @@ from urllib.parse import parse_qsl, urlsplit
 
 from kg.errors import RobotError
 
-__all__ = ["SETTLE", "Address"]
-
 SETTLE: Final = 5.0
 """Seconds until a graph that is found by discovery is called complete; the lease of a participant is 10 s, and those
 that run announce themselves at once to one that is new."""

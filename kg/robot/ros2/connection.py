@@ -9,26 +9,21 @@ from uuid import uuid4
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.clock import SimulatedClock, WallClock, within
-from kg.robot.connection import GraphProblem
+from kg.robot.clock import Clock, SimulatedClock, WallClock, within
+from kg.robot.connection import Accepted, ComputationGraph, Goal, GraphProblem, LiveEnd, Value
 from kg.robot.lifecycle import States
 from kg.robot.ros2.actions import ActionServer, Ros2Canceller, canceller, send_goal
 from kg.robot.ros2.ends import Client, Ros2Publication, Ros2Subscription, Service
 from kg.robot.ros2.graph import Watch
-from kg.robot.ros2.middleware import LATCHED, OFFERED
+from kg.robot.ros2.middleware import LATCHED, OFFERED, Middleware
 from kg.robot.ros2.types import describe
 from kg.robot.tasks import outcome, spawn
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
 
-    from kg.robot.clock import Clock
-    from kg.robot.connection import Accepted, ComputationGraph, Goal, LiveEnd, Value
     from kg.robot.messages import Types
     from kg.robot.ros2.address import Address
-    from kg.robot.ros2.middleware import Middleware
-
-__all__ = ["Ros2Connection"]
 
 
 class _Open(Protocol):

@@ -8,23 +8,17 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.errors import RobotError
-from kg.facts import Role
-from kg.robot.connection import GraphProblem
+from kg.facts import Qos, Role
+from kg.robot.connection import ComputationGraph, GraphProblem, Value
 from kg.robot.inbox import Inbox, Messages, Raw
-from kg.robot.ros2.middleware import OFFERED
+from kg.robot.ros2.middleware import OFFERED, Caller, Handle, Writer
 from kg.robot.tasks import outcome
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from kg.facts import Qos
-    from kg.robot.connection import ComputationGraph, Value
     from kg.robot.messages import Types
     from kg.robot.ros2.connection import Ros2Connection
-    from kg.robot.ros2.middleware import Caller, Handle, Writer
-
-__all__ = ["Client", "Ros2Publication", "Ros2Subscription", "Service"]
-
 
 Result = TypeVar("Result")
 

@@ -13,19 +13,14 @@ from contextlib import aclosing
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Role
-from kg.robot.connection import ComputationGraph, GraphProblem, LiveNode
+from kg.facts import Qos, Role
+from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
 from kg.robot.inbox import Changes
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Iterable
 
-    from kg.facts import Qos
-    from kg.robot.connection import LiveEnd
     from kg.robot.ros2.middleware import Neighbourhood
-
-__all__ = ["Watch", "computation_graph", "misfit"]
-
 
 _HIDDEN: Final = re.compile(r"(.+)/_action/(send_goal|get_result|cancel_goal|feedback|status)")
 _ROLES: Final = {Role.SERVICES: Role.ACTION_SERVERS, Role.CLIENTS: Role.ACTION_CLIENTS}

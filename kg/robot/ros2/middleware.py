@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from kg.robot.messages import Types
     from kg.robot.ros2.graph import Watch
 
-__all__ = ["ANSWERS", "LATCHED", "OFFERED", "Caller", "Deliver", "Handle", "Middleware", "Neighbourhood", "Writer"]
-
 OFFERED = Qos("reliable", "volatile", "keep_last", 10)
 """What is offered to subscribers: every one that does not ask for earlier messages can read it."""
 LATCHED = Qos("reliable", "transient_local", "keep_last", 1)

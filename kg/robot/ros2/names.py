@@ -12,8 +12,6 @@ from typing import Final
 from kg.errors import RobotError
 from kg.facts import Role
 
-__all__ = ["absolute", "dds_topic", "dds_type", "family", "is_name", "replies", "ros_end", "ros_type"]
-
 _NAME: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 _TYPE: Final = re.compile(r"([A-Za-z]\w*)::(?:msg|srv|action)::dds_::([A-Za-z]\w*)_", re.ASCII)
 _ACTION: Final = re.compile(

@@ -27,9 +27,6 @@ if TYPE_CHECKING:
     from kg.robot.messages import Field, Types
     from kg.robot.ros2.connection import Ros2Connection
 
-__all__ = ["describe", "type_hash"]
-
-
 _EVENT: Final = "service_msgs/ServiceEventInfo"
 _DUMMY: Final = (MEMBER_OF_NOTHING, (Nodetype.BASE, ("uint8", 0)))
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.robot.simulation.robots import Pose
-from kg.robot.simulation.scene import Camera
+from kg.robot.simulation.scene import Camera, Scene, Vector
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     import numpy as np
 
     from kg.robot.simulation.plan import Place
-    from kg.robot.simulation.scene import Scene, Vector
-
-__all__ = ["JOINTS", "WIDEST", "Arm", "Waypoint"]
 
 JOINTS: Final = tuple(f"panda_joint{index}" for index in range(1, 8))
 """The names of the joints, from the base to the hand."""

@@ -5,18 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.robot.simulation.arm import JOINTS, WIDEST, Waypoint
+from kg.robot.simulation.arm import JOINTS, WIDEST, Arm, Waypoint
 from kg.robot.simulation.nodes import camera
-from kg.robot.simulation.stage import point
+from kg.robot.simulation.stage import Node, Stage, point
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.robot.connection import Accepted, Value
-    from kg.robot.simulation.arm import Arm
-    from kg.robot.simulation.stage import Node, Stage
-
-__all__ = ["TABLE", "arm_nodes"]
 
 TABLE: Final = "table"
 """The frame of poses of the hand: the corner of the table is its origin, z is the height above it."""

@@ -7,15 +7,12 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.robot.simulation.robots import Battery, Command, Pose
-from kg.robot.simulation.scene import Camera
+from kg.robot.simulation.scene import Camera, Scene, Vector
 
 if TYPE_CHECKING:
     import numpy as np
 
     from kg.robot.simulation.plan import Place
-    from kg.robot.simulation.scene import Scene, Vector
-
-__all__ = ["SPEED", "TURN", "Drone", "State"]
 
 SPEED: Final = 1.0
 TURN: Final = 1.5

@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from kg.robot.connection import Accepted, Publication, Value
     from kg.robot.simulation.plan import Plan
 
-__all__ = ["Follower", "Grid", "Navigator", "Planner", "free_ahead"]
-
-
 Cell = tuple[int, int]
 """Row and column: to the north and to the east."""
 

@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from kg.robot.connection import Value
     from kg.robot.simulation.drone import Drone
 
-__all__ = ["drone_nodes", "office_nodes"]
-
-
 Turned = Callable[[Vector], Vector]
 """From right, down and ahead of a camera to ahead, left and up of the robot."""
 

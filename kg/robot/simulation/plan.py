@@ -9,8 +9,6 @@ from typing import Final, Literal
 
 import msgspec
 
-__all__ = ["PLANS", "Place", "Plan", "Room", "TagPlace", "Thing", "Wall", "read_plan"]
-
 PLANS: Final = ("office", "drone", "arm")
 """The names of the worlds that there are."""
 

@@ -6,8 +6,6 @@ import math
 from dataclasses import dataclass, field
 from typing import Final
 
-__all__ = ["Battery", "Command", "Pose", "Trail", "approached", "heading_of", "quaternion_of", "wrapped"]
-
 
 @dataclass(frozen=True, slots=True)
 class Pose:

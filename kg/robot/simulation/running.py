@@ -22,7 +22,7 @@ from kg.robot.simulation.arm import Arm
 from kg.robot.simulation.arm_nodes import arm_nodes
 from kg.robot.simulation.drone import Drone
 from kg.robot.simulation.nodes import drone_nodes, office_nodes
-from kg.robot.simulation.stage import Stage
+from kg.robot.simulation.stage import Join, Stage
 from kg.robot.simulation.view import TopView
 from kg.robot.simulation.world import World
 from kg.robot.tasks import first
@@ -34,10 +34,6 @@ if TYPE_CHECKING:
 
     from kg.robot.connection import Connection
     from kg.robot.simulation.plan import Place
-    from kg.robot.simulation.stage import Join
-
-__all__ = ["VIEW", "Choice", "Simulation", "hosted_in_memory", "opened", "running", "simulate"]
-
 
 VIEW: Final = "/simulator/view"
 """The topic (`std_msgs/String`) of the world from above, as SVG: a page shows it, wherever the simulation runs."""

@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 
     from kg.robot.simulation.plan import Plan, TagPlace
 
-__all__ = ["Camera", "Scene", "Sighting", "Vector", "find_tags"]
-
-
 _STREAMS: Final = (1, 2)
 
 

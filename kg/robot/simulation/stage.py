@@ -19,9 +19,7 @@ if TYPE_CHECKING:
     from kg.robot.connection import Connection, Publication, Value
     from kg.robot.simulation.world import World
 
-    Join: TypeAlias = Callable[[str], Awaitable[Connection]]
-
-__all__ = ["Join", "Node", "Stage", "point", "posed"]
+Join: TypeAlias = "Callable[[str], Awaitable[Connection]]"
 
 
 @dataclass(slots=True)

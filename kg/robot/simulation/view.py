@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from kg.robot.simulation.plan import Plan, Thing
     from kg.robot.simulation.world import World
 
-__all__ = ["TopView"]
-
 _ACROSS: Final = 600
 """Units of the picture across the world: letters have sizes that all viewers draw."""
 

@@ -6,15 +6,12 @@ import math
 from typing import TYPE_CHECKING, Final
 
 from kg.robot.simulation.robots import Battery, Command, Pose, approached, wrapped
-from kg.robot.simulation.scene import Camera
+from kg.robot.simulation.scene import Camera, Scene, Vector
 
 if TYPE_CHECKING:
     import numpy as np
 
     from kg.robot.simulation.plan import Place
-    from kg.robot.simulation.scene import Scene, Vector
-
-__all__ = ["LASER_RANGE", "RADIUS", "RAYS", "SPEED", "TURN", "Wheeled"]
 
 RADIUS: Final = 0.2
 SPEED: Final = 0.8

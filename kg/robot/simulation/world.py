@@ -10,20 +10,15 @@ import numpy as np
 from kg.robot.clock import SimulatedClock
 from kg.robot.simulation.arm import Arm
 from kg.robot.simulation.drone import Drone
-from kg.robot.simulation.plan import Plan, read_plan
-from kg.robot.simulation.robots import Trail
-from kg.robot.simulation.scene import Scene
+from kg.robot.simulation.plan import Place, Plan, read_plan
+from kg.robot.simulation.robots import Pose, Trail
+from kg.robot.simulation.scene import Scene, Vector
 from kg.robot.simulation.wheeled import Wheeled
 
 if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from kg.robot.simulation.plan import Place
-    from kg.robot.simulation.robots import Pose
-    from kg.robot.simulation.scene import Vector
-
-__all__ = ["World"]
 
 _STEPS: Final = {"wheeled": 0.02, "drone": 0.01, "arm": 0.01}
 _ROBOTS: Final[dict[str, type[Wheeled | Drone | Arm]]] = {"wheeled": Wheeled, "drone": Drone, "arm": Arm}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connecting import of_robot
-from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
+from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode, Value
 from kg.robot.messages import Types
 from kg.robot.ros1.graph import fold
 from kg.robot.ros2.graph import computation_graph
@@ -21,9 +21,6 @@ from kg.robot.ros2.names import family
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable
 
-    from kg.robot.connection import Value
-
-__all__ = ["Bridge", "Send"]
 
 Send: TypeAlias = "Callable[[str | bytes], Awaitable[None]]"
 """Sends a text or bytes to the server."""

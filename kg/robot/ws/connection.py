@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from websockets.exceptions import ConnectionClosed
 
 from kg.errors import RobotError
-from kg.robot.clock import WallClock
+from kg.robot.clock import Clock, WallClock
 from kg.robot.connecting import of_robot
-from kg.robot.connection import Received
+from kg.robot.connection import ComputationGraph, Received, Value
 from kg.robot.inbox import Changes, Inbox
 from kg.robot.lifecycle import States
 from kg.robot.tasks import Tasks, ended, first, spawn
@@ -21,13 +21,9 @@ if TYPE_CHECKING:
 
     from websockets.asyncio.client import ClientConnection
 
-    from kg.robot.clock import Clock
-    from kg.robot.connection import ComputationGraph, Value
     from kg.robot.messages import Types
     from kg.robot.ws.foxglove import Foxglove
     from kg.robot.ws.rosbridge import Rosbridge
-
-__all__ = ["BridgeConnection"]
 
 
 class BridgeConnection:

@@ -15,16 +15,12 @@ from websockets.typing import Subprotocol
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
+from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode, Value
 from kg.robot.messages.types import learn, short
-from kg.robot.ws.bridge import Bridge
+from kg.robot.ws.bridge import Bridge, Send
 
 if TYPE_CHECKING:
-    from kg.robot.connection import Value
     from kg.robot.messages import Types
-    from kg.robot.ws.bridge import Send
-
-__all__ = ["SUBPROTOCOLS", "UNKNOWN", "Foxglove"]
 
 SUBPROTOCOLS: Final = [Subprotocol("foxglove.sdk.v1"), Subprotocol("foxglove.websocket.v1")]
 UNKNOWN: Final = "/_bridged"

@@ -15,18 +15,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
+from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode, Value
 from kg.robot.messages.types import learn, short
 from kg.robot.tasks import spawn
-from kg.robot.ws.bridge import Bridge
+from kg.robot.ws.bridge import Bridge, Send
 
 if TYPE_CHECKING:
-    from kg.robot.connection import Value
     from kg.robot.messages import Field, Types
-    from kg.robot.ws.bridge import Send
-
-__all__ = ["Rosbridge", "from_json", "to_json"]
-
 
 _TIMES: Final = {"builtin_interfaces/Time", "builtin_interfaces/Duration"}
 _BYTES: Final = {"uint8", "char", "octet"}

@@ -14,17 +14,13 @@ import time
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import zenoh
-from zenoh import CongestionControl, ConsolidationMode, QueryTarget
+from zenoh import CongestionControl, ConsolidationMode, Query, QueryTarget, Reply, Session
 
 from kg.errors import RobotError
 from kg.robot.tasks import Tasks, outcome
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
-
-    from zenoh import Query, Reply, Session
-
-__all__ = ["Attachment", "ZenohCaller", "ZenohReader", "ZenohServer", "ZenohWriter", "passing"]
 
 
 _GID: Final = 16

@@ -8,12 +8,12 @@ from itertools import count
 from typing import TYPE_CHECKING, Any, Final
 
 import zenoh
-from zenoh import CongestionControl, SampleKind
+from zenoh import CongestionControl, Sample, SampleKind, Session
 
 from kg.errors import RobotError
 from kg.facts import Qos, Role
 from kg.robot.connection import GraphProblem, LiveEnd, LiveNode
-from kg.robot.ros2.middleware import ANSWERS, Neighbourhood
+from kg.robot.ros2.middleware import ANSWERS, Deliver, Neighbourhood
 from kg.robot.ros2.types import type_hash
 from kg.robot.zenoh.ends import ZenohCaller, ZenohReader, ZenohServer, ZenohWriter, passing
 from kg.robot.zenoh.tokens import NO_HASH, Token, data_key, pattern
@@ -21,13 +21,8 @@ from kg.robot.zenoh.tokens import NO_HASH, Token, data_key, pattern
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from zenoh import Sample, Session
-
     from kg.robot.messages import Types
     from kg.robot.ros2.graph import Watch
-    from kg.robot.ros2.middleware import Deliver
-
-__all__ = ["ZenohMiddleware", "configuration"]
 
 _PORT: Final = 7447
 _OPENING: Final = 3000

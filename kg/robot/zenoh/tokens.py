@@ -13,8 +13,6 @@ from typing import Final
 from kg.facts import Qos, Role
 from kg.robot.ros2.names import dds_type, is_name, ros_type
 
-__all__ = ["NO_HASH", "Token", "data_key", "pattern", "read_qos", "written_qos"]
-
 NO_HASH: Final = "TypeHashNotSupported"
 """What distributions before Iron have in place of a hash."""
 _SPACE: Final = "@ros2_lv"

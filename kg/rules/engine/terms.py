@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kg.rules.engine.pages import Pages
-    from kg.store.terms import Term
 
 
 IRI, BLANK, LITERAL, TRIPLE = range(1, 5)

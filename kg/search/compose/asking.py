@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.search.compose.network import Network, Part
     from kg.store.interface import Snapshot
 
-__all__ = ["Asked", "asked", "meant_types"]
-
 _INTERFACE_FOLDERS: Final = ("msg", "srv", "action")
 _DESCRIBED: Final = (
     "SELECT DISTINCT ?n { GRAPH ?g { ?d rnkg:descriptionWord %s . ?n rnkg:hasDescription ?d ; a rnkg:NodeType } }"

@@ -16,8 +16,6 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-__all__ = ["Chain", "Search", "Step"]
-
 _MOST_LOOKS: Final = 150_000
 """How many steps are looked at before a search ends with what it has; some seconds."""
 

@@ -14,21 +14,6 @@ from kg.search.words import words
 if TYPE_CHECKING:
     from kg.search.compose.network import Part, Port
 
-__all__ = [
-    "Costs",
-    "Knowledge",
-    "Types",
-    "Words",
-    "demerits",
-    "generic",
-    "knowledge",
-    "link_cost",
-    "needs",
-    "part_cost",
-    "port_cost",
-    "together",
-]
-
 _FILE: Final = "composing.toml"
 _SELDOM: Final = 3
 _OFTEN: Final = 10

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.search.compose.network import Part, Port
     from kg.store.interface import Snapshot
 
-__all__ = ["Details", "Unset", "read_details"]
-
 _QUERY: Final = """
 SELECT ?n ?s ?p ?o {
   { VALUES ?s { %s } GRAPH ?g { ?s ?p ?o } }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import UnknownNameError
 from kg.render.text import count
 from kg.search.compose.asking import Asked
-from kg.search.compose.chains import Search
+from kg.search.compose.chains import Chain, Search, Step
 from kg.search.compose.costs import generic
 from kg.search.compose.steps import between, steps_of
 from kg.similar import asked as asked_for
@@ -16,10 +16,7 @@ from kg.similar import similar
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from kg.search.compose.chains import Chain, Step
     from kg.search.compose.network import Network
-
-__all__ = ["nothing"]
 
 _SHOWN: Final = 6
 

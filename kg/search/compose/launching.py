@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.render.text import printable
-from kg.search.compose.results import grouped
+from kg.search.compose.results import Composed, Node, grouped
 
 if TYPE_CHECKING:
     from kg.search.compose.details import Unset
-    from kg.search.compose.results import Composed, Node
-
-__all__ = ["heading", "launch_text", "purpose", "remarks", "unset"]
 
 _MOST: Final = 8
 """How many inputs of a node are named one by one."""

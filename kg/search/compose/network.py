@@ -10,8 +10,6 @@ from typing import Final
 
 import msgspec
 
-__all__ = ["Network", "Part", "Port"]
-
 _TOPIC: Final = re.compile(r"(~/|/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 _PARAMETER: Final = re.compile(r"(~/)?[A-Za-z][\w./]*", re.ASCII)
 

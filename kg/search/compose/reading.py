@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from kg.store.interface import Snapshot
 
-__all__ = ["network", "read"]
-
 _NODES: Final = """
 ?n ?kind ?ros ?path ?line ?x ?plugin ?own {
   ?n a rnkg:NodeType ; rnkg:kind ?kind ; rnkg:rosVersion ?ros ; rnkg:path ?path ; rnkg:line ?line

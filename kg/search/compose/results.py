@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from kg.search.compose.network import Part, Port
     from kg.search.compose.wiring import Start, Wiring
 
-__all__ = ["Answer", "Composed", "Node", "composed_object", "grouped"]
-
 LAUNCH_ENDS: Final = {1: ".launch", 2: ".launch.py"}
 
 

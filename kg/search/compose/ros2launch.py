@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from kg.search.compose.results import Composed, Node
     from kg.search.compose.wiring import Link, Start
 
-__all__ = ["written"]
-
 
 def written(chain: Composed) -> str:
     """Return the launch file."""

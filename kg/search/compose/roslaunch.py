@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from kg.search.compose.results import Composed
     from kg.search.compose.wiring import Link
 
-__all__ = ["written"]
-
 
 def written(chain: Composed) -> str:
     """Return the launch file."""

@@ -7,23 +7,20 @@ from heapq import merge
 from itertools import islice, takewhile
 from typing import TYPE_CHECKING, Final
 
-from kg.search.compose.asking import asked
-from kg.search.compose.chains import Search
+from kg.search.compose.asking import Asked, asked
+from kg.search.compose.chains import Chain, Search
 from kg.search.compose.costs import demerits, knowledge, needs
 from kg.search.compose.details import Details, read_details
 from kg.search.compose.failing import nothing
 from kg.search.compose.reading import network
 from kg.search.compose.results import Answer, Composed, Node
 from kg.search.compose.steps import between, steps_of
-from kg.search.compose.wiring import wire
+from kg.search.compose.wiring import Wiring, wire
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kg.search.compose.asking import Asked
-    from kg.search.compose.chains import Chain
     from kg.search.compose.network import Network
-    from kg.search.compose.wiring import Wiring
     from kg.store.interface import Snapshot
 
 __all__ = ["Answer", "Question", "compose", "searches"]

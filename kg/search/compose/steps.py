@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from kg.search.compose.asking import Asked
     from kg.search.compose.network import Network, Part, Port
 
-__all__ = ["between", "steps_of"]
-
 
 def steps_of(network: Network, asked: Asked, ros: int) -> Mapping[str, Sequence[Step]]:
     """Return the best step of each family between each two types, by input type."""

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from kg.search.compose.network import Part, Port
 
-__all__ = ["INPUT", "OUTPUT", "Link", "Start", "Wiring", "wire"]
-
 INPUT: Final = "input"
 """The argument of a launch file that names the topic which a chain begins with."""
 OUTPUT: Final = "output"

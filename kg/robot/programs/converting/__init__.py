@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-from kg.errors import RobotError
+from kg.errors import Place, RobotError
 from kg.robot.programs.check import check, kinds_of
 from kg.robot.programs.converting.code import Dialect, Names
 from kg.robot.programs.converting.members import Members
@@ -15,7 +15,6 @@ from kg.robot.programs.names import Known
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.errors import Place
     from kg.robot.capability import Capabilities
     from kg.robot.programs.tree import Program
 

@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Final, Literal
 if TYPE_CHECKING:
     from kg.robot.capability import Way
 
-__all__ = ["COMMON", "Dialect", "Names", "camel", "indented", "plain", "snake"]
-
 _TAKEN: Final = frozenset(
     {"self", "math", "signal", "sys", "time", "threading", "rospy", "rclpy", "actionlib"}
     | {"message", "goal", "found", "one", "main"}

@@ -10,21 +10,16 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
-from kg.robot.driving.paths import Call, Each, Element, Field, parse, type_at
+from kg.robot.driving.paths import Argument, Call, Each, Element, Field, Path, parse, type_at
 from kg.robot.driving.ways import choose
+from kg.robot.messages import Field as FieldOfMessage
 from kg.robot.messages import Types
-from kg.robot.programs.converting.code import COMMON, indented, plain, snake
+from kg.robot.programs.converting.code import COMMON, Dialect, Names, indented, plain, snake
 from kg.robot.programs.tokens import quoted
 from kg.robot.programs.units import unit_of
 
 if TYPE_CHECKING:
     from kg.robot.capability import Capability, Parameter, Way
-    from kg.robot.driving.paths import Argument, Path
-    from kg.robot.messages import Field as FieldOfMessage
-    from kg.robot.programs.converting.code import Dialect, Names
-
-__all__ = ["Members"]
-
 
 _NEEDS: Final = {"reading": ("valid",)}
 _SCAN: Final = "LaserScan"

@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from kg.robot.programs.converting.members import Members
     from kg.robot.programs.tree import Program
 
-__all__ = ["module"]
-
 _PARALLEL: Final = ("together", "as_soon_as", "whenever")
 """The methods for parts of a program that run at the same time."""
 _STANDARD: Final = ("math", "signal", "sys", "threading", "time")

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.errors import RobotError
+from kg.errors import Place, RobotError
 from kg.robot.programs import kinds
 from kg.robot.programs.converting.code import indented
-from kg.robot.programs.names import takes_place
+from kg.robot.programs.names import Known, takes_place
 from kg.robot.programs.tree import (
     Binary,
     Break,
     Do,
+    Expression,
     For,
     Forever,
     If,
@@ -19,9 +20,11 @@ from kg.robot.programs.tree import (
     OnEvent,
     Parallel,
     Position,
+    Program,
     Read,
     Repeat,
     Set,
+    Statement,
     Stop,
     Unary,
     Variable,
@@ -38,15 +41,9 @@ from kg.robot.programs.units import described, unit_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.errors import Place
     from kg.robot.capability import Capability, Parameter
     from kg.robot.programs.converting.members import Members
     from kg.robot.programs.kinds import Kinds
-    from kg.robot.programs.names import Known
-    from kg.robot.programs.tree import Expression, Program, Statement
-
-__all__ = ["Code"]
-
 
 _LEVELS: Final = {"or": 0, "and": 1, "not": 2, "+": 4, "-": 4, "*": 5, "/": 5}
 _COMPARISON: Final = 3

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from lxml import etree
 
-from kg.errors import RobotError
+from kg.errors import Place, RobotError
 from kg.robot.programs.check import check, kinds_of
 from kg.robot.programs.kinds import constant
 from kg.robot.programs.names import AT, Known, takes_place
@@ -20,6 +20,7 @@ from kg.robot.programs.tree import (
     Binary,
     Break,
     Do,
+    Expression,
     For,
     Forever,
     If,
@@ -27,9 +28,11 @@ from kg.robot.programs.tree import (
     OnEvent,
     Parallel,
     Position,
+    Program,
     Read,
     Repeat,
     Set,
+    Statement,
     Stop,
     Unary,
     Variable,
@@ -50,11 +53,7 @@ if TYPE_CHECKING:
 
     from lxml.etree import _Element
 
-    from kg.errors import Place
     from kg.robot.capability import Capabilities, Capability, Parameter
-    from kg.robot.programs.tree import Expression, Program, Statement
-
-__all__ = ["DURATION", "HINT", "PLACE", "POLL", "STOPPED", "behavior_tree", "port"]
 
 HINT: Final = "_kg"
 """The attribute with a statement as written."""

@@ -22,6 +22,7 @@ from kg.robot.programs.tree import (
     Binary,
     Break,
     Do,
+    Expression,
     For,
     Forever,
     If,
@@ -33,6 +34,7 @@ from kg.robot.programs.tree import (
     Read,
     Repeat,
     Set,
+    Statement,
     Stop,
     Unary,
     Wait,
@@ -43,7 +45,7 @@ from kg.robot.programs.tree import (
 )
 from kg.robot.programs.trees.exporting import DURATION, HINT, PLACE, port
 from kg.robot.programs.trees.scripts import COUNT, OWN, Bare, ScriptError, assignments, counted, expression_of, reading
-from kg.robot.programs.units import UNITS, described
+from kg.robot.programs.units import UNITS, Dimension, described
 from kg.xmltext import line_of, parse_xml
 
 if TYPE_CHECKING:
@@ -51,11 +53,6 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capabilities
     from kg.robot.programs.kinds import Kinds
-    from kg.robot.programs.tree import Expression, Statement
-    from kg.robot.programs.units import Dimension
-
-__all__ = ["program_of"]
-
 
 _ALIKE: Final = frozenset({"<", "<=", "=", "!=", ">=", ">", "+", "-"})
 

@@ -12,16 +12,18 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
-from kg.robot.programs.kinds import constant
-from kg.robot.programs.names import takes_place
+from kg.robot.programs.kinds import Kinds, constant
+from kg.robot.programs.names import Known, takes_place
 from kg.robot.programs.tree import (
     EXPRESSIONS_DEEP,
     Binary,
     Do,
+    Expression,
     For,
     Position,
     Read,
     Set,
+    Statement,
     Unary,
     Variable,
     Written,
@@ -33,24 +35,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.robot.capability import Capability
-    from kg.robot.programs.kinds import Kinds
-    from kg.robot.programs.names import Known
-    from kg.robot.programs.tree import Expression, Statement
-
-__all__ = [
-    "COUNT",
-    "OWN",
-    "Bare",
-    "ScriptError",
-    "assignments",
-    "counted",
-    "expression_of",
-    "identifier",
-    "number",
-    "reading",
-    "script",
-]
-
 
 OWN: Final = "kg_"
 """Beginning of the names that an exported tree gives to values of its own."""
