@@ -27,7 +27,7 @@ _LEADING: Final = re.compile(r"^[ \t?-]*", re.MULTILINE)
 
 
 class YamlFault(ValueError):  # noqa: N818 - a finding about the user's file, not an error of the program
-    """What is wrong with a text, as what is said of it (`is no YAML: ...`), and the line, counted from 1.
+    """What is wrong with a text, as what is said of it (`is not YAML: ...`), and the line, counted from 1.
 
     `is_large` tells that it is no mistake in the text, but more than is read.
     """
@@ -57,7 +57,7 @@ def fault_of(error: yaml.YAMLError) -> YamlFault:
     """Return an error of the parser, or of a constructor of values, as what is wrong with the text."""
     mark = getattr(error, "problem_mark", None)
     problem = str(getattr(error, "problem", None) or error).partition("\n")[0]
-    return YamlFault(f"is no YAML: {problem}", mark.line + 1 if mark else None)
+    return YamlFault(f"is not YAML: {problem}", mark.line + 1 if mark else None)
 
 
 class Walk:

@@ -279,8 +279,8 @@ def paged(lines: Iterable[str], legend: list[str], page: int, size: int) -> str:
         pages[-1].append(line)
         used += len(content) + 1
     if page > len(pages):
-        return f"there is no page {page}; the answer has {len(pages)}"
-    more = [f"page {page} of {len(pages)}; `page` {page + 1} goes on"] if page < len(pages) else []
+        return f"page {page} does not exist; the answer has {len(pages)}"
+    more = [f"page {page} of {len(pages)}; continue with `page` {page + 1}"] if page < len(pages) else []
     if len(pages) > 1 and not more:
         more = [f"page {page} of {len(pages)}"]
     return "\n".join([*pages[page - 1], *more, *legend])

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from kg.settings import Settings
 
 _INSTRUCTIONS: Final = """\
-kg knows the ROS nodes of this workspace: what they publish, subscribe, offer and need, what they are for, how launch
-files wire them, and on which line of code each of these stands. Ask it before you read sources at length or write a
-node. Answers have one line for each fact, with FILE:LINE; open it before you rely on what was inferred. Long answers
+kg is an index of the ROS nodes of this workspace: their topics, services, actions and parameters, their purpose, and
+their wiring by launch files, each fact with its line of code. Query it before you read many sources or write a node.
+Answers have one line per fact, with FILE:LINE; open that line before you rely on an inferred fact. Long answers
 have pages. Only `run_program` can move a robot, and only with a person's consent."""
 
 _READERS: Final = 2

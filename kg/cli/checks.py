@@ -96,7 +96,7 @@ def _pages() -> Check:
     from kg.server.libraries import HELP, libraries  # noqa: PLC0415 - start-up time
 
     if not libraries():
-        finding = "their libraries are missing: there are no pictures, and the editor is a plain field"
+        finding = "their libraries are missing: no pictures, and a plain text field as the editor"
         return Check("pages", "note", finding, HELP)
     return Check("pages", "ok", count(len(libraries()), "library", "libraries"))
 

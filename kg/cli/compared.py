@@ -56,7 +56,11 @@ def sides(named: Sequence[str], repository: str | None) -> Sides:
         if repository is None and all(Path(name).is_dir() for name in named):
             return Sides(named[0], named[1])
         return Sides(named[0], named[1], folder)
-    hint = f"`kg diff {named[0]}..HEAD` compares it with the last commit." if named else "`kg diff main..HEAD`, say."
+    hint = (
+        f"`kg diff {named[0]}..HEAD` compares it with the last commit."
+        if named
+        else "For example: `kg diff main..HEAD`."
+    )
     raise UsageError("KG003", "two commits or two stores are compared", hint=hint)
 
 

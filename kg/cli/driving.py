@@ -143,7 +143,7 @@ async def _read(settings: Settings, name: str, asked: Reading) -> None:
 async def _read_topic(settings: Settings, topic: str, asked: Reading) -> None:
     """Write the messages of a topic as JSON."""
     if asked.way is not None:
-        raise UsageError("KG003", f"`{topic}` is a topic, so that --way says nothing", hint="Leave out --way.")
+        raise UsageError("KG003", f"`{topic}` is a topic, so --way has no effect", hint="Leave out --way.")
     async with connected(address_of(settings)) as connection:
         subscription = await connection.subscribe(topic, queue=_QUEUE)
         throttle = Throttle(asked.rate)
@@ -212,7 +212,7 @@ async def _do(settings: Settings, name: str, asked: Doing) -> None:
             show_plan(plan, json=asked.json)
             return
         if plan.rate and asked.keep is None:
-            raise UsageError("KG003", f"`{plan.capability}` needs to know for how long", hint="Add --for 2, say.")
+            raise UsageError("KG003", f"`{plan.capability}` needs a duration", hint="For example: --for 2.")
         if not plan.rate and asked.keep is not None:
             raise UsageError(
                 "KG003",

@@ -73,7 +73,7 @@ def show_outcome(outcome: Outcome, capability: Capability, *, json: bool) -> Non
         write(_words(outcome.values, capability))
     plan = outcome.plan
     if plan.kind == "topic":
-        after = ", then the command to stand still" if plan.afterwards is not None else ""
+        after = ", then a zero command" if plan.afterwards is not None else ""
         note(f"sent {count(outcome.sent, 'message')} to {plan.name}{after}")
     else:
         note(f"{plan.name} is {outcome.ended}")

@@ -136,7 +136,7 @@ def leftovers(found: Report) -> Iterator[str]:
     for allowance in found.unused:
         yield f"{_near(allowance.place)}: the entry for {allowance.code} matches no finding; remove it"
     for place, code in found.without_reason:
-        way = "write the reason behind the code"
+        way = "write the reason after the code"
         yield f"{_near(place)}: the comment gives no reason, so {code} is still reported; {way}"
     if found.gone:
         named = _listed([f"{one.code} {', '.join(one.subjects)}".strip() for one in found.gone])

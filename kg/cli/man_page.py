@@ -22,7 +22,7 @@ def roff() -> str:
     root = get_command(app)
     context = typer.Context(root, info_name="kg", **root.context_settings)
     top = page(root, context)
-    lines = ['.TH KG 1 "" "kg" "User Commands"', ".SH NAME", r"kg \- know the ROS nodes of a workspace"]
+    lines = ['.TH KG 1 "" "kg" "User Commands"', ".SH NAME", r"kg \- index the ROS nodes of a workspace"]
     lines += [".SH SYNOPSIS", f".B {_text(top.usage)}", ".SH DESCRIPTION", *_prose(top.text), ".SH OPTIONS"]
     lines += _entries(top, {"Options"})
     lines.append(".SH COMMANDS")

@@ -57,9 +57,7 @@ def show_capabilities(found: Capabilities, *, every: bool, json: bool, none: str
     if not found.capabilities:
         note(none or f"{found.of} has no capability of the ontology")
     elif hidden and terminal():
-        note(
-            f"{count(len(chosen), 'capability', 'capabilities')}, and {hidden} general ones that follow; --all has them"
-        )
+        note(f"{count(len(chosen), 'capability', 'capabilities')}, and {hidden} implied ones; --all lists all")
 
 
 def show_added(subject: Capabilities, base: Capabilities, *, every: bool, json: bool) -> None:

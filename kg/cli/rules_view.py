@@ -242,7 +242,7 @@ def difference_words(found: Difference) -> Iterator[str]:
         yield f"  {rule:<{longest}}  +{more:,} -{less:,}"
     if found:
         come = count(found.count("+"), "triple")
-        yield f"{come} would come, {found.count('-'):,} would go; `kg rules run` applies it"
+        yield f"{come} would be added, {found.count('-'):,} would be removed; `kg rules run` applies the change"
     else:
         yield "nothing would change"
 

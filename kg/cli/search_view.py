@@ -93,7 +93,7 @@ def _others(hit: Hit) -> list[str]:
 
 
 def tell(answer: Answer) -> None:
-    """Tell on standard error what the words were taken for, which of them no node knows, and whether anything fits."""
+    """Report on standard error how the words were read, which ones no node mentions, and whether anything fits."""
     from kg.search.wording import NEAREST, understood, unknown  # noqa: PLC0415 - start-up time
 
     strict, rather = understood(answer.need)

@@ -38,7 +38,7 @@ def announce(address: str, settings: Settings, options: Options, *, say: Callabl
         who = (
             "by clients with the token"
             if options.token or options.token_file
-            else "by nobody; set KG_TOKEN to allow it"
+            else "not allowed; set KG_TOKEN to allow it"
         )
         say(f"robot {options.robot} at {address}robot (moved {who})")
     if (token := _token(options)) and sys.stderr.isatty():  # where this is written to a file, the token stays out of it

@@ -138,7 +138,7 @@ async def _shown(address: str, settings: Settings) -> None:
             store = str(Path(folder) / ".kg")
             await _ran(token, "robot", "watch", "--once", *robot, "--store", store)
         await _ran(token, "serve", *robot, "--port", "0", "--store", store)
-        say("the page has ended; the robot goes on")
+        say("the page was closed; the robot continues")
 
 
 async def _ran(token: str, *arguments: str) -> None:

@@ -46,7 +46,7 @@ CODES: Final = {
     "KG808": CodeEntry(
         "service failed",
         "The server of the service reported a failure.",
-        "Read the message, which comes from that node.",
+        "Read the message from that node.",
     ),
     "KG809": CodeEntry(
         "goal not reached",
@@ -130,7 +130,7 @@ CODES: Final = {
     "KG813": CodeEntry(
         "peer refused a call",
         "The ROS 1 master or a node answered a call with an error.",
-        "Read the message, which comes from the peer.",
+        "Read the message from the peer.",
     ),
     "KG814": CodeEntry(
         "own node unreachable",
@@ -229,7 +229,7 @@ CODES: Final = {
     ),
     "KG834": CodeEntry(
         "read and write confused",
-        "A program executes a capability that can only be read, or reads one that can only be executed.",
+        "A program executes a read-only capability, or reads one that can only be executed.",
         "Write `nearest of laserScanning` to read a capability. Write a separate statement to execute one.",
     ),
     "KG835": CodeEntry(
@@ -269,7 +269,7 @@ CODES: Final = {
     ),
     "KG842": CodeEntry(
         "no program for a behaviour tree",
-        "The file is not a behaviour tree of BehaviorTree.CPP 4, or has a node that no statement stands for.",
+        "The file is not a behaviour tree of BehaviorTree.CPP 4, or has a node without a matching statement.",
         "Change the node at the line given. docs/programs.md lists the nodes that become statements.",
     ),
 }

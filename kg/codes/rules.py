@@ -117,7 +117,7 @@ CODES: Final = {
     "KG226": CodeEntry(
         "nothing to explain",
         "The fact is not in the store, or no active rule derives it any more.",
-        "Ask `kg why-not` what is missing, or update the inferred facts with `kg rules run`.",
+        "Run `kg why-not` to see what is missing, or `kg rules run` to update the inferred facts.",
     ),
     "KG230": CodeEntry(
         "SHACL feature not supported",

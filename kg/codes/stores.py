@@ -44,7 +44,7 @@ CODES: Final = {
     ),
     "KG308": CodeEntry(
         "snapshot too large",
-        "A published snapshot is larger than the limit of `kg pull`, or than its own manifest says.",
+        "A published snapshot is larger than the limit of `kg pull`, or than the size in its manifest.",
         "Raise the limit with `--max-bytes` if you trust the address.",
     ),
     "KG309": CodeEntry(

@@ -155,7 +155,7 @@ class Watch:
         return self._limits.bytes
 
     def _late(self) -> FetchingError:
-        return FetchingError("too slow", f"it did not come within {self._limits.seconds:g} s")
+        return FetchingError("too slow", f"it did not arrive within {self._limits.seconds:g} s")
 
     def _attend(self, process: subprocess.Popen[bytes]) -> None:
         pause, next_weighing = _FIRST_PAUSE, 0.0

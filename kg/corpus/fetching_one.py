@@ -190,7 +190,7 @@ class _Fetching:
         try:
             changed = run_git(("status", "--porcelain", "--ignore-submodules=all"), folder=self._place, timeout=None)
         except subprocess.SubprocessError:
-            changed = "git cannot tell"
+            changed = "unknown to git"
         if changed:
             raise FetchingError("in the way", f"files in {self._place} were changed")
 

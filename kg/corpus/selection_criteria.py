@@ -176,7 +176,7 @@ class _Reader:
     def _switch(self, table: dict[str, Any], line: int | None) -> bool:
         value = table.get("applies", True)
         if not isinstance(value, bool):
-            raise self._error("`applies` is neither true nor false", self._line("applies", line), None)
+            raise self._error("`applies` must be true or false", self._line("applies", line), None)
         return value
 
     def _line(self, key: str, start: int | None = None) -> int | None:

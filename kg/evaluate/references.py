@@ -137,7 +137,7 @@ def read(path: Path, *, closed: bool = False) -> Reading:
     merged: dict[tuple[str | None, ...], Reference] = {}
     for number, record in _records(text_of(path), path):
         if record.scorable is False:
-            left_out["not to be scored, as the file says"] += 1
+            left_out["excluded by the file"] += 1
         elif not record.package:
             left_out["no package is named"] += 1
         else:

@@ -63,7 +63,7 @@ def _entailed(files: tuple[Path, ...], java: str, archive: Path) -> frozenset[Tr
         raise GraphError(
             "KG602",
             "the axioms contradict each other, so everything follows from them",
-            hint="`kg ontology check FILE` says which file does.",
+            hint="`kg ontology check FILE` finds the file.",
         )
     return found
 

@@ -282,9 +282,9 @@ def _losing(system: System, end: End, lost: End, now: Mapping[str, NodeInstance]
     elif unknown:
         reason = f"{reason}, unless a name of it that is not known is this one"
     elif still is None and end[1].declared.role in GIVING:
-        reason = f"{reason}; nobody else uses it"
+        reason = f"{reason}; nothing else uses it"
     else:
-        grade, reason = Grade.BREAKS, f"{reason} and has nobody else at the other side"
+        grade, reason = Grade.BREAKS, f"{reason} and has no other peer"
     return end_effect(end, grade, reason, [system.configuration.name])
 
 

@@ -146,14 +146,14 @@ def _partner(
     if end.declared.role in GIVING:
         grade, reason = (
             Grade.MAY,
-            f"loses {instance.name}; nobody else uses it" if not left else f"loses {instance.name}",
+            f"loses {instance.name}; nothing else uses it" if not left else f"loses {instance.name}",
         )
     elif left:
         grade, reason = Grade.MAY, f"loses {instance.name}; {', '.join(left[:3])} remain{'s' if len(left) == 1 else ''}"
     elif condition is not None:
-        grade, reason = Grade.MAY, f"has nobody else at the other side, if {condition}"
+        grade, reason = Grade.MAY, f"has no other peer, if {condition}"
     else:
-        grade, reason = Grade.BREAKS, f"loses {instance.name} and has nobody else at the other side"
+        grade, reason = Grade.BREAKS, f"loses {instance.name} and has no other peer"
     return end_effect((other, end), grade, reason, [system.configuration.name])
 
 

@@ -67,7 +67,7 @@ def argument_effects(systems: Sequence[System], name: str, named: str) -> Iterat
                     Grade.MAY,
                     Area.LAUNCH,
                     f"the default of argument {argument.name} is {named}",
-                    "what is given the argument gets the old name",
+                    "values given for the argument keep the old name",
                     argument.location,
                     argument.location.repository or launch.repository,
                     (launch.name,),

@@ -81,7 +81,7 @@ def _tokens(part: str | dict[str, Any], tokens: Mapping[str, Any], words: Mappin
         return [{key: _filled(value, words) for key, value in part.items()}]
     reference = _REFERENCE.fullmatch(part)
     if reference is None:
-        message = f"{part!r} is no name of [tokens]"
+        message = f"{part!r} is not a name in [tokens]"
         raise ValueError(message)
     name, operator, least, most = reference.groups()
     token = {key: _filled(value, words) for key, value in tokens[name].items()}

@@ -167,7 +167,7 @@ def pull(address: str, store: EmbeddedStore, max_bytes: int, *, with_index: bool
             target.parent.mkdir(parents=True, exist_ok=True)
             _receive(place, part.path, target, part.bytes)
             if target.stat().st_size != part.bytes or _file_digest(target) != part.digest:
-                raise _unusable(address, f"{part.path} is not what the manifest says")
+                raise _unusable(address, f"{part.path} differs from the manifest")
         _unpack(folder, manifest, address)
         found = restore(store, folder / "graph.nq")
         if manifest.index and with_index:
@@ -195,13 +195,13 @@ def _unpack(folder: Path, manifest: Manifest, address: str) -> None:
             while chunk := file.read(min(_CHUNK, left + 1)):
                 left -= len(chunk)
                 if left < 0:
-                    raise StoreError("KG308", "the graph is larger than its manifest says", place=Place(address))
+                    raise StoreError("KG308", "the graph is larger than the size in its manifest", place=Place(address))
                 digest.update(chunk)
                 output.write(chunk)
     except (EOFError, gzip.BadGzipFile, ValueError) as error:
         raise _unusable(address, f"the graph cannot be unpacked: {error}") from error
     if left or digest.hexdigest() != manifest.digest:
-        raise _unusable(address, "the graph is not what the manifest says")
+        raise _unusable(address, "the graph differs from the manifest")
 
 
 @contextmanager
@@ -270,7 +270,7 @@ def _copy(source: IO[bytes], target: IO[bytes], limit: int, place: Path) -> None
     while chunk := source.read(_CHUNK):
         limit -= len(chunk)
         if limit < 0:
-            raise StoreError("KG308", "the file is larger than its manifest says", place=Place(str(place)))
+            raise StoreError("KG308", "the file is larger than the size in its manifest", place=Place(str(place)))
         target.write(chunk)
 
 

@@ -52,7 +52,7 @@ def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool
             _add(found, source)
     if not any(source.packages for source in found.values()):
         places = ", ".join(str(source.root) for source in found.values())
-        raise SourceError("KG102", f"found no ROS package in {places or ', '.join(texts) or 'what was named'}")
+        raise SourceError("KG102", f"found no ROS package in {places or ', '.join(texts) or 'the named folders'}")
     for source in found.values():
         report.source(source.repository, len(source.packages), source.problems)
     return tuple(found.values())

@@ -57,7 +57,7 @@ def syntax_error(error: SyntaxError, text: str, path: str, parse_update: Parse |
         ungrouped = _ungrouped(found) if "unbound" in message else None
         if ungrouped:
             place = place_at(text, ungrouped.start, path, ungrouped.end)
-            message = f"{ungrouped.text} is neither grouped by nor in an aggregate"
+            message = f"{ungrouped.text} is not a GROUP BY key and not aggregated"
             return QueryError("KG501", message, place=place)
         offset = offset_of(text, line, column)
         end = next((token.end for token in found if token.start <= offset < token.end), offset)

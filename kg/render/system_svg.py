@@ -170,8 +170,8 @@ def _loose(bundle: Bundle, channel: Channel, member: str) -> _Loose:
         return _Loose(bundle.kind, f"{arrow} ? {channel.name}", f"the name {channel.name} is not known", channel.state)
     about = {
         "↺": f"only the node itself uses {channel.name}",
-        "→": f"nobody takes {channel.name}",
-        "←": f"nobody gives {channel.name}",
+        "→": f"no subscriber for {channel.name}",
+        "←": f"no publisher of {channel.name}",
     }
     return _Loose(bundle.kind, f"{SIGNS[channel.state]}{arrow} {channel.name}", about[arrow], channel.state)
 
@@ -269,7 +269,7 @@ def _legend(graph: SystemGraph) -> tuple[list[str], float]:
         drawn.append(label("key", x + 68, 61, _WORDS[kind]))
         x += 68 + wide(_WORDS[kind], SMALL) + 22
     states = graph.states()
-    words = ["→ nobody subscribes or offers it", "← nobody publishes or calls it"]
+    words = ["→ no subscriber or server", "← no publisher or client"]
     if any(channel.open for channel in graph.channels):
         words.append("? name not known")
     if any(member.reason or member.condition for member in graph.members):

@@ -297,7 +297,7 @@ def package_iri(snapshot: EmbeddedSnapshot, name: str) -> str:
         raise UnknownNameError("KG001", f"the store has no package `{name}`", hint=hint)
     if len(found) > 1:
         ways = "\n".join(f"`{source}:{plain}`" for _, source in found)
-        raise UsageError("KG003", f"{len(found)} packages are called `{plain}`; say which", hint=ways)
+        raise UsageError("KG003", f"{len(found)} packages are called `{plain}`; choose one", hint=ways)
     return str(found[0][0])
 
 

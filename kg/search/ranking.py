@@ -57,7 +57,7 @@ def covered(index: Index, need: Need) -> Floats:
 def fits(index: Index, need: Need, places: Sequence[int]) -> bool:
     """Return whether one of the best nodes covers enough of a need's information (`least` in `ontology/search.toml`).
 
-    What it covers counts less by the share of words that no node knows; unknown names count twice, since a need is
+    What it covers counts less by the share of words that no node mentions; unknown names count twice, since a need is
     about what it names. What fulfils a filter for its interface, hardware or function fits, and so does anything where
     a need has no words.
     """

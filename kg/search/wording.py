@@ -30,7 +30,7 @@ def unknown(need: Need) -> list[str]:
     strange = [one for one in need.wordings if one.unknown]
     found = []
     for start, words in (
-        ("no node knows", [one.text for one in strange if not one.near]),
+        ("no node mentions", [one.text for one in strange if not one.near]),
         ("searched for near spellings of", [one.text for one in strange if one.near]),
     ):
         if words:

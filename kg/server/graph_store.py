@@ -100,7 +100,7 @@ async def _exists(request: Request, graph: NamedNode) -> bool:
 
 
 def _missing(graph: NamedNode) -> RequestError:
-    return RequestError("KG521", f"there is no graph {graph}", hint="The service description at /sparql names all.")
+    return RequestError("KG521", f"unknown graph {graph}", hint="The service description at /sparql names all.")
 
 
 async def _put(request: Request) -> Response:

@@ -160,7 +160,7 @@ OPERATIONS: Final[Mapping[tuple[str, str], Operation]] = {
         answers={200: ("application/json",)},
     ),
     ("POST", "/robot/check"): Operation(
-        "Say what is wrong with a program, given as JSON or as text, and return it as both.",
+        "Check a program, given as JSON or as text, and return it as both.",
         bodies=_JSON,
         answers={200: ("application/json",)},
     ),
@@ -173,7 +173,7 @@ OPERATIONS: Final[Mapping[tuple[str, str], Operation]] = {
         "Run a program, given as JSON or as text.", bodies=_JSON, answers=_DONE, token=True
     ),
     ("POST", "/robot/pause"): Operation("Let the program pause.", answers=_DONE, token=True),
-    ("POST", "/robot/resume"): Operation("Let the program go on.", answers=_DONE, token=True),
+    ("POST", "/robot/resume"): Operation("Resume the program.", answers=_DONE, token=True),
     ("POST", "/robot/stop"): Operation("Stop whatever moves.", answers=_DONE),
     ("POST", "/robot/do"): Operation("Do something, for an open page.", bodies=_JSON, answers=_DONE, token=True),
     ("POST", "/robot/read"): Operation("Let an open page follow values.", bodies=_JSON, answers=_DONE),

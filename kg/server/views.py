@@ -34,7 +34,7 @@ async def answer(request: Request, name: str, /, **arguments: Any) -> bytes:
 async def _view(request: Request) -> Response:
     name = request.path_params["name"]
     if name not in CALLS:
-        raise RequestError("KG521", f"there is no view `{name}`", hint=f"There are {', '.join(sorted(CALLS))}.")
+        raise RequestError("KG521", f"unknown view `{name}`", hint=f"There are {', '.join(sorted(CALLS))}.")
     posted = await _posted(request) if request.method == "POST" else {}
     body = await answer(request, name, **{**request.query_params, **posted})
     return Response(body, media_type="application/json")

@@ -90,7 +90,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         ("next_problem", "ctrl+g", "Next problem", "Go to the next mark of a problem and show its message.", "p"),
         ("fix", "ctrl+f", "Fix", "Apply the suggested fix for the problem at the cursor.", "p"),
         ("stored", "f3", "Stored", "Choose a stored query, and give its parameters in a form.", "fp"),
-        ("history", "ctrl+r", "History", "Search what was run before and put it into a new buffer.", "fp"),
+        ("history", "ctrl+r", "History", "Search the history and open a query in a new buffer.", "fp"),
         ("new_buffer", "ctrl+n", "New buffer", "Open an empty buffer in a tab.", "p"),
         ("close_buffer", "f8", "Close buffer", "Close this buffer; the last one is emptied.", "p"),
         ("next_buffer", "ctrl+pagedown", "Next buffer", "Go to the tab on the right.", "p"),
@@ -135,7 +135,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
     ),
     *_of(
         "find",
-        ("open_hit", "enter", "Open", "Search for what was typed; on a hit, open its page.", "f"),
+        ("open_hit", "enter", "Open", "Search for the text; on a hit, open its page.", "f"),
         ("edit_place", "ctrl+e", "Open in editor", "Open the line of the hit in $VISUAL or $EDITOR.", "f"),
         ("dismiss_screen", "escape", "Close", "Return to the main screen.", "f"),
     ),

@@ -146,7 +146,7 @@ def restore(transaction: EmbeddedTransaction, source: Path) -> Backup | None:
         quads = snapshot.count()
         found = _manifest(layout, Backup(snapshot.generation, quads, ""))
         if found.quads != quads:
-            raise _unusable(source, f"it holds {quads} quads, and its manifest says {found.quads}")
+            raise _unusable(source, f"it holds {quads} quads, but its manifest lists {found.quads}")
         transaction.start_from(snapshot)
     return found
 

@@ -48,7 +48,7 @@ def elements(of: Value) -> list[Value]:
     if is_unknown_parameter(of):
         return [part_of(f"{of.parameter}[]")]
     if isinstance(of, Object) and not of.made:
-        return [Unknown("it is an element of a container that comes from outside")]
+        return [Unknown("it is an element of a container from outside the sources")]
     return [Unknown("it is an element of a container that is not known")]
 
 

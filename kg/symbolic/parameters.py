@@ -142,7 +142,7 @@ def _value(default: Value | None, known: Value | None, before: Value | None, nam
     if isinstance(before, (Number, Truth)) or (isinstance(before, Text) and before.known):
         return with_parameter(before, name)
     if name is None:
-        return Unknown("it is a parameter whose name is not known")
+        return Unknown("it is a parameter with an unknown name")
     return Unknown(f"it is the parameter {name}, which has no default here", name)
 
 

@@ -192,7 +192,7 @@ class Cursor:
         try:
             value = unescape(token.text[1:-1])
         except ValueError:
-            raise self.error("an escape in the IRI is no character", token.start) from None
+            raise self.error("invalid escape sequence in the IRI", token.start) from None
         if self.base is None and not is_absolute(value):
             raise self.error(
                 f"the IRI `<{value}>` is relative", token.start, hint="Declare BASE <...> or write it out."

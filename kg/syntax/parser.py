@@ -97,7 +97,7 @@ class _Construct(Patterns):
         start = self.token.start
         hint = "A rule derives triples: CONSTRUCT { ... } WHERE { ... }."
         if self.at(END):
-            raise self.error("there is no rule in this file", start, hint=hint)
+            raise self.error("this file contains no rule", start, hint=hint)
         if self.token.kind is Kind.WORD and self.token.text.upper() in _OTHERS:
             raise self.error(f"a rule is a CONSTRUCT query, not {self.token.text.upper()}", start, hint=hint)
         if not self.at_word("CONSTRUCT"):
@@ -280,7 +280,7 @@ class _RuleSets(Patterns):
             fixes = [Fix("NOT", title="Replace `MINUS` by `NOT`")] if word == "MINUS" else []
             return self.error(f"SPARQL RL has no {word}", self.token.start, hint=_SPARQL[word], fixes=fixes)
         if self.at_word(*_ELEMENTS):
-            hint = "Inside NOT stand triples and filters only."
+            hint = "NOT contains only triples and filters."
             return self.error(f"{word} inside NOT", self.token.start, hint=hint)
         what = ", ".join(f"`{element}`" for element in elements)
         return self.expected(f"triples, {what} or `}}`", elements)

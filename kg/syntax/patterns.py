@@ -185,8 +185,8 @@ class Patterns(Triples):
     def _unknown_function(self, what: str) -> Exception:
         name = self.token.text
         if name.upper() in AGGREGATES and self.patterns_in_expressions:
-            hint = "Aggregates stand in a sub-SELECT, in its columns or behind HAVING."
-            return self.error(f"the aggregate {name.upper()} cannot stand here", self.token.start, hint=hint)
+            hint = "Aggregates are allowed in the columns and the HAVING clause of a sub-SELECT."
+            return self.error(f"the aggregate {name.upper()} is not allowed here", self.token.start, hint=hint)
         if name.upper() in FUNCTIONS or name.upper() in {"EXISTS", *AGGREGATES}:
             return self.error(f"SPARQL RL has no {name.upper()}", self.token.start)
         if self.text[self.token.end :].lstrip().startswith("("):
@@ -303,7 +303,7 @@ class Patterns(Triples):
         known = {key.variable.name for key in keys}
         seen: set[str] = set()
         if grouped and not columns:
-            raise self.error("`SELECT *` cannot stand with GROUP BY", start, hint="Name the columns.")
+            raise self.error("`SELECT *` conflicts with GROUP BY", start, hint="Name the columns.")
         for column, offset in columns:
             name, expression = column.variable.name, column.expression
             if expression and name in inner:
@@ -311,7 +311,7 @@ class Patterns(Triples):
             for used in (expression.variables if expression else (name,)) if grouped else ():
                 if used not in known and not (expression and expression.exists):
                     hint = "Group by it, or aggregate it, as in SAMPLE."
-                    raise self.error(f"`?{used}` is neither a key of GROUP BY nor aggregated", offset, hint=hint)
+                    raise self.error(f"`?{used}` is not a GROUP BY key and not aggregated", offset, hint=hint)
             if name in seen:
                 raise self.error(f"SELECT has `?{name}` twice", offset)
             seen.add(name)
@@ -325,7 +325,7 @@ class Patterns(Triples):
         exact = len(set(rows)) == len(rows) and all(None not in row for row in rows)
         if grouped and not (exact and set(variables) <= {key.variable for key in keys if key.expression is None}):
             hint = "Put it before the sub-SELECT or into its braces."
-            message = "VALUES behind a grouped sub-SELECT is not allowed in rules"
+            message = "VALUES after a grouped sub-SELECT is not allowed in rules"
             raise self.error(message, start, code="KG209", hint=hint)
         text = group.text[:-1] + self._spelt_since(start) + " }" if group.text else ""
         return Group((*group.nodes, ValuesBlock(variables, rows, self.span(start))), group.span, text)
@@ -408,7 +408,7 @@ class Patterns(Triples):
         variables: list[Variable] = []
         while not self.accept(")"):
             if self.token.text[1:] in {variable.name for variable in variables}:
-                raise self.error(f"`{self.token.text}` stands twice", self.token.start)
+                raise self.error(f"`{self.token.text}` is listed twice", self.token.start)
             variables.append(self.variable())
         return tuple(variables)
 
@@ -429,7 +429,7 @@ class Patterns(Triples):
         start = self.token.start
         term = self.triple_term(Mode.DATA) if self.at("<<(") else self.simple_term(Mode.DATA, "a term or UNDEF")
         if not isinstance(term, NamedNode | Literal | Triple):
-            raise self.error("a triple term in VALUES has neither blank nodes nor a literal as subject", start)
+            raise self.error("a triple term in VALUES must not contain blank nodes or a literal subject", start)
         return term
 
     def group(self) -> Group:

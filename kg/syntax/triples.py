@@ -92,8 +92,8 @@ class Triples(Cursor):
         token = self.advance()
         label = token.text[2:]
         if mode is Mode.PATTERN and self.labels.setdefault(label, self.block) != self.block:
-            hint = "A blank node is known only among triples that stand together; use a variable."
-            raise self.error(f"`{token.text}` stands in two patterns", token.start, hint=hint)
+            hint = "A blank node label is local to its block of triples; use a variable."
+            raise self.error(f"`{token.text}` occurs in two patterns", token.start, hint=hint)
         return self.blank(mode, label)
 
     def prefix(self) -> None:
@@ -152,7 +152,7 @@ class Triples(Cursor):
         try:
             return unescape(quoted(token)[1])
         except ValueError:
-            raise self.error("an escape in the string is no character", token.start) from None
+            raise self.error("invalid escape sequence in the string", token.start) from None
 
     def _string_literal(self) -> Literal:
         value = self.string()
@@ -262,7 +262,7 @@ class Triples(Cursor):
         backward: list[NamedNode] = []
         several = self.accept("(")
         while True:
-            (backward if self.accept("^") else forward).append(self._step("a predicate behind `!`"))
+            (backward if self.accept("^") else forward).append(self._step("a predicate after `!`"))
             if not several:
                 break
             if not self.accept("|"):

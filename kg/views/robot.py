@@ -32,7 +32,7 @@ def capabilities(
         UsageError: KG003 when neither is named, or when several are called so.
     """
     if not system and not package:
-        raise UsageError("KG003", "neither a system nor a package is named", hint="Give `system` or `package`.")
+        raise UsageError("KG003", "name a system or a package", hint="Give `system` or `package`.")
     if not package:
         found = _of_system(snapshot, settings, system)
     else:

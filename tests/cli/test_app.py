@@ -93,7 +93,7 @@ def test_ctrl_c_is_an_exit_code_wherever_it_comes(kg: Program, tmp_path: Path, w
 
 
 def test_a_closed_pipe_ends_quietly() -> None:
-    """`kg ... | head -1` says nothing about the pipe."""
+    """`kg ... | head -1` does not mention the pipe."""
     command = f"{sys.executable} -m kg explain --json | head -c 1"
     run = subprocess.run(["bash", "-c", f"set -o pipefail; {command}"], capture_output=True, text=True, check=False)
     assert (run.returncode, run.stdout, run.stderr) == (0, "{", "")

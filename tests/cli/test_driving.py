@@ -178,7 +178,7 @@ def test_what_was_done_in_words(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     said = capsys.readouterr()
     assert "geometry_msgs/Twist:\n  linear:\n    x: 0.200\n" in said.out
     assert "would send to the topic /cmd_vel of /rover 20 times a second for 2 s" in said.err
-    assert "sent 1 message to /cmd_vel, then the command to stand still" in said.err
+    assert "sent 1 message to /cmd_vel, then a zero command" in said.err
     assert "/count is done" in said.err
     assert "now        1" in said.err
     assert "now" not in said.out

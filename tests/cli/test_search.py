@@ -68,10 +68,10 @@ def test_a_name_that_is_nearly_right_is_named(rover: Program) -> None:
 
 
 def test_where_nothing_fits_the_nearest_are_shown(rover: Program) -> None:
-    """The hits follow, each marked in JSON, and the word that no node knows is named."""
+    """The hits follow, each marked in JSON, and the word that no node mentions is named."""
     run = rover("search", "RPLIDAR", "planner", "--json")
     assert run.code == 0
-    assert "no node knows `RPLIDAR`" in run.err
+    assert "no node mentions `RPLIDAR`" in run.err
     assert "nothing here fits; nearest are" in run.err
     assert {json.loads(line)["fits"] for line in run.out.splitlines()} == {False}
     assert "nothing here fits" not in rover("search", "planner").err

@@ -180,7 +180,7 @@ def test_time_is_bounded(server: tuple[str, Behaviour], tmp_path: Path) -> None:
     behaviour.hanging.add("hanging")
     limits = replace(QUICK.limits, seconds=patient(0.5))
     found = run(tmp_path / "into", f"{url}/hanging", options=replace(QUICK, limits=limits))["hanging"]
-    assert (found.state, found.reason) == ("too slow", f"it did not come within {limits.seconds:g} s")
+    assert (found.state, found.reason) == ("too slow", f"it did not arrive within {limits.seconds:g} s")
     assert len(behaviour.requests) == 1
     assert [path.name for path in (tmp_path / "into").iterdir()] == ["lock.toml"]
 

@@ -93,7 +93,7 @@ def test_deadline(snapshot: EmbeddedSnapshot) -> None:
         ("PREFIX a: <b:c>\nINSERT DATA {}", 2, 1, "this is an update, not a query"),
         ("SELECT * {?s ?p ?o", 1, 19, "the query ends too early"),
         ("  ", 1, 3, "the query is empty"),
-        ("SELECT ?x (COUNT(?y) AS ?c) {?x ?p ?y}", 1, 8, "?x is neither grouped by nor in an aggregate"),
+        ("SELECT ?x (COUNT(?y) AS ?c) {?x ?p ?y}", 1, 8, "?x is not a GROUP BY key and not aggregated"),
         ("SELECT * {?s '\u00e9\U0001f600' ?o }", 1, 14, None),
     ],
 )

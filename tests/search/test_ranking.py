@@ -70,7 +70,7 @@ def test_what_a_node_covers_is_a_share(text: str) -> None:
     ],
 )
 def test_where_nothing_fits_hits_are_only_the_nearest(text: str, fits: bool) -> None:  # noqa: FBT001 - of a table
-    """A need whose name no node knows is met by none of them; a slip of the pen changes nothing."""
+    """A need whose name no node mentions is met by none of them; a slip of the pen changes nothing."""
     answer = Search(build(CONTENT)).find(text)
     assert answer.fits is fits
     assert all(hit.fits is fits for hit in answer.hits)

@@ -40,11 +40,11 @@ def test_what_words_were_taken_for(snapshot: EmbeddedSnapshot, settings: Setting
 
 
 def test_a_need_that_nothing_fits_is_told(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """The hits are the nearest only, and the word that no node knows is named."""
+    """The hits are the nearest only, and the word that no node mentions is named."""
     found = find(snapshot, settings, "RPLIDAR driver of a scanner")
     assert found["hits"]
     assert not found["fits"]
-    assert found["unknown"][0].startswith("no node knows `RPLIDAR`")
+    assert found["unknown"][0].startswith("no node mentions `RPLIDAR`")
     assert find(snapshot, settings, "remove far measurements from laser scans")["fits"]
 
 

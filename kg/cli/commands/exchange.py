@@ -27,7 +27,7 @@ FormatName = Annotated[
 ]
 Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
 Source = Annotated[
-    str | None, typer.Option("--source", metavar="NAME", help="Only what was read from this source (see `kg status`).")
+    str | None, typer.Option("--source", metavar="NAME", help="Only facts from this source (see `kg status`).")
 ]
 GraphName = Annotated[
     str | None,

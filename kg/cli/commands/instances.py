@@ -30,7 +30,7 @@ _REMARKS: Final = {
     "unknown-package": "package not in the store",
     "unknown-node": "not in its package",
     "no-node": "a program without a node",
-    "not-said": "not said which",
+    "not-said": "known only at run time",
 }
 """Why an instance has no counts, in few words; JSON has the whole reason."""
 _UNTOLD: Final = {"cli", "par"}

@@ -114,7 +114,7 @@ class Calls:
         if isinstance(called, Object):
             return self.method(called, "operator()", given)
         self._leave(given, "an unknown function")
-        return Unknown("it is not known what is called")
+        return Unknown("the called function is unknown")
 
     # Calls by a name
 

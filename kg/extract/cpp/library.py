@@ -280,7 +280,7 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return Text.of("")
     if name in ("getenv", "secure_getenv"):
         variable = as_text(values[0]).known if values else None
-        return Unknown("it comes from the environment", label=label_of(variable or "") or None)
+        return Unknown("it is read from the environment", label=label_of(variable or "") or None)
     if name in _PACKERS:
         return Sequence(tuple(values))
     if not values:
@@ -337,7 +337,7 @@ def _got(of: Value, template: tuple[Value, ...]) -> Value | None:
     index = template[0] if template else None
     if not isinstance(index, Number) or not isinstance(of, Sequence):
         return None
-    return of.items[int(index.value)] if index.value < len(of.items) else Unknown("there is no such element")
+    return of.items[int(index.value)] if index.value < len(of.items) else Unknown("the element does not exist")
 
 
 def _command_line(language: Cpp, name: str, given: Arguments) -> Value | None:

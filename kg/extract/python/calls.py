@@ -110,7 +110,7 @@ class Calls:
             if isinstance(held, Closure):
                 return self._invoke(held, given)
         self._escape_all(given)
-        return Unknown(called.reason if isinstance(called, Unknown) else "it is not known what is called")
+        return Unknown(called.reason if isinstance(called, Unknown) else "the called function is unknown")
 
     def _invoke(self, called: Closure, given: Arguments) -> Value:
         named = {**dict(called.named), **given.named}

@@ -131,7 +131,7 @@ def evaluate_text(source: str, dialect: Dialect) -> object:
     Raises:
         ExpressionError: if the text is not an expression, or Python raises an error.
         UnsupportedError: if the expression uses what is not evaluated here, or grows too large.
-        NotKnownError: if the value depends on what is not known.
+        NotKnownError: if the value depends on an unknown value.
     """
     if len(source) > _MOST_SOURCE:
         raise UnsupportedError(f"the expression is longer than {_MOST_SOURCE} characters")

@@ -310,7 +310,7 @@ def _environment(values: list[Value], named: Names[str, Value]) -> Value:
 
 def from_environment(name: Value) -> Value:
     """Return a variable of the environment."""
-    return Text.hole("it comes from the environment", name.known or "" if isinstance(name, Text) else "")
+    return Text.hole("it is read from the environment", name.known or "" if isinstance(name, Text) else "")
 
 
 NAMED: Final[dict[str, Callable[[list[Value], Names[str, Value]], Value]]] = {

@@ -51,7 +51,7 @@ def _parent(of: Text) -> Value:
         return Text((*of.parts[:-1], last.rpartition("/")[0]), of.resolution, of.parameter, of.reason)
     head, inner = split(of.known)
     if head and not inner.strip("/"):
-        return Text.hole(f"what is above the folder {head}")
+        return Text.hole(f"the path above the folder {head}")
     return Text.of(head + posixpath.dirname(inner).rstrip("/") if head else posixpath.dirname(inner))
 
 
@@ -73,7 +73,7 @@ def _normal(of: Text) -> Value:
         return Text.of(posixpath.normpath(inner) if inner else inner)
     path = posixpath.normpath(inner.lstrip("/")) if inner.strip("/") else ""
     if path.startswith(".."):
-        return Text.hole(f"what is above the folder {head}")
+        return Text.hole(f"the path above the folder {head}")
     return Text.of(f"{head}/{path}" if path not in ("", ".") else head)
 
 

@@ -180,7 +180,7 @@ def class_name(name: str) -> str:
 
 
 def own_name(node: NodeType) -> str:
-    """Return the name that a node has when nobody gives it one: its own, else that of its type."""
+    """Return the name that a node has without a given one: its own, else that of its type."""
     if node.node_name:
         return normalise(node.node_name).rpartition("/")[2]
     return node.name.rpartition("::")[2].rpartition("/")[2].removesuffix(".py")

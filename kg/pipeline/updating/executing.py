@@ -173,7 +173,7 @@ class Executor:
         if operation.silent:
             return False
         message = f"the graph {graph} does not exist" if wanted else f"the graph {graph} already exists"
-        raise QueryError("KG560", message, hint=f"{operation.verb.upper()} SILENT goes on without it.")
+        raise QueryError("KG560", message, hint=f"{operation.verb.upper()} SILENT ignores the error.")
 
 
 def _name(graph: Any) -> str:

@@ -139,7 +139,7 @@ class Fleet:
         # What readers are forked from may end before it has read the order; for the next one it is started anew.
         process = await self._spawn_once() or await self._spawn_once()
         if process is None:
-            raise QueryError("KG508", "no process for queries can be started", hint="The log has what it said.")
+            raise QueryError("KG508", "no process for queries can be started", hint="The log has its output.")
         self.spawned += 1
         return process
 

@@ -100,8 +100,8 @@ class BagClock:
 
 UNKNOWN: Final = "/_recorded"
 """The node that stands for the publishers that a recording does not name."""
-_UNNAMED: Final = "the recording does not tell which nodes published this"
-_PARTLY: Final = "a recording tells only what was published"
+_UNNAMED: Final = "the recording does not name the publishers"
+_PARTLY: Final = "a recording contains only published messages"
 _OVER: Final = "the recording has ended"
 
 
@@ -165,7 +165,7 @@ class BagConnection:
             raise RobotError("KG803", f"{self.address}: {_OVER if self._lost.done() else 'the recording is closed'}")
         sources = [one for one in self._bag.sources if one.topic == topic]
         if not sources and kind is None:
-            hint = f"List what was with `kg robot topics --robot {self.address}`."
+            hint = f"List the recorded topics with `kg robot topics --robot {self.address}`."
             raise RobotError("KG804", f"`{topic}` was not recorded", hint=hint)
         if topic in self._bag.unreadable:
             raise self._bag.unreadable[topic]

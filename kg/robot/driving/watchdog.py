@@ -104,7 +104,7 @@ class Watchdog:
         paused = time.clock_gettime(_CLOCK) - self._beaten
         if paused <= (self.silence if self._watched else max(self.silence, _IDLE)):
             return None
-        return RobotError("KG828", f"the process that drives the robot stood still for {paused:.1f} s")
+        return RobotError("KG828", f"the process that drives the robot was stuck for {paused:.1f} s")
 
     async def _beat(self) -> None:
         while True:

@@ -133,7 +133,7 @@ class Types:
         try:
             written = self._store.serialize_ros1(made, kind) if self.ros == 1 else self._store.serialize_cdr(made, kind)
         except (struct.error, UnicodeEncodeError, SerdeError, OverflowError) as error:
-            raise RobotError("KG805", f"the value is no {name}: {error}") from None
+            raise RobotError("KG805", f"the value is not a {name}: {error}") from None
         return bytes(written)
 
     def decode(self, name: str, content: bytes) -> Value:
@@ -143,7 +143,7 @@ class Types:
             read = self._store.deserialize_ros1 if self.ros == 1 else self._store.deserialize_cdr
             return plain(self._store, kind, read(content, kind))
         except Exception as error:  # noqa: BLE001 - the generated code of rosbags raises whatever the bytes lead it to
-            raise RobotError("KG810", f"{len(content)} bytes are no {name}: {error}") from None
+            raise RobotError("KG810", f"{len(content)} bytes are not a {name}: {error}") from None
 
     def complete(self, name: str, value: Value) -> Value:
         """Return the value with the defaults of what it lacks; errors as those of `encode`."""

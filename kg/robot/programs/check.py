@@ -280,7 +280,7 @@ class _Checker:
         if not renewed or statement.seconds is not None:
             return flow
         if not flow.ended:
-            hint = "Write `for 2 s` behind it, or put it into `as soon as ... during`."
+            hint = "Write `for 2 s` after it, or put it into `as soon as ... during`."
             self._warn(path, f"`{capability.label}` runs until the program ends", hint)
         return replace(flow, over=True)
 
@@ -318,7 +318,7 @@ class _Checker:
         for parameter in capability.parameters:
             if parameter.name not in given | placed and parameter.default is None:
                 of_place = takes_place(capability, AT) and parameter.name in {"x", "y"}
-                hint = f"Write `{parameter.name}: ...` behind it{f', or `{AT}:` and a place' if of_place else ''}."
+                hint = f"Write `{parameter.name}: ...` after it{f', or `{AT}:` and a place' if of_place else ''}."
                 self._wrong(path, f"`{capability.label}` needs its `{parameter.name}`", hint, "KG832")
 
     def _place(self, capability: Capability, value: Expression, path: str) -> None:
@@ -392,7 +392,7 @@ class _Checker:
         """Check how often a sequence is repeated; tell whether it surely is at all."""
         kind = self._number(statement.times, f"{path}/times")
         if kind.name == "number" and kind.dimension:
-            hint = "Use `wait`, or `for 2 s` behind a movement, for times."
+            hint = "For durations, use `wait`, or `for 2 s` after a movement."
             self._wrong(
                 f"{path}/times", f"the number of repetitions must be a plain number, but this is {kind}", hint, "KG833"
             )

@@ -185,7 +185,7 @@ class Kinds:
         for kind, other in ((left, expression.right), (right, expression.left)):
             if isinstance(other, Written) and other.unit is None and kind.dimension:
                 units = [symbol for symbol, unit in UNITS.items() if unit.dimension == kind.dimension]
-                hint = f"Write a unit behind {other.value:g}: {', '.join(units) or described(kind.dimension)}."
+                hint = f"Write a unit after {other.value:g}: {', '.join(units) or described(kind.dimension)}."
         return self._wrong(path, f"`{expression.operator}` does not go with {left} and {right}", hint)
 
 

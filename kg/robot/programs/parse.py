@@ -161,7 +161,7 @@ def _place(cursor: Cursor, path: str, depth: int) -> Position:
             raise cursor.refused(name, f"{name} is not allowed here", "A place has an x, a y, and maybe z and heading.")
         cursor.take()
         if not cursor.sign(":"):
-            raise cursor.expected(f"`:` behind `{part}`")
+            raise cursor.expected(f"`:` after `{part}`")
         cursor.take()
         said[part] = _level(cursor, f"{path}/{part}", depth + 1, 0)
     if not cursor.sign(")"):
@@ -468,7 +468,7 @@ def _on_event(cursor: Cursor, path: str, depth: int) -> OnEvent | None:
     identifier = _id(cursor)
     then, comment = _sequence(cursor, f"{path}/then", depth + 1)
     if not cursor.phrase("during"):
-        raise cursor.expected("`during`", hint="After `during`, write what to do meanwhile.")
+        raise cursor.expected("`during`", hint="After `during`, write the statements to run.")
     body, rest = _block(cursor, f"{path}/body", "as soon as" if end else "whenever", depth)
     comment = "\n".join(filter(None, (comment, rest)))
     return OnEvent(id=identifier, comment=comment, condition=condition, then=then, body=body, end=end)
@@ -540,7 +540,7 @@ def _argument_name(cursor: Cursor) -> str:
     while cursor.kind("word"):
         words.append(cursor.take().value)
     if not cursor.sign(":", "="):
-        raise cursor.expected(f"`:` behind the name `{' '.join(words)}`")
+        raise cursor.expected(f"`:` after the name `{' '.join(words)}`")
     cursor.take()
     return " ".join(words)
 

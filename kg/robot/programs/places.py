@@ -132,7 +132,7 @@ def at_place(capability: Capability, arguments: Mapping[str, Any], places: Place
         return dict(arguments)
     name = str(arguments[AT])
     if name not in places:
-        known = f"It is one of: {', '.join(places)}." if places else "Name a file that says where it is (`--places`)."
+        known = f"It is one of: {', '.join(places)}." if places else "Name a file that defines it (`--places`)."
         raise RobotError("KG823", f"no place is called `{name}`", hint=did_you_mean(name, places) or known)
     said = {part: values.written(one) for part, one in places[name].parts().items() if isinstance(one, Written)}
     of_place = values.of_place(values.place(said))

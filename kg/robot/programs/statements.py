@@ -436,8 +436,8 @@ class Statements:
         elif await first(waiting, self._pace.sleep(seconds)) is None:
             if statement.otherwise is None:
                 shown = values.shown(values.Quantity(seconds, (("s", 1),)))
-                hint = "Write `otherwise` behind it for what to do then."
-                raise RobotError("KG837", f"this did not come true within {shown}", hint=hint)
+                hint = "Add `otherwise` with the statements to run in that case."
+                raise RobotError("KG837", f"the condition was not met within {shown}", hint=hint)
             await self.sequence(statement.otherwise, f"{path}/otherwise")
 
     async def _until(self, condition: Expression, path: str, statement: Statement, *, holds: bool = True) -> None:

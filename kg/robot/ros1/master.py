@@ -181,7 +181,7 @@ class Master:
         if not all(checked):
             return [-1, f"{method}: `{shown(arguments[1 + checked.index(False)])}` does not fit", 0]
         code, value = getattr(self, f"_on_{name}")(_slashed(arguments[0]), *arguments[1:])
-        return [code, "" if code == 1 else f"{method}: there is no {shown(arguments[1])}", value]
+        return [code, "" if code == 1 else f"{method}: unknown {shown(arguments[1])}", value]
 
     def _on_pid(self, _: str) -> tuple[int, int]:
         return 1, os.getpid()

@@ -36,7 +36,9 @@ async def probe(caller: str, uri: str, service: str, *, seconds: float = 2.0) ->
     except OSError as error:
         raise RobotError("KG803", f"{uri} cannot be reached: {error.strerror or error}") from None
     if not is_type(header.get("type")):
-        raise RobotError("KG810", f"{uri} tells {shown(header.get('type') or header.get('error'))} of `{service}`")
+        raise RobotError(
+            "KG810", f"{uri} reports {shown(header.get('type') or header.get('error'))} as the type of `{service}`"
+        )
     return header["type"]
 
 

@@ -100,7 +100,7 @@ def misfit(offer: Qos, ask: Qos) -> str | None:
     if offer.reliability == "best_effort" and ask.reliability == "reliable":
         return "it offers best effort, reliable delivery is asked for"
     if offer.durability == "volatile" and ask.durability == "transient_local":
-        return "it keeps no messages for those that come later, which is asked for (transient local)"
+        return "it does not keep messages for late subscribers (transient local), which the subscriber requires"
     if ask.deadline is not None and (offer.deadline is None or offer.deadline > ask.deadline):
         return f"a message every {ask.deadline:g} s is asked for, which it does not promise"
     if offer.liveliness == "automatic" and ask.liveliness == "manual_by_topic":

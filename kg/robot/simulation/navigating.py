@@ -311,7 +311,7 @@ class Navigator:
             if left < nearest - _NEARER:
                 nearest, since = left, clock.now()
             elif clock.now() - since > _PATIENCE:
-                accepted.abort(f"the robot comes no nearer, {left:.1f} m before its goal")
+                accepted.abort(f"the robot is not getting closer, {left:.1f} m before its goal")
                 break
             await accepted.feedback(self._progress(pose, left))
             await clock.sleep(_PERIOD)

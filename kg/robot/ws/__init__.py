@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["connect"]
 
-_HINT = "foxglove_bridge and rosbridge_server are bridges; the latter needs `rosapi` beside it."
+_HINT = "foxglove_bridge and rosbridge_server are bridges; the latter needs `rosapi`."
 _OPENING = 5.0
 """Seconds that a server may take to answer."""
 _PING = 3.0
@@ -69,7 +69,7 @@ async def connect(address: str, name: str, types: Types | None = None) -> Bridge
         await asyncio.wait_for(connection.begin(), _OPENING)
     except TimeoutError:
         await connection.aclose()
-        raise RobotError("KG802", f"{address} answers, but does not say what it bridges", hint=_HINT) from None
+        raise RobotError("KG802", f"{address} answers, but does not report what it bridges", hint=_HINT) from None
     except BaseException:
         await connection.aclose()
         raise

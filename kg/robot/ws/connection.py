@@ -176,7 +176,7 @@ class BridgeConnection:
 
     async def _impossible(self, *_given: Any, **_options: Any) -> NoReturn:
         """Raise RobotError KG852: bridges carry topics and services only."""
-        raise RobotError("KG852", f"{self.address} is a bridge, over which kg neither gives goals nor serves anything")
+        raise RobotError("KG852", f"{self.address} is a bridge; kg cannot send goals or offer services over it")
 
     send_goal = canceller = serve = serve_action = _impossible
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 SUBPROTOCOLS: Final = [Subprotocol("foxglove.sdk.v1"), Subprotocol("foxglove.websocket.v1")]
 UNKNOWN: Final = "/_bridged"
 """The node that stands for all where the bridge does not tell who publishes what."""
-_UNNAMED: Final = "the bridge does not tell which nodes there are"
+_UNNAMED: Final = "the bridge does not report nodes"
 _ENCODINGS: Final = {"ros1": 1, "cdr": 2}
 _MESSAGE: Final = struct.Struct("<BIQ")
 _CALL: Final = struct.Struct("<BIII")
@@ -94,7 +94,7 @@ class Foxglove(Bridge):
             case "connectionGraphUpdate":
                 self._take_graph(told)
             case "serviceCallFailure":
-                self._answer(told["callId"], RobotError("KG808", f"the bridge says: {told['message']}"))
+                self._answer(told["callId"], RobotError("KG808", f"the bridge reports: {told['message']}"))
             case "status" if told["level"] > 0:
                 self._report(GraphProblem("KG810", "the bridge", str(told["message"])[:500]))
         self._news.set()
@@ -158,7 +158,7 @@ class Foxglove(Bridge):
         """Return the type of a topic, and learn it from the server."""
         channel = next((one for one in self._channels.values() if one["topic"] == topic), None)
         if channel is None and kind is None:
-            raise RobotError("KG804", f"the bridge does not offer `{topic}`, so that nobody reports its type")
+            raise RobotError("KG804", f"the bridge does not offer `{topic}`, so its type is unknown")
         if channel is None:
             self.types.fields(kind or "")
             return kind or ""

@@ -109,8 +109,8 @@ class Rosbridge(Bridge):
         try:
             await self._look(whole=True)
         except RobotError as error:
-            hint = "Start `rosapi` beside the bridge: rosbridge_websocket_launch.xml does."
-            raise RobotError("KG802", f"rosapi does not tell what is bridged: {error.message}", hint=hint) from None
+            hint = "Start `rosapi` with the bridge, as rosbridge_websocket_launch.xml does."
+            raise RobotError("KG802", f"rosapi does not report what is bridged: {error.message}", hint=hint) from None
         self._polling = spawn(self._poll(), "asking rosapi")
 
     async def _poll(self) -> None:
@@ -191,7 +191,7 @@ class Rosbridge(Bridge):
             await self._look(whole=False)
         told = self._topics.get(topic)
         if told is None and kind is None:
-            raise RobotError("KG804", f"no node has `{topic}`, so that nobody reports its type")
+            raise RobotError("KG804", f"no node has `{topic}`, so its type is unknown")
         if kind is not None and told not in {None, kind}:
             raise RobotError("KG806", f"`{topic}` is of the type {told}, not {kind}")
         found = told or kind or ""

@@ -161,7 +161,7 @@ class _Draft:
     def _expect(self, kind: str, words: list[str], triples: tuple[Triple, ...], place: Place) -> None:
         exactly = kind == "expect" and words == ["exactly"]
         if words and not exactly:
-            raise RuleError("KG221", f"`{' '.join(words)}` says nothing about {kind}", place=place, hint=_HINT)
+            raise RuleError("KG221", f"`{' '.join(words)}` does not mention {kind}", place=place, hint=_HINT)
         if not triples and not exactly:
             hint = "Write triples, or `turtle expect exactly` for an example in which nothing is inferred."
             raise RuleError("KG221", f"the block {kind} has no triples", place=place, hint=hint)
@@ -171,7 +171,7 @@ class _Draft:
         for word in words:
             key, sign, names = word.partition("=")
             if key != "with" or not sign or not all(names.split(",")):
-                raise RuleError("KG221", f"`{word}` says nothing about given data", place=place, hint=_HINT)
+                raise RuleError("KG221", f"`{word}` has no given data", place=place, hint=_HINT)
             self.others.update(dict.fromkeys(names.split(","), place))
 
     def _triples(self, fence: Fence, place: Place) -> Iterator[Triple]:
@@ -193,9 +193,8 @@ class _Draft:
         for each in self.expectations:
             stated = [triple for triple in each.triples if triple in given and each.kind != "not"]
             if stated:
-                message = (
-                    f"`{spell_triple(stated[0], self.prefixes)}` is expected and given; what is given is not inferred"
-                )
+                triple = spell_triple(stated[0], self.prefixes)
+                message = f"`{triple}` is given and expected; given facts are not inferred"
                 raise RuleError("KG221", message, place=each.place, hint="Take it out of one of the two blocks.")
         return Example(
             self.title,

@@ -84,13 +84,14 @@ def _hint(element: Element | None, file: RuleFile, context: Context) -> str:
         heads = ((rule.name, head) for rule in context.cut or context.rules.rules for head in rule.head)
         writer = next((name for name, head in heads if name != file.name and depends(element, head)), None)
         if writer:
-            return f"{writer} derives such triples: see whether it fires; `kg rules run` applies it."
-        return "Correct the names in it, or build the packages that would state it; `kg why-not` goes deeper."
+            return f"{writer} infers such triples: check whether it fires; `kg rules run` applies it."
+        return "Correct the names in it, or build the packages that assert it; `kg why-not` shows more."
     if isinstance(element, Filter | Assignment):
-        return "All before it has matches: compare the values that it sees there with what it asks for."
+        return "The parts before it match: compare the values they bind with those it requires."
     if isinstance(element, Exists):
-        return f"All before it has matches, and {'all' if element.negated else 'none'} of them have what stands in it."
-    return "All before it has matches, and none of them goes with this part."
+        count = "all" if element.negated else "none"
+        return f"The parts before it match, but {count} of the matches satisfy the pattern inside it."
+    return "The parts before it match, but no match satisfies this part."
 
 
 def _auxiliary(rule: Rule) -> bool:

@@ -29,7 +29,7 @@ _WHOLE: Final = re.compile(
 """What makes an inner SELECT of a group whose variables it all gives: a row's facts are those of the group."""
 _UNBOUND: Final = "KG203"
 """Of a variable that only an inner SELECT knows."""
-_HINT: Final = "Rows of queries that group or count are explained by asking for the rows behind them."
+_HINT: Final = "To explain a row of a query that groups or counts, query for the grouped rows."
 _MERGING: Final = frozenset(
     {"AVG", "COUNT", "DISTINCT", "GROUP", "GROUP_CONCAT", "HAVING", "MAX", "MIN", "REDUCED", "SAMPLE", "SUM"}
 )

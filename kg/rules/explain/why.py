@@ -136,7 +136,7 @@ def why_all(view: View, rules: tuple[Rule, ...], fact: Triple) -> tuple[Proof, .
 def _searched(view: View, rules: tuple[Rule, ...], fact: Triple, *, shortest: bool) -> _Search:
     if not view.graphs(fact):
         message = f"the store does not hold {_spelt(view, fact)}"
-        raise RuleError("KG226", message, hint="`kg why-not` says what is missing.")
+        raise RuleError("KG226", message, hint="`kg why-not` shows what is missing.")
     for width in _WIDTHS:
         search = _Search(view, rules, width)
         found = search.explore(fact, _MOST_FACTS)

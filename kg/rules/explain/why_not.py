@@ -95,7 +95,7 @@ def instead(view: View, fact: Triple) -> tuple[str, ...]:
         return ("the store holds it: `kg why` explains it",)
     properties = {view.spelt(each) for each in view.predicates(fact.subject, _CANDIDATES)}
     if not properties:
-        return (f"the store says nothing about {view.spelt(fact.subject)}",)
+        return (f"the store has no facts about {view.spelt(fact.subject)}",)
     ranked = sorted(_alternatives(view, fact.subject, fact.predicate, fact.object), key=lambda each: -each[0])
     texts = [text for score, text in ranked[:_FEW] if score > _ALIKE]
     wanted = view.spelt(fact.predicate)

@@ -82,7 +82,7 @@ def _stored(pattern: Pattern, stem: str) -> Term | None:
 
 
 def _literal_subject(place: Place) -> RuleError:
-    hint = "RDF has IRIs and blank nodes as subjects; say it the other way round."
+    hint = "Subjects in RDF are IRIs or blank nodes; swap subject and object."
     return RuleError("KG209", "the subject of a triple must be an IRI or a blank node", place=place, hint=hint)
 
 

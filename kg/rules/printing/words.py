@@ -30,7 +30,7 @@ def to_rq(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:
 def construct(rule: Rule) -> str:
     """Return the CONSTRUCT query of one rule, names as IRIs in brackets."""
     if any(atom.asserted for atom, _ in atoms_of(rule.body)):
-        hint = "SPARQL RL says that: print it as .srl."
+        hint = "SPARQL RL can express it: print it as .srl."
         raise refusal(rule, "reads asserted data alone, which SPARQL has no word for", hint)
     body = sparql.indented(sparql.group(rule.body))
     return f"CONSTRUCT {{\n{sparql.indented(head(rule.head))}\n}}\nWHERE {{\n{body}\n}}"

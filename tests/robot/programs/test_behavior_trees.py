@@ -138,7 +138,7 @@ def test_what_is_no_tree_is_refused(text: str) -> None:
     [
         ("whenever pressed of sensingContact\n  stop\nduring\n  wait 1 s\nend", "`whenever` has no node"),
         ("if absolute(x of sensingPose) < 1 m then stop end", "scripts have no `absolute`"),
-        ('log "it\'s " + "late"', "a text behind a text"),
+        ('log "it\'s " + "late"', "a text joined to a text"),
         ("for each one in places of sensingContact\n  wait 1 s\nend", "has no lists"),
         ("wait 0.5 ms", "a whole number of milliseconds"),
         ("set t to 1 s\nwait t", "a number, not a calculation"),

@@ -165,7 +165,7 @@ class _Evaluation:
         return name, state.text(scope, element, "value"), state.text(scope, element, "default"), words
 
     def _declared(self, scope: Scope, element: Element, what: tuple[str, str | None, str | None]) -> None:
-        """Keep an argument of the file that is started; one that nobody gives is not known."""
+        """Keep an argument of the file that is started; one that is not given is unknown."""
         name, value, default = what
         if name not in scope.arguments:
             scope.arguments[name] = HOLE

@@ -233,7 +233,7 @@ def leaf_of(value: object, line: int = 1, keys: tuple[str, ...] = ()) -> Leaf:
     if isinstance(value, bytes):
         return Leaf(keys, line, None, kind, "it is binary")
     if value == HOLE:
-        return Leaf(keys, line, None, None, "it depends on what is not known")
+        return Leaf(keys, line, None, None, "it depends on an unknown value")
     try:
         written = shown(one_line(value))
     except ValueError:

@@ -150,7 +150,7 @@ def _values(state: State, scope: Scope, element: Element, name: str) -> tuple[Le
     if reason is not None:
         return (_unknown(element, "" if given[0] == "binfile" else kind, reason),)
     if text == HOLE:
-        return (_unknown(element, kind, f"it depends on what is not known: {element.attributes[given[0]]}"),)
+        return (_unknown(element, kind, f"it depends on an unknown value: {element.attributes[given[0]]}"),)
     return _converted(state, scope, element, (text, kind))
 
 

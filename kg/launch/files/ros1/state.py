@@ -70,7 +70,7 @@ class Scope:
     arguments: dict[str, str] = field(default_factory=dict)
     declared: set[str] = field(default_factory=set)
     uncertain: set[str] = field(default_factory=set)
-    """Arguments whose declaration depends on what is not known: a second one is no fault."""
+    """Arguments whose declaration depends on an unknown value: a second one is no fault."""
     private: list[Private] = field(default_factory=list)
     environment: list[tuple[str, str]] = field(default_factory=list)
     conditions: tuple[str, ...] = ()
@@ -286,7 +286,7 @@ class State:
         """Return the file that a text names, or None and the reason, which is a problem."""
         found = self.files.find(text)
         if HOLE in text:
-            found = Found(None, reason=f"the file {text} depends on what is not known", subject=text)
+            found = Found(None, reason=f"the file {text} depends on an unknown value", subject=text)
         if found.reason is None:
             return found.file, None
         self.problem(scope, line, found.kind, found.reason, found.subject)

@@ -51,7 +51,7 @@ class Condition:
     @property
     def words(self) -> str:
         """The condition, in the words of the file."""
-        text = self.written or "what is known only when it runs"
+        text = self.written or "a value known only at run time"
         return f"not {text}" if self.negated else text
 
 

@@ -179,8 +179,8 @@ def _converted(text: str) -> tuple[str | None, str | None]:
 
 
 _ALL: Final = "/**"
-_AT_RUN_TIME: Final = "it depends on what is known only when it runs"
-_UNREAD: Final = "what its parameter file says is not known"
+_AT_RUN_TIME: Final = "it depends on values known only at run time"
+_UNREAD: Final = "its parameter file is unknown"
 _Given: TypeAlias = tuple[str, LaunchParameter, LaunchParameter]
 """The name of node that a parameter is written for, the parameter of that node alone, and the same with the name."""
 

@@ -163,7 +163,7 @@ class _Tree:
 
     def _refused(self, message: str, path: str) -> RobotError:
         place = self._place(path) if self._place else None
-        return RobotError("KG841", f"no behaviour tree says this: {message}", place=place)
+        return RobotError("KG841", f"a behaviour tree cannot express this: {message}", place=place)
 
     def _note(self, node: _Element, hint: str, comment: str, path: str) -> None:
         try:
@@ -311,7 +311,7 @@ class _Tree:
             case bare:
                 ports = {}
         if isinstance(bare, Written) and isinstance(bare.value, str):
-            raise ScriptError("a text behind a text")
+            raise ScriptError("a text joined to a text")
         ports["value"], before = self._given("log", "value", bare)
         if dimension := self._kinds.of(value, "").dimension:
             ports["unit"] = described(dimension)
@@ -376,8 +376,8 @@ class _Tree:
             models.append(model)
         if self._logs:
             log = _node("Action", ID="Log")
-            log.append(_described("input_port", "message", "std::string", "what is told"))
-            log.append(_described("input_port", "value", "BT::AnyTypeAllowed", "a value told behind it"))
+            log.append(_described("input_port", "message", "std::string", "text to log"))
+            log.append(_described("input_port", "value", "BT::AnyTypeAllowed", "a value to log after the text"))
             log.append(_described("input_port", "unit", "std::string", "the unit of the value"))
             models.append(log)
         return models

@@ -162,7 +162,7 @@ class _Reader:
         trees = {str(one.get("ID")): one for one in self._root.findall("BehaviorTree")}
         main = self._root.get("main_tree_to_execute") or (next(iter(trees)) if len(trees) == 1 else None)
         if main is None or main not in trees:
-            raise self._refused(self._root, f"there is no tree `{main}`" if main else "no tree is the main one")
+            raise self._refused(self._root, f"unknown tree `{main}`" if main else "no tree is the main one")
         tree = trees[main]
         self._trees = trees
         self._within.append(main)
@@ -514,7 +514,7 @@ class _Reader:
         """Return the statements of another tree, which shares its variables by the same names only."""
         name = str(node.get("ID") or "")
         if name not in self._trees:
-            raise self._refused(node, f"there is no tree `{name}`")
+            raise self._refused(node, f"unknown tree `{name}`")
         if name in self._within:
             raise self._refused(node, f"the tree `{name}` contains itself", "Programs have no recursion.")
         before = []

@@ -136,7 +136,7 @@ class _Reader:
         found = self._prologue(list(tokens(self._text)))
         if not found or found[0].text.upper() != form:
             offset = self._offset(found[0]) if found else None
-            hint = f"sh:{form.lower()} has a {form} query; PREFIX may stand before it."
+            hint = f"sh:{form.lower()} has a {form} query; only PREFIX declarations may precede it."
             raise self._error(f"expected a {form} query", offset, hint)
         words = [self._word(number, found) for number in range(len(found))]
         opening = next((number for number, word in enumerate(words) if word.text == "{"), len(words))
@@ -156,7 +156,7 @@ class _Reader:
             if size == 3 and len(found) > size:  # noqa: PLR2004 - PREFIX name: <iri>
                 self._prefixes[found[1].text.rstrip(":")] = found[2].text[1:-1]
             elif found[0].text.upper() == "BASE":
-                raise self._error("BASE cannot stand in a query of a shapes graph", self._offset(found[0]))
+                raise self._error("BASE is not allowed in a query of a shapes graph", self._offset(found[0]))
             found = found[size:]
         return found
 

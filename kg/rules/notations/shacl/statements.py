@@ -335,12 +335,12 @@ class _Rule:
         if refused is not None:
             hint = "Rules read all of the data; take FROM away."
             raise self._graph.error(
-                "FROM cannot stand in a rule", self._rule, code="KG209", hint=hint, offset=refused.offset
+                "FROM is not allowed in a rule", self._rule, code="KG209", hint=hint, offset=refused.offset
             )
         if any(word.text.upper() in {"LIMIT", "OFFSET", "GROUP", "HAVING", "VALUES"} for word in query.modifiers):
             hint = "Put a sub-SELECT into the group."
             offset = query.modifiers[0].offset
-            message = "a solution modifier behind the group is not supported"
+            message = "a solution modifier after the group is not supported"
             raise self._graph.error(message, self._rule, code="KG230", hint=hint, offset=offset)
         if not head or head[0].text != "{":
             return query.group, query.group
