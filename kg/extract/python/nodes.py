@@ -22,7 +22,7 @@ from kg.names import normalise
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
 from kg.symbolic.state import Arguments, Site
-from kg.symbolic.values import Kind, Object, Text, TypeValue
+from kg.symbolic.values import Closure, Kind, Object, Text, TypeValue
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -38,12 +38,13 @@ _RECURSION: Final = 20_000
 
 @dataclass(frozen=True, slots=True)
 class _Root:
-    """Where a node begins: the statements of a file, or a function of an entry point."""
+    """Where a node begins: the statements of a file, a function of an entry point, or a class at `line`."""
 
     name: str
     executable: str | None
     kind: NodeKind
     path: str
+    line: int = 1
     function: str | None = None
     plugin: str | None = None
 
@@ -78,7 +79,7 @@ class _Nodes:
         for plugin in self._build.plugins:
             cls = self._plugin_class(plugin)
             if cls is not None:
-                root = _Root(cls.name, None, NodeKind.PLUGIN, cls.unit.path, plugin=plugin.name)
+                root = _Root(cls.name, None, NodeKind.PLUGIN, cls.unit.path, cls.line, plugin=plugin.name)
                 yield from self._plugin(cls, plugin, root)
         for path in self._files():
             yield from self._classes(path)
@@ -89,7 +90,7 @@ class _Nodes:
         for entry in self._build.entry_points:
             if entry.path is not None:
                 seen.add(entry.path)
-                yield _Root(entry.name, entry.name, NodeKind.EXECUTABLE, entry.path, entry.function)
+                yield _Root(entry.name, entry.name, NodeKind.EXECUTABLE, entry.path, function=entry.function)
         for script in self._build.scripts:
             if script.path not in seen:
                 seen.add(script.path)
@@ -116,7 +117,10 @@ class _Nodes:
         language.machine.stack.append(Site(unit, 1))
         module = language.module(unit)
         if root.function:
-            language.calls.value(language.member(module, root.function))
+            held = language.member(module, root.function)
+            if isinstance(held, Closure) and held.function.unit is unit:
+                root = replace(root, line=held.function.line)
+            language.calls.value(held)
         language.machine.drain()
         if framework.nodes or framework.node_names or _uses_a_node(framework):
             yield self._extracted(framework, root)
@@ -164,7 +168,7 @@ class _Nodes:
                 continue
             described = framework.described(value.kind) if isinstance(value, TypeValue) else []
             if any(one.is_a == "node" for one in described):
-                found = self._created(cls, _Root(cls.name, None, NodeKind.CLASS, path))
+                found = self._created(cls, _Root(cls.name, None, NodeKind.CLASS, path, cls.line))
                 if found is not None:
                     yield found
 
@@ -202,7 +206,7 @@ class _Nodes:
             kind=root.kind,
             language="python",
             ros=ros,
-            location=Location(root.path, lines[0] if lines else 1),
+            location=Location(root.path, lines[0] if lines else root.line),
             executable=root.executable,
             plugin=root.plugin,
             node_name=named,
