@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final
 
@@ -25,7 +26,7 @@ from kg.symbolic.state import Arguments, Site
 from kg.symbolic.values import Closure, Kind, Object, Text, TypeValue
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
@@ -44,7 +45,7 @@ class _Root:
     executable: str | None
     kind: NodeKind
     path: str
-    line: int = 1
+    line: int | None = None
     function: str | None = None
     plugin: str | None = None
 
@@ -200,13 +201,12 @@ class _Nodes:
         parameters = tuple(replace(one, name=_clean(one.name)) for one in parameters)
         stacks = [one.stack for one in framework.declared] + [stack for _, _, stack, _ in framework.marks]
         places = [stack[-1] for stack in (*stacks, *framework.node_sites)]
-        lines = [stack[-1].line for stack in framework.node_sites if stack[-1].unit.path == root.path]
         node = NodeType(
             name=root.name,
             kind=root.kind,
             language="python",
             ros=ros,
-            location=Location(root.path, lines[0] if lines else root.line),
+            location=Location(root.path, _line(root, framework.node_sites, stacks)),
             executable=root.executable,
             plugin=root.plugin,
             node_name=named,
@@ -225,6 +225,18 @@ class _Nodes:
         versions = {one.effect.ros for one in framework.declared} - {0}
         data = self._reader.read(root.path) or b""
         return min(versions, default=2 if b"rclpy" in data else 1)
+
+
+def _line(root: _Root, nodes: Iterable[tuple[Site, ...]], interfaces: Iterable[tuple[Site, ...]]) -> int:
+    """Return the line of a file that creates its node, or calls what does; else the call that leads to an interface.
+
+    The first site of a stack is the root itself.
+    """
+    created = (stack[-1] for stack in nodes)
+    called = (site for stack in nodes for site in reversed(stack[1:]))
+    led = (site for stack in interfaces for site in stack[1:]) if root.line is None else ()
+    lines = (site.line for site in chain(created, called, led) if site.unit.path == root.path)
+    return next(lines, root.line or 1)
 
 
 def _uses_a_node(framework: Framework) -> bool:
