@@ -190,9 +190,9 @@ def test_what_kg_writes_conforms_to_the_shapes() -> None:
 
 
 MISSING = {
-    "<https://w3id.org/rnkg/ns#contains> <https://w3id.org/rnkg/node/": "it must stand in exactly one package",
+    "<https://w3id.org/rnkg/ns#contains> <https://w3id.org/rnkg/node/": "it must be in exactly one package",
     "publisher/odom> <https://w3id.org/rnkg/ns#line>": "it must have exactly one line, counted from one",
-    "publisher/odom> <https://w3id.org/rnkg/ns#resolution>": "it must say in exactly one way how its name became known",
+    "publisher/odom> <https://w3id.org/rnkg/ns#resolution>": "it must have exactly one resolution of its name",
     "/port> <https://w3id.org/rnkg/ns#access>": "it must be read, written or declared",
     "<http://www.w3.org/ns/prov#endedAtTime>": "it must end once",
 }
