@@ -1,4 +1,4 @@
-"""`diagnose`: the problems of a query, the same for all faces."""
+"""`diagnose`: the problems of a query, the same for all interfaces."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
 def diagnose(
     text: str, snapshot: Snapshot, declared: Mapping[str, str] | None = None, used: Iterable[str] = ()
 ) -> list[dict[str, Any]]:
-    """Return the problems of the query `text`: the first error, and warnings when there is none or it is small.
+    """Return the problems of the query `text`: the first error; warnings if there is none or it is minor.
 
-    Each has `severity` (error or warning), `code`, `message`, `hint` (null without one), `line` and `column` of its
-    first character and `endLine` and `endColumn` behind its last, counted from one in code points; the same as the
-    offsets `start` and `end` in the text; and `fixes`: a `title` and the `edits` (`start`, `end`, `text`) that mend it,
-    in offsets of the text as it is. `declared` are further prefixes to suggest, `used` the IRIs of further terms. A
-    blank text has no problems.
+    Each has `severity` (error or warning), `code`, `message`, `hint` (may be null), the `line` and `column` of its
+    first character, `endLine` and `endColumn` after its last, counted from one in code points, and the same as offsets
+    `start` and `end`. Its `fixes` have a `title` and `edits` (`start`, `end`, `text`), as offsets in the original text.
+    `declared` contains further prefixes to suggest, `used` the IRIs of further terms. A text without tokens has no
+    problems.
     """
     if not text.strip():
         return []
@@ -60,7 +60,7 @@ def _error(text: str) -> QueryError | None:
     except SyntaxError as error:
         return syntax_error(error, text, "query")
     except (RuntimeError, ValueError):
-        # The query parses; what the engine makes of it is told when it is run.
+        # The query parses; other errors are reported when it runs.
         return None
     return None
 
@@ -122,7 +122,7 @@ def _problem(
 
 
 def _moved(problem: dict[str, Any], text: str) -> dict[str, Any]:
-    """Return a problem with its offsets in the text before its ends of lines were made one character each."""
+    """Return a problem with its offsets in the original text, before line ends were normalized."""
     offsets = []
     for index, character in enumerate(text):
         if not (character == "\n" and index and text[index - 1] == "\r"):

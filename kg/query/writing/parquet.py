@@ -1,6 +1,6 @@
-"""Rows as a file of Apache Parquet, for tables too large for text; needs the extra `parquet` (pyarrow).
+"""Rows as an Apache Parquet file, for tables too large for text; needs the extra `parquet` (pyarrow).
 
-A column of numbers or booleans alone is of that type, any other is text: IRIs whole, literals by their text.
+A column with only numbers or only booleans has that type. Any other is text: full IRIs, and the text of literals.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _MOST: Final = 1 << 63
 
 
 def is_installed() -> bool:
-    """Tell whether answers can be written so."""
+    """Return whether pyarrow is installed."""
     return find_spec("pyarrow") is not None
 
 
