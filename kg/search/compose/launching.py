@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from kg.search.compose.details import Unset
 
 _MOST: Final = 8
-"""How many inputs of a node are named one by one."""
+"""Largest number of inputs of a node that are listed."""
 
 
 def launch_text(chain: Composed) -> str:

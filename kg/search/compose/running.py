@@ -1,4 +1,4 @@
-"""Answers a question: the best chains for each version of ROS, wired."""
+"""Answer a request: the best chains for each version of ROS, wired."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ _VERSIONS: Final = (1, 2)
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A question for chains from any type of `sources` to any of `targets`, through everything in `using`.
+    """A request for chains from any type of `sources` to any of `targets`, through everything in `using`.
 
-    `ros` is 1 or 2, None for both; `limit` is how many chains are returned. `length` is the largest number
+    `ros` is 1 or 2, None for both; `limit` is the number of chains to return. `length` is the largest number
     of nodes; None means four, without chains longer than the best one by more than a node.
     """
 
@@ -47,17 +47,17 @@ class Question:
 
     @property
     def most(self) -> int:
-        """How many nodes a chain may have."""
+        """Largest number of nodes in a chain."""
         return LENGTH if self.length is None else self.length
 
 
 def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -> Answer:
     """Return the best chains, the best first.
 
-    The network is cached below the folder `cache`, if given.
+    The network is cached in the folder `cache`, if given.
 
     Raises:
-        UnknownNameError: KG705 for a type that no node has, KG706 when there is no chain, KG707 for an unknown name in
+        UnknownNameError: KG705 for a type that no node has, KG706 if there is no chain, KG707 for an unknown name in
             `using`.
     """
     known = network(snapshot, cache)
@@ -77,7 +77,7 @@ def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -
 
 
 def searches(known: Network, meant: Asked, question: Question) -> list[Search]:
-    """Return the search of each version of ROS that is asked for."""
+    """Return a search for each requested version of ROS."""
     link = between(known)
     starts = {name: meant.types.get(name, 0) for name in meant.starts}
     return [
