@@ -56,7 +56,7 @@ def connectivity(neighbours: Neighbours) -> Connectivity:
     count = degrees.size
     parts = _parts(neighbours)
     exact = count <= _SAMPLE
-    sources = range(count) if exact else random.Random(0).sample(range(count), _SAMPLE)  # noqa: S311 - no secret
+    sources = range(count) if exact else random.Random(0).sample(range(count), _SAMPLE)  # noqa: S311 - not a secret
     lengths = _lengths(neighbours, np.array(sources, np.int64))
     pairs = lengths.total()
     return Connectivity(

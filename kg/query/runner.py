@@ -52,7 +52,7 @@ def in_thread(work: Callable[[], Answer], timeout: float | None) -> Answer:
     def run() -> None:
         try:
             answer.set_result(work())
-        except BaseException as error:  # noqa: BLE001 - it is raised where the answer is waited for
+        except BaseException as error:  # noqa: BLE001 - raised again by the waiting thread
             answer.set_exception(error)
 
     thread = threading.Thread(target=run, daemon=True)

@@ -70,7 +70,7 @@ class Asked(Protocol):
 
 def statistics(snapshot: Asked) -> Statistics:
     """Return the figures of a store, from a snapshot or its columns."""
-    from kg.query.connectivity import Neighbours, connectivity  # noqa: PLC0415 - numbers are loaded here
+    from kg.query.connectivity import Neighbours, connectivity  # noqa: PLC0415 - loads numpy
 
     kinds = {_text(row[0]): _text(row[1]) for row in snapshot.query(stored.internal("entities"))}
     numbers = {iri: number for number, iri in enumerate(sorted(kinds))}

@@ -140,7 +140,7 @@ def _undeclared(found: list[Token], text: str, path: str) -> QueryError | None:
 
 def _no_query(found: list[Token], text: str, path: str) -> QueryError | None:
     """Return the error about a text that does not begin with a query form."""
-    token = _behind_prologue(found)
+    token = _after_prologue(found)
     if token is None:
         return QueryError("KG501", "the query is empty", place=_behind(text, path), hint=_forms())
     if token.text.upper() in _FORMS:
@@ -154,7 +154,7 @@ def _no_query(found: list[Token], text: str, path: str) -> QueryError | None:
 
 def _no_update(found: list[Token], text: str, path: str) -> QueryError | None:
     """Return the error about a text that does not begin with an update operation."""
-    token = _behind_prologue(found)
+    token = _after_prologue(found)
     if token is None or token.text.upper() in _UPDATES:
         return None
     place = place_at(text, token.start, path, token.end)
@@ -169,7 +169,7 @@ def _no_update(found: list[Token], text: str, path: str) -> QueryError | None:
     return QueryError("KG501", f"an update does not begin with `{token.text}`", place=place, hint=hint)
 
 
-def _behind_prologue(found: list[Token]) -> Token | None:
+def _after_prologue(found: list[Token]) -> Token | None:
     position = 0
     while position < len(found) and found[position].text.lower() in {"prefix", "base"}:
         position += 3 if found[position].text.lower() == "prefix" else 2

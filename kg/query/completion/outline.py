@@ -218,12 +218,12 @@ _KEYWORDS: Final = {
     "insert": Slot.TEMPLATE,
     "delete": Slot.TEMPLATE,
 }
-_KEPT: Final = frozenset({"exists", "not", "distinct", "reduced", "named", "silent", "asc", "desc", "data"})
+_WITHOUT_SLOT: Final = frozenset({"exists", "not", "distinct", "reduced", "named", "silent", "asc", "desc", "data"})
 
 
 def _keyword(result: Outline, frame: Frame, word: str) -> bool:
     """Process a keyword; False if the word is not a keyword here."""
-    if word in _KEPT:
+    if word in _WITHOUT_SLOT:
         return True
     if word not in _KEYWORDS or frame.role in {Role.LIST, Role.DATA}:
         return False
@@ -263,25 +263,25 @@ def _number(_result: Outline, frame: Frame, _token: Token) -> None:
     frame.slot = Slot.MODIFIER
 
 
-def _pass(_result: Outline, _frame: Frame, _token: Token) -> None:
+def _keep_slot(_result: Outline, _frame: Frame, _token: Token) -> None:
     """Keep the slot, which may contain several tokens."""
 
 
 _TOKENS: Final[dict[Slot, Callable[[Outline, Frame, Token], None]]] = {
-    Slot.BEGIN: _pass,
+    Slot.BEGIN: _keep_slot,
     Slot.PREFIX: _prefix,
     Slot.NAMESPACE: _namespace,
-    Slot.PROJECTION: _pass,
-    Slot.DATASET: _pass,
-    Slot.CLAUSE: _pass,
-    Slot.TEMPLATE: _pass,
-    Slot.OPENING: _pass,
-    Slot.CONSTRAINT: _pass,
+    Slot.PROJECTION: _keep_slot,
+    Slot.DATASET: _keep_slot,
+    Slot.CLAUSE: _keep_slot,
+    Slot.TEMPLATE: _keep_slot,
+    Slot.OPENING: _keep_slot,
+    Slot.CONSTRAINT: _keep_slot,
     Slot.GRAPH: _graph,
     Slot.COLUMNS: _column,
     Slot.DATA: _data,
-    Slot.MODIFIER: _pass,
-    Slot.ORDER: _pass,
+    Slot.MODIFIER: _keep_slot,
+    Slot.ORDER: _keep_slot,
     Slot.NUMBER: _number,
 }
 
@@ -402,10 +402,10 @@ def _close(result: Outline, sign: str, end: int) -> None:
         return
     closed = result.frames[depth]
     del result.frames[depth:]
-    _behind(result, result.frame, closed, end)
+    _after_bracket(result, result.frame, closed, end)
 
 
-def _behind(result: Outline, frame: Frame, closed: Frame, end: int) -> None:
+def _after_bracket(result: Outline, frame: Frame, closed: Frame, end: int) -> None:
     """Set the slot of `frame` after the bracket `closed` in it."""
     if closed.role is Role.TEMPLATE:
         frame.slot = Slot.CLAUSE

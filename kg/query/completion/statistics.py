@@ -71,11 +71,11 @@ class _Keep(Protocol):
     def __call__(self, key: str, make: Callable[[], _Part], kind: type[_Part], /) -> _Part: ...
 
 
-def _made(_key: str, make: Callable[[], _Part], _kind: type[_Part]) -> _Part:
+def _without_cache(_key: str, make: Callable[[], _Part], _kind: type[_Part]) -> _Part:
     return make()
 
 
-def count(snapshot: Snapshot, keep: _Keep = _made) -> Statistics:
+def count(snapshot: Snapshot, keep: _Keep = _without_cache) -> Statistics:
     """Return the statistics of a snapshot; takes some seconds for millions of quads.
 
     `keep` returns the cached result of a step, or computes it, so an interrupted count resumes where it stopped.

@@ -61,7 +61,7 @@ def typed(text: str, position: int) -> Typed:
         return special
     alone = _ALONE.fullmatch(text, 0, position)
     if alone:
-        return _found(Form.WORD, text, alone.start(1), position, [])
+        return _typed_at(Form.WORD, text, alone.start(1), position, [])
     form, start = Form.NOTHING, position
     if before and before[-1].end == position:
         last = before[-1]
@@ -71,16 +71,16 @@ def typed(text: str, position: int) -> Typed:
         if form is not Form.NOTHING:
             start = last.start
             before = before[:-1]
-    return _found(form, text, start, position, before)
+    return _typed_at(form, text, start, position, before)
 
 
-def _found(form: Form, text: str, start: int, position: int, before: list[Token]) -> Typed:
+def _typed_at(form: Form, text: str, start: int, position: int, before: list[Token]) -> Typed:
     match = _REST.get(form, _ANY).match(text, position)
     end = match.end() if match else position
-    return Typed(form, text[start:position], start, end, before, _moved(text, end))
+    return Typed(form, text[start:position], start, end, before, _tokens_after(text, end))
 
 
-def _moved(text: str, end: int) -> list[Token]:
+def _tokens_after(text: str, end: int) -> list[Token]:
     return [token._replace(start=token.start + end, end=token.end + end) for token in tokens(text[end:])]
 
 
@@ -99,7 +99,7 @@ def _string(text: str, position: int, before: list[Token]) -> Typed | None:
             end = position + _closing(text, position, token.text)
             known = before[:index]
             return Typed(
-                Form.STRING, text[token.end : position], token.start, end, known, _moved(text, end), token.text
+                Form.STRING, text[token.end : position], token.start, end, known, _tokens_after(text, end), token.text
             )
     return None
 
@@ -124,7 +124,7 @@ def _iri(text: str, position: int, before: list[Token]) -> Typed | None:
     known = [token for token in before if token.end <= match.start()]
     if known and (known[-1].kind in _OPERANDS or known[-1].text == ")") and not _follows_term(text, match.start()):
         return None
-    return _found(Form.IRI, text, match.start(), position, known)
+    return _typed_at(Form.IRI, text, match.start(), position, known)
 
 
 def _follows_term(text: str, start: int) -> bool:

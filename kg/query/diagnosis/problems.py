@@ -72,18 +72,18 @@ def _of_error(error: QueryError, text: str, found: list[Token], declared: Mappin
     end = start if place.end_line is None else offset_of(text, place.end_line, place.end_column or 1)
     known = outline(found)
     culprit = next((token for token in found if token.start == start), None)
-    mended = fixes.of_token(text, culprit, known, declared) if culprit else fixes.closing(text, known)
-    return _problem("error", error, (text, start, end), mended)
+    repairs = fixes.of_token(text, culprit, known, declared) if culprit else fixes.closing(text, known)
+    return _problem("error", error, (text, start, end), repairs)
 
 
 def _unbound(text: str, known: Outline) -> Iterator[dict[str, Any]]:
     names = bound(known)
     for use in unbound(known):
-        meant = get_close_matches(use.name, sorted(names))
-        hint = asked([f"?{name}" for name in meant])
-        told = QueryError("KG514", f"nothing gives ?{use.name} a value", hint=hint)
-        mended = fixes.replacing(use.token, [f"?{name}" for name in meant])
-        yield _problem("warning", told, (text, use.token.start, use.token.end), mended)
+        similar = get_close_matches(use.name, sorted(names))
+        hint = asked([f"?{name}" for name in similar])
+        error = QueryError("KG514", f"nothing gives ?{use.name} a value", hint=hint)
+        repairs = fixes.replacing(use.token, [f"?{name}" for name in similar])
+        yield _problem("warning", error, (text, use.token.start, use.token.end), repairs)
 
 
 def _product(text: str, known: Outline) -> Iterator[dict[str, Any]]:
@@ -96,28 +96,28 @@ def _product(text: str, known: Outline) -> Iterator[dict[str, Any]]:
 
 def _unknown(text: str, snapshot: Snapshot, used: Iterable[str]) -> Iterator[dict[str, Any]]:
     for each in unknown(snapshot, text, used):
-        told = QueryError("KG513", f"`{each.token.text}` is not in the store", hint=asked(each.meant))
+        error = QueryError("KG513", f"`{each.token.text}` is not in the store", hint=asked(each.meant))
         span = (text, each.token.start, each.token.end)
-        yield _problem("warning", told, span, fixes.replacing(each.token, each.meant))
+        yield _problem("warning", error, span, fixes.replacing(each.token, each.meant))
 
 
 def _problem(
-    severity: str, told: QueryError, span: tuple[str, int, int], mended: list[dict[str, Any]]
+    severity: str, error: QueryError, span: tuple[str, int, int], repairs: list[dict[str, Any]]
 ) -> dict[str, Any]:
     text, start, end = span
     place = place_at(text, start, "query", end)
     return {
         "severity": severity,
-        "code": told.code,
-        "message": told.message,
-        "hint": told.hint,
+        "code": error.code,
+        "message": error.message,
+        "hint": error.hint,
         "line": place.line,
         "column": place.column,
         "endLine": place.end_line,
         "endColumn": place.end_column,
         "start": start,
         "end": end,
-        "fixes": mended,
+        "fixes": repairs,
     }
 
 
@@ -132,5 +132,5 @@ def _moved(problem: dict[str, Any], text: str) -> dict[str, Any]:
     def moved(part: dict[str, Any]) -> dict[str, Any]:
         return {**part, "start": offsets[part["start"]], "end": offsets[part["end"]]}
 
-    mended = [{**fix, "edits": [moved(edit) for edit in fix["edits"]]} for fix in problem["fixes"]]
-    return {**moved(problem), "fixes": mended}
+    repairs = [{**fix, "edits": [moved(edit) for edit in fix["edits"]]} for fix in problem["fixes"]]
+    return {**moved(problem), "fixes": repairs}

@@ -82,7 +82,7 @@ class Answer:
 
         Raises as `parts`.
         """
-        assert self._process is not None  # noqa: S101 - a cached answer has ended
+        assert self._process is not None  # noqa: S101 - a cached response is complete
         ends = time.monotonic() + seconds
         while self.end is None and self.held_bytes <= most:
             if not await self._process.wait(ends - time.monotonic()):
@@ -92,7 +92,7 @@ class Answer:
 
     async def _receive(self) -> None:
         """Receive one message."""
-        assert self._process is not None  # noqa: S101 - what is known already has ended
+        assert self._process is not None  # noqa: S101 - a cached response is complete
         message = await self._process.receive()
         if message is None:
             raise self._reason(self._process)

@@ -118,7 +118,7 @@ class Pointer:
     def snapshot(self) -> str | None:
         """Return the identity of the current data; None if the store is empty or the pointer file is unreadable."""
         try:
-            status = os.stat(self._path)  # noqa: PTH116 - for each request, at half the cost
+            status = os.stat(self._path)  # noqa: PTH116 - runs for each request, at half the cost
             seen = (status.st_ino, status.st_mtime_ns)
             if seen != self._seen:
                 number = self._layout.current()

@@ -158,7 +158,7 @@ def _become_reader(files: list[int], private: list[socket.socket]) -> NoReturn:
 def _die_with_parent() -> None:
     """On Linux, have the system kill this process when its parent exits."""
     if sys.platform == "linux":
-        import ctypes  # noqa: PLC0415 - for Linux alone
+        import ctypes  # noqa: PLC0415 - only for Linux
 
         ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
 

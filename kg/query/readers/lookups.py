@@ -84,7 +84,7 @@ class LookUps:
             return None
         # A reader reports the error.
         with suppress(SyntaxError, RuntimeError, OSError, ValueError, KgError):
-            return self._found(self._snapshot, question)
+            return self._evaluate(self._snapshot, question)
         return None
 
     def release(self, identity: str | None) -> None:
@@ -121,7 +121,7 @@ class LookUps:
             fresh.close()
 
     @staticmethod
-    def _found(snapshot: EmbeddedSnapshot, question: Question) -> Kept | None:
+    def _evaluate(snapshot: EmbeddedSnapshot, question: Question) -> Kept | None:
         began = time.perf_counter()
         text = question.text
         found = snapshot.query(text, prefixes=prefixes_in(text), union=question.union, base=question.base)

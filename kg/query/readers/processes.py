@@ -55,9 +55,9 @@ class _ErrorOutput:
         if self._file < 0:
             return
         with suppress(BlockingIOError):
-            while said := os.read(self._file, _KEPT_BYTES):
-                self.text = (self.text + said)[-_KEPT_BYTES:]
-                _LOG.info("a reader reported: %s", said.decode("utf-8", "replace").rstrip())
+            while output := os.read(self._file, _KEPT_BYTES):
+                self.text = (self.text + output)[-_KEPT_BYTES:]
+                _LOG.info("a reader reported: %s", output.decode("utf-8", "replace").rstrip())
             self.close()
 
     def close(self) -> None:
@@ -78,11 +78,11 @@ class Process:
     def __init__(
         self,
         channel: Channel,
-        words: _ErrorOutput,
+        stderr: _ErrorOutput,
         order: Callable[[bytes], None],
     ) -> None:
         self._channel = channel
-        self._words = words
+        self._stderr = stderr
         self._order = order
         self.unread = False
         self._began = 0.0
@@ -116,8 +116,8 @@ class Process:
     @property
     def out_of_memory(self) -> bool:
         """Whether its standard error reports a lack of memory."""
-        self._words.listen()
-        return any(words in self._words.text for words in _OUT_OF_MEMORY)
+        self._stderr.listen()
+        return any(words in self._stderr.text for words in _OUT_OF_MEMORY)
 
     def start(self, request: bytes) -> None:
         """Send a request; `used` counts from now on."""
@@ -127,7 +127,7 @@ class Process:
     def used(self) -> float:
         """Return the processor seconds of all threads since `start`.
 
-        Elapsed seconds if the system has no such clock.
+        Without such a clock in the system, return elapsed seconds.
         """
         return self._clock() - self._began
 
@@ -160,8 +160,8 @@ class Process:
     def close(self) -> None:
         """Kill the reader and release its resources."""
         self.kill()
-        self._words.listen()
-        self._words.close()
+        self._stderr.listen()
+        self._stderr.close()
 
 
 class Spawner:
@@ -175,7 +175,7 @@ class Spawner:
         self._command = [*program, *([configuration.calls] if configuration.calls else [])]
         self._server: subprocess.Popen[bytes] | None = None
         self._orders: socket.socket | None = None
-        self._words: _ErrorOutput | None = None
+        self._stderr: _ErrorOutput | None = None
         self._numbers = itertools.count()
 
     async def spawn(self) -> Process:
@@ -187,15 +187,15 @@ class Spawner:
         number = next(self._numbers)
         try:
             with ExitStack() as ours, ExitStack() as theirs:
-                near, far, words, said = _channels(ours, theirs)
+                near, far, stderr, write_end = _channels(ours, theirs)
                 self._start()
                 with suppress(ConnectionError):  # if the server exits now, the reader is found to have exited
-                    self._send(FORK, number, [far.fileno(), said])
+                    self._send(FORK, number, [far.fileno(), write_end])
                 _, channel = await asyncio.get_running_loop().create_connection(Channel, sock=near)
                 ours.pop_all()
         except OSError as error:
             raise QueryError("KG508", f"no process for queries can be started: {error}") from error
-        process = Process(channel, words, lambda what: self._order(what, number))
+        process = Process(channel, stderr, lambda what: self._order(what, number))
         process.send(self._first)
         return process
 
@@ -204,16 +204,16 @@ class Spawner:
             return
         self._disconnect()
         with ExitStack() as ours, ExitStack() as theirs:
-            near, far, words, said = _channels(ours, theirs)
+            near, far, stderr, write_end = _channels(ours, theirs)
             self._server = subprocess.Popen(  # noqa: S603 - our own interpreter
                 self._command,
                 stdin=far.fileno(),
                 stdout=subprocess.DEVNULL,
-                stderr=said,
+                stderr=write_end,
                 env={**os.environ, **_ONE_THREAD},
                 start_new_session=True,
             )
-            self._orders, self._words = near, words
+            self._orders, self._stderr = near, stderr
             ours.pop_all()
 
     def _is_serving(self) -> bool:
@@ -240,9 +240,9 @@ class Spawner:
         """Close the connections to the server, which makes it exit."""
         if self._orders is not None:
             self._orders.close()
-        if self._words is not None:
-            self._words.close()
-        self._orders = self._words = None
+        if self._stderr is not None:
+            self._stderr.close()
+        self._orders = self._stderr = None
 
     async def close(self) -> None:
         """Stop the server and all readers."""
@@ -259,8 +259,8 @@ def _channels(ours: ExitStack, theirs: ExitStack) -> tuple[socket.socket, socket
     near, far = socket.socketpair()
     ours.callback(near.close)
     theirs.callback(far.close)
-    errors, said = os.pipe()
-    theirs.callback(os.close, said)
-    words = _ErrorOutput(errors)
-    ours.callback(words.close)
-    return near, far, words, said
+    read_end, write_end = os.pipe()
+    theirs.callback(os.close, write_end)
+    stderr = _ErrorOutput(read_end)
+    ours.callback(stderr.close)
+    return near, far, stderr, write_end

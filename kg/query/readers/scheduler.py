@@ -61,9 +61,9 @@ class Scheduler:
 
 
 class Run:
-    """Run of one request, sent as `message`. Up to `copied` bytes of its response are retained.
+    """Run of one request, sent as `message`.
 
-    `view`: it calls a view.
+    Up to `copied` bytes of its response are retained. `view` is whether it calls a view.
     """
 
     def __init__(self, scheduler: Scheduler, job: Job, message: bytes, copied: int, *, view: bool = False) -> None:

@@ -41,7 +41,7 @@ def write_triples(name: str, triples: Iterable[Triple], output: Callable[[bytes]
     if name == "rdfxml":
         triples, written = map(_for_xml, triples), output
         # The engine does not escape carriage returns, which an XML parser reads as line feeds.
-        output = lambda part: written(part.replace(b"\r", b"&#13;"))  # noqa: E731 - three words
+        output = lambda part: written(part.replace(b"\r", b"&#13;"))  # noqa: E731 - short enough
     try:
         sink = cast("IO[bytes]", _Output(output))
         pyoxigraph.serialize(triples, sink, format=GRAPHS[name], prefixes=prefixes)

@@ -31,7 +31,7 @@ def written(variables: tuple[str, ...], rows: Iterable[Row]) -> bytes:
     """Return rows as a file; QueryError KG504 without pyarrow."""
     if not is_installed():
         raise QueryError("KG504", "Parquet is written by pyarrow, which is not installed", hint=_HINT)
-    import pyarrow as pa  # noqa: PLC0415 - half a second, and an extra
+    import pyarrow as pa  # noqa: PLC0415 - takes half a second; an optional extra
     from pyarrow import parquet  # noqa: PLC0415 - as above
 
     every = list(rows)
