@@ -171,7 +171,7 @@ def _versions(text: str) -> list[Wish]:
         found.append((_DISTRIBUTIONS[name.lower()], name))
     if len({version for version, _ in found}) > 1:
         return []
-    return [Wish("ros", (f"ros:{version}",), said, strict=True) for version, said in found]
+    return [Wish("ros", (f"ros:{version}",), words, strict=True) for version, words in found]
 
 
 @lru_cache(maxsize=1)
@@ -241,7 +241,7 @@ def _matches(tokens: Sequence[_Token], known: dict[tuple[str, ...], object]) -> 
 def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
     """Yield a wording for every significant word, once each, with the synonyms of the phrase that contains it."""
     seen: set[str] = set()
-    said = {token.whole for token in tokens} | {token.stem for token in tokens}
+    typed = {token.whole for token in tokens} | {token.stem for token in tokens}
     spans = dict(_matches(tokens, names.synonyms))  # type: ignore[arg-type]  # only the keys are looked at
     end = 0
     others: tuple[tuple[str, ...], ...] = ()
@@ -251,7 +251,7 @@ def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
             others = names.synonyms.get(tuple(one.stem for one in tokens[at:end]), ())
         if token.stem not in seen and (not is_stop(token.word) or token.name):
             seen.add(token.stem)
-            yield _wording(token, [one for one in others if not said.issuperset(one)], names)
+            yield _wording(token, [one for one in others if not typed.issuperset(one)], names)
 
 
 def _wording(token: _Token, synonyms: Sequence[tuple[str, ...]], names: Names) -> Wording:
@@ -274,11 +274,11 @@ def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
         if tokens[begin].aside:
             continue
         stems = tuple(token.stem for token in tokens[begin:end])
-        said = " ".join(token.word for token in tokens[begin:end])
+        phrase = " ".join(token.word for token in tokens[begin:end])
         for kind in _SIDES.get(_side(tokens, begin, end), ()):
             features = tuple(feature for type_ in phrases[stems] for feature in names.types(kind, type_))
             if features:
-                yield Wish(kind, features, said)
+                yield Wish(kind, features, phrase)
 
 
 def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
@@ -302,7 +302,7 @@ def _hardware(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
     for begin, end in _matches(tokens, names.concepts):  # type: ignore[arg-type]  # only the keys are looked at
         if tokens[begin].aside:
             continue
-        said = " ".join(token.word for token in tokens[begin:end])
+        phrase = " ".join(token.word for token in tokens[begin:end])
         for feature in names.concepts[tuple(token.stem for token in tokens[begin:end])]:
             if feature.startswith("hardware:"):
-                yield Wish("hardware", (feature,), said)
+                yield Wish("hardware", (feature,), phrase)

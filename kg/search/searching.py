@@ -128,7 +128,7 @@ def search_of(snapshot: EmbeddedSnapshot, folder: Path) -> Search:
 
 def _indexed(snapshot: EmbeddedSnapshot, folder: Path) -> Index:
     """Return the index of a snapshot, built now and cached."""
-    from kg.search.index import build  # noqa: PLC0415 - who finds an index loads no engine
+    from kg.search.index import build  # noqa: PLC0415 - not needed with a cached index
     from kg.search.reading import read  # noqa: PLC0415 - the same
 
     with cache.alone(folder):

@@ -54,10 +54,10 @@ def _reached(network: Network, asked: Asked, length: int, ros: int) -> Iterator[
     """Yield the types reachable from the starts, with the longest path, and those that lead to the goals."""
     steps = steps_of(network, Asked(asked.starts, asked.goals), ros)
     forwards = _levels(steps, asked.starts, length)
-    behind = {name: level for name, level in forwards.items() if level}
-    if behind:
-        farthest = max(sorted(behind), key=lambda name: behind[name])
-        yield f"ROS {ros}: {', '.join(asked.starts)} becomes {_some(behind)}."
+    reached = {name: level for name, level in forwards.items() if level}
+    if reached:
+        farthest = max(sorted(reached), key=lambda name: reached[name])
+        yield f"ROS {ros}: {', '.join(asked.starts)} becomes {_some(reached)}."
         search = Search(steps, asked.starts, frozenset({farthest}), length, between(network))
         chain = next(search.best(), None)
         if chain is not None:

@@ -17,7 +17,7 @@ _MOST: Final = 8
 def launch_text(chain: Composed) -> str:
     """Return the launch file of a chain: XML of roslaunch for ROS 1, Python for ROS 2."""
     if chain.wiring.ros == 1:
-        from kg.search.compose.roslaunch import written  # noqa: PLC0415 - it needs what this module defines
+        from kg.search.compose.roslaunch import written  # noqa: PLC0415 - circular import
     else:
         from kg.search.compose.ros2launch import written  # noqa: PLC0415 - the same
     return written(chain)

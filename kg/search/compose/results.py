@@ -108,7 +108,7 @@ def grouped(ports: tuple[Port, ...]) -> list[tuple[str, list[str]]]:
 
 def composed_object(chain: Composed, rank: int) -> dict[str, Any]:
     """Return a chain as plain values, ready for JSON; the fields of docs/compose.md."""
-    from kg.search.compose.launching import launch_text  # noqa: PLC0415 - it needs what this module defines
+    from kg.search.compose.launching import launch_text  # noqa: PLC0415 - circular import
 
     return {
         "rank": rank,

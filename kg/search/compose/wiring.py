@@ -143,8 +143,8 @@ def _disturbing(starts: Sequence[Start], type_name: str, place: int) -> set[str]
     found = set()
     for number, start in enumerate(starts):
         moved = {start.own(start.taken), start.own(start.given)}
-        heard = [port for port in start.part.inputs if number < place or port.type != type_name]
-        found |= {own for port in (*heard, *start.part.outputs) if (own := start.own(port)) is not None} - moved
+        inputs = [port for port in start.part.inputs if number < place or port.type != type_name]
+        found |= {own for port in (*inputs, *start.part.outputs) if (own := start.own(port)) is not None} - moved
     return found
 
 
