@@ -78,14 +78,14 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
         StoreError: KG302 while another process writes, KG304 if the disk is full; the store is unchanged.
     """
     began = time.perf_counter()
-    told = report or Silent()
+    progress = report or Silent()
     share_pools()
     with translated(str(store.layout.root)):
         store.layout.cache.mkdir(parents=True, exist_ok=True)
     with _rare_collections(), store.write(command) as transaction:
-        found = _Build(store, transaction, settings, told, rules=rules).run(tuple(named))
+        found = _Build(store, transaction, settings, progress, rules=rules).run(tuple(named))
     finished = replace(found, seconds=time.perf_counter() - began)
-    told.finished(finished)
+    progress.finished(finished)
     return finished
 
 
@@ -369,7 +369,7 @@ class _Build:
             known=outcome.known,
         )
 
-    def _next_state(  # noqa: PLR0913, PLR0917 - all that a build found out
+    def _next_state(  # noqa: PLR0913, PLR0917 - the results of a build
         self,
         sources: Sequence[Source],
         plan: Plan,

@@ -153,7 +153,9 @@ class _Reader:
     def __init__(self, request: Request) -> None:
         """Load the job.
 
-        SourceError KG127 for another version of `kg`, KG128 without the job, UsageError KG141, KG142.
+        Raises:
+            SourceError: KG127 for another version of `kg`, KG128 without the job.
+            UsageError: KG141, KG142.
         """
         self._artifacts = Artifacts(request.artifacts)
         self._version, code, self._job = self._artifacts.job(request.job)

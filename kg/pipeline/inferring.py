@@ -162,7 +162,7 @@ class Inference:
 
     def watch(self, transaction: EmbeddedTransaction) -> None:
         """Retain the triples that a transaction writes into an empty store, so the rules need not read them back."""
-        from kg.rules.written import Written  # noqa: PLC0415 - numbers are loaded here
+        from kg.rules.written import Written  # noqa: PLC0415 - loads numpy
 
         if transaction.base is None and not transaction.changed:
             transaction.changes = Written(self._store.layout.cache)
@@ -274,7 +274,7 @@ class Inference:
 
 
 def _new_runner(store: EmbeddedStore, settings: Settings) -> Runner:
-    from kg.rules.running import Runner  # noqa: PLC0415 - numbers are loaded here, not where nothing has changed
+    from kg.rules.running import Runner  # noqa: PLC0415 - loads numpy, not needed without changes
 
     return Runner(Names.of(settings.base, RNKG), store.layout.cache)
 
@@ -307,7 +307,7 @@ def run_on_store(
     return report
 
 
-def _run_with_ontologies(  # noqa: PLR0913 - what `run_on_store` was asked, and on what
+def _run_with_ontologies(  # noqa: PLR0913 - the arguments of `run_on_store`
     store: EmbeddedStore, settings: Settings, inference: Inference, *, full: bool, dry_run: bool, limits: Limits | None
 ) -> RunReport:
     """Update the ontologies and run the rules in one transaction."""
@@ -329,7 +329,7 @@ def run_on_server(
     settings: Settings, query_address: str, update_address: str | None = None, *, limits: Limits | None = None
 ) -> RemoteReport:
     """Run the rules on a SPARQL 1.1 server; raises as `run_on_store`, and KG225 if the server fails."""
-    from kg.rules.remote.running import run as run_remotely  # noqa: PLC0415 - HTTP is loaded here
+    from kg.rules.remote.running import run as run_remotely  # noqa: PLC0415 - loads HTTP
     from kg.store.remote import RemoteStore  # noqa: PLC0415 - the same
 
     store = RemoteStore(query_address, update_address)
@@ -344,7 +344,7 @@ def run_on_files(
 
     Raises as `run_files`, and UsageError KG003 before the run if `output` is not writable.
     """
-    from kg.rules.running import run_files  # noqa: PLC0415 - numbers are loaded here
+    from kg.rules.running import run_files  # noqa: PLC0415 - loads numpy
 
     if output is not None:
         _check_output(output)
@@ -355,7 +355,7 @@ def run_on_files(
 def _check_output(output: Path) -> None:
     folder = output.absolute().parent
     problem = None
-    if not os.path.isdir(folder):  # noqa: PTH112 - False for what is closed, where Path raises
+    if not os.path.isdir(folder):  # noqa: PTH112 - False if unreadable, whereas Path raises
         problem = f"the folder {folder} does not exist"
     elif os.path.isdir(output):  # noqa: PTH112 - the same
         problem = "it is a folder"
@@ -367,7 +367,7 @@ def _check_output(output: Path) -> None:
 
 def _schema(file: Path) -> Iterator[Triple]:
     """Yield the axioms of a file; for N-Triples, only candidate lines are parsed. Other errors are reported later."""
-    from kg.rules.running import rdf_format  # noqa: PLC0415 - numbers are loaded here
+    from kg.rules.running import rdf_format  # noqa: PLC0415 - loads numpy
 
     kind = rdf_format(file)
     plain = kind == RdfFormat.N_TRIPLES

@@ -83,7 +83,7 @@ def code_version(model: str, folder: Path | None = None) -> str:
 
 
 def _libraries() -> list[str]:
-    from importlib.metadata import version as installed_version  # noqa: PLC0415 - a build without changes asks for none
+    from importlib.metadata import version as installed_version  # noqa: PLC0415 - not needed without changes
 
     return [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
 

@@ -123,7 +123,7 @@ class Pool:
     def _collect(self) -> Iterator[Outcome]:
         """Wait for outcomes and yield them.
 
-        Tasks of an exited worker are queued again, except the one that it was running.
+        Tasks of an exited worker are queued again, except the one that was running.
         """
         now = time.monotonic()
         left = [worker.since + self._deadline - now for worker in self._workers if worker.given]
@@ -141,7 +141,7 @@ class Pool:
         process = self._context.Process(
             target=_serve, args=(self._job, there, [here, *pipes]), kwargs={"forked": forked}, daemon=True
         )
-        with _interrupts_held():
+        with _deferred_interrupts():
             process.start()
             there.close()
             self._workers.append(_Worker(process, here))
@@ -178,7 +178,7 @@ class Pool:
 
 
 @contextlib.contextmanager
-def _interrupts_held() -> Iterator[None]:
+def _deferred_interrupts() -> Iterator[None]:
     """Defer Ctrl-C: a worker interrupted before `_serve` would clean up the build's work, as the build does.
 
     A worker inherits the blocked signals of its parent.

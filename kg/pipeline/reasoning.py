@@ -211,7 +211,7 @@ def schema_of(graph: Any) -> tuple[Triple, ...]:
     return tuple(graph.query(schema_query()))
 
 
-def rules_over(  # noqa: PLR0913 - which rules, and where they are kept
+def rules_over(  # noqa: PLR0913 - selects rules and their cache
     settings: Settings,
     source: Tables,
     broken: list[RuleError] | None = None,
@@ -223,11 +223,9 @@ def rules_over(  # noqa: PLR0913 - which rules, and where they are kept
 ) -> RuleSet:
     """Return the enabled rules, specialized for the axioms of a snapshot or a transaction.
 
-    `broken` as `rules_in_force`.
-
-    Without `own` they are those of `kg` and installed packs; with `families` those of these families, enabled or not.
-    With a folder `cache` they contain only what evaluation needs, and are cached there. `mark` is the digest of the
-    rules, if already computed. Raises as `rules_in_force`.
+    `broken` is as in `rules_in_force`. Without `own` the rules are those of `kg` and installed packs; with `families`
+    those of these families, enabled or not. With a folder `cache` they contain only what evaluation needs, and are
+    cached there. `mark` is the digest of the rules, if already computed. Raises as `rules_in_force`.
     """
     names = Names.of(settings.base, RNKG)
     named = f"GRAPH ?graph {schema_pattern()} FILTER(?graph NOT IN ({names.inferred}, {names.builds}))"
@@ -242,7 +240,7 @@ def rules_over(  # noqa: PLR0913 - which rules, and where they are kept
 
 
 @lru_cache(maxsize=2)
-def _kept(  # noqa: PLR0913, PLR0917 - what rules are made of
+def _kept(  # noqa: PLR0913, PLR0917 - the inputs of rules
     cache: Path,
     folders: tuple[Path, ...],
     installed: tuple[Pack, ...],

@@ -188,7 +188,7 @@ def _rev_parse(folder: Path, question: str) -> str:
 def _check_out(top: Path, revision: Revision, tree: Path) -> None:
     """Write the files of a commit into a new folder, a repository with the name and remote of the one at `top`."""
     try:
-        _borrow(top, tree)
+        _borrow_objects(top, tree)
         run_git(("checkout", "--quiet", "--detach", revision), folder=tree, timeout=_CHECKOUT_SECONDS)
     except subprocess.SubprocessError as error:
         words = (getattr(error, "stderr", None) or b"").decode(errors="replace").strip() or str(error)
@@ -197,7 +197,7 @@ def _check_out(top: Path, revision: Revision, tree: Path) -> None:
         raise SourceError("KG103", message, place=Place(str(top)), hint=hint) from error
 
 
-def _borrow(top: Path, tree: Path) -> None:
+def _borrow_objects(top: Path, tree: Path) -> None:
     """Make `tree` a repository that borrows the objects of the one at `top`, with the same remote."""
     tree.mkdir()
     run_git(("init", "--quiet"), folder=tree)

@@ -134,7 +134,7 @@ def publish(
         (folder / "manifest").write_bytes(_encoded(manifest))
         _send(place, _MANIFEST, folder / "manifest")
     if isinstance(place, Path):
-        _tidy(place, manifest)
+        _delete_old_parts(place, manifest)
     return manifest
 
 
@@ -154,7 +154,7 @@ def pull(address: str, store: EmbeddedStore, max_bytes: int, *, with_index: bool
         hint = "Name a new folder with `--store`."
         raise StoreError("KG566", "the store was built here", place=Place(str(store.layout.root)), hint=hint)
     place = _place(address)
-    with _beside(store.layout.root) as folder:
+    with _temporary_folder(store.layout.root) as folder:
         (folder / _MANIFEST).write_bytes(b"")
         _receive(place, _MANIFEST, folder / _MANIFEST, _MANIFEST_BYTES)
         manifest = _decoded((folder / _MANIFEST).read_bytes(), address)
@@ -205,7 +205,7 @@ def _unpack(folder: Path, manifest: Manifest, address: str) -> None:
 
 
 @contextmanager
-def _beside(root: Path) -> Iterator[Path]:
+def _temporary_folder(root: Path) -> Iterator[Path]:
     """Yield a temporary folder on the same disk as the store."""
     with translated(str(root)):
         root.mkdir(parents=True, exist_ok=True)
@@ -274,7 +274,7 @@ def _copy(source: IO[bytes], target: IO[bytes], limit: int, place: Path) -> None
         target.write(chunk)
 
 
-def _tidy(folder: Path, manifest: Manifest) -> None:
+def _delete_old_parts(folder: Path, manifest: Manifest) -> None:
     """Delete the files of earlier snapshots."""
     current = {part.path for part in manifest.parts}
     for path in folder.rglob("*"):

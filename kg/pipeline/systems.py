@@ -234,9 +234,9 @@ class _Work:
         return self._numbered(made, self._catalogue.asked)
 
     def _wire(self, configuration: LaunchConfiguration) -> System:
-        """Wire a configuration. One that triggers a defect of `kg` gets a problem and no instances.
+        """Wire a configuration.
 
-        The others are wired.
+        One that triggers a defect of `kg` gets a problem and no instances; the others are wired.
         """
 
         def failed(words: str) -> System:

@@ -55,25 +55,25 @@ def glances(
 
     `wait` is called between two checks. Raises UnknownNameError KG001 for an unknown rule.
     """
-    with _Desk(settings) as desk:
-        wanted = {entry.name for entry in choose(desk.library, named)} if named else None
-        first = [entry for entry in desk.library.entries.values() if _shown_first(entry, wanted)]
-        watched = Watched(desk.library)
-        yield desk.look(first, [])
+    with _RuleStatus(settings) as status:
+        wanted = {entry.name for entry in choose(status.library, named)} if named else None
+        first = [entry for entry in status.library.entries.values() if _shown_first(entry, wanted)]
+        watched = Watched(status.library)
+        yield status.look(first, [])
         while True:
             wait(_INTERVAL)
             saved = watched.saved()
             entries = [entry for entry in saved.entries if wanted is None or entry.name in wanted]
             gone = [name for name in saved.gone if wanted is None or name in wanted]
             if entries or gone:
-                yield desk.look(entries, gone)
+                yield status.look(entries, gone)
 
 
 def _shown_first(entry: Entry, wanted: set[str] | None) -> bool:
     return entry.own if wanted is None else entry.name in wanted
 
 
-class _Desk:
+class _RuleStatus:
     """The current rules and the open store, both reused until they change."""
 
     def __init__(self, settings: Settings) -> None:

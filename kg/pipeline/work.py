@@ -111,7 +111,7 @@ def read_package(
     reader = Reader(workspace, source, package, max_file_bytes)
     facts = extract_package(reader, calls)
     if any(entry.kind is FileKind.LAUNCH for entry in package.files):
-        from kg.launch.files import reading  # noqa: PLC0415 - a quarter of all modules, and few packages need it
+        from kg.launch.files import reading  # noqa: PLC0415 - a quarter of all modules, needed by few packages
 
         nothing: tuple[LaunchConfiguration, ...] = ()
         known = facts.package

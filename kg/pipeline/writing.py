@@ -51,7 +51,7 @@ class Written(NamedTuple):
 class Writing:
     """Writes the graphs of changed sources; `triples` is the number of triples written."""
 
-    def __init__(  # noqa: PLR0913, PLR0917 - made in one place, of all that a build knows
+    def __init__(  # noqa: PLR0913, PLR0917 - created in one place, from all results of a build
         self,
         transaction: EmbeddedTransaction,
         folder: Path,
@@ -78,11 +78,11 @@ class Writing:
     def begin(self, changed: list[Source]) -> None:
         """Decide how to write each source, and clear the graphs of those that are written again."""
         self._patched = {source.repository.name for source in changed if self._is_small(source)}
-        anew = [source for source in changed if source.repository.name not in self._patched]
-        if not anew and self._state.version == self._plan.version:
+        rewritten = [source for source in changed if source.repository.name not in self._patched]
+        if not rewritten and self._state.version == self._plan.version:
             return
-        self._transaction.replace_graphs({self._graph(source.repository.name): () for source in anew})
-        for source in anew:
+        self._transaction.replace_graphs({self._graph(source.repository.name): () for source in rewritten})
+        for source in rewritten:
             name = source.repository.name
             for package in source.packages:
                 reused = self._plan.reused.get((name, package.path))

@@ -163,7 +163,7 @@ class Writer:
                 stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
                 env={**os.environ, "PYTHONUNBUFFERED": "1"},
             )  # fmt: skip
-            assert self._process.stdin is not None  # noqa: S101 - it was asked for a pipe
+            assert self._process.stdin is not None  # noqa: S101 - started with a pipe
             self._process.stdin.write(frame(self._configuration))
         return self._process
 
@@ -185,7 +185,7 @@ class Writer:
 
 async def _request(process: asyncio.subprocess.Process, request: Call) -> bytes | Failure:
     """Send a request and return the response of the process."""
-    assert process.stdin is not None  # noqa: S101 - it was asked for a pipe
+    assert process.stdin is not None  # noqa: S101 - started with a pipe
     assert process.stdout is not None  # noqa: S101 - the same
     try:
         process.stdin.write(frame(request))
@@ -198,7 +198,7 @@ async def _request(process: asyncio.subprocess.Process, request: Call) -> bytes 
     return answer if isinstance(answer, bytes | Failure) else Failure("KG568", "no answer")
 
 
-def _graph_change(  # noqa: PLR0913, PLR0917 - all that a write of a graph depends on
+def _graph_change(  # noqa: PLR0913, PLR0917 - the inputs of a graph change
     action: Any,
     graph: str | None,
     body: bytes | Sequence[tuple[bytes, str]],
