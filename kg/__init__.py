@@ -48,7 +48,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        from importlib.metadata import version  # noqa: PLC0415 - few ask, and it searches the installation
+        from importlib.metadata import version  # noqa: PLC0415 - rarely used; it searches the installation
 
         return version("kg-ros")
     if name in __all__:

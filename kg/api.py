@@ -71,14 +71,14 @@ def build(
         SourceError: KG101, KG102, KG103 if a source cannot be read at all.
         StoreError: KG301 without sources and store, KG302 while another process writes, KG304 if the disk is full.
     """
-    from kg.pipeline.build import build as run  # noqa: PLC0415 - who only asks loads no reader of sources
+    from kg.pipeline.build import build as run  # noqa: PLC0415 - only builds need it
 
     given = settings.load({"store": store, "jobs": jobs})
     with opening.writable(given, create=bool(sources)) as target:
         return run([str(source) for source in sources], target, given, report, "kg.build")
 
 
-def compose(  # noqa: PLR0913 - what chains may be asked for by
+def compose(  # noqa: PLR0913 - the options of chains
     sources: Sequence[str],
     targets: Sequence[str],
     *,
@@ -98,7 +98,7 @@ def compose(  # noqa: PLR0913 - what chains may be asked for by
         StoreError: KG301 if there is no store.
         UnknownNameError: KG705 for a type that no node has, KG706 if there is no chain, KG707 for a name in `using`.
     """
-    from kg.search.compose import Question  # noqa: PLC0415 - who asks otherwise needs none of it
+    from kg.search.compose import Question  # noqa: PLC0415 - only this function needs it
     from kg.search.compose import compose as composed  # noqa: PLC0415 - the same
     from kg.search.compose.results import composed_object  # noqa: PLC0415 - the same
 
@@ -125,7 +125,7 @@ def find(
         StoreError: KG301 if there is no store.
         UsageError: KG701, KG702, KG703 for a name in a filter that no node has.
     """
-    from kg.search.searching import hit_object, open_search  # noqa: PLC0415 - who asks otherwise needs no index
+    from kg.search.searching import hit_object, open_search  # noqa: PLC0415 - only this function needs it
 
     search = open_search(open_store(store))
     answer = search.find(text, filters, limit)
@@ -151,7 +151,7 @@ def findings(
         StoreError: KG301 without sources and store.
         UsageError: KG421 for the allow-list, KG422 for the launch file.
     """
-    from kg.lint.objects import as_object  # noqa: PLC0415 - who asks otherwise needs none of it
+    from kg.lint.objects import as_object  # noqa: PLC0415 - only this function needs it
     from kg.lint.question import Question  # noqa: PLC0415 - the same
     from kg.lint.running import check_store, read_folders  # noqa: PLC0415 - the same
 
@@ -181,7 +181,7 @@ def infer(
         RuleError: KG2xx for rules that cannot be read or run, KG205 at the timeout; the store is unchanged.
         StoreError: KG301 if there is no store, KG302 while another process writes.
     """
-    from kg.pipeline.inferring import run_on_store  # noqa: PLC0415 - who only asks loads no engine of rules
+    from kg.pipeline.inferring import run_on_store  # noqa: PLC0415 - only rules need it
     from kg.rules.engine.limits import Limits  # noqa: PLC0415 - the same
 
     given = settings.load({"store": store, "rules": None if rules is None else [str(folder) for folder in rules]})
@@ -207,7 +207,7 @@ def instances(
         UsageError: KG003 if the name is ambiguous, an argument is unknown, or there are arguments without a launch
             file.
     """
-    from kg.graph.records import instance_object  # noqa: PLC0415 - who queries needs no records
+    from kg.graph.records import instance_object  # noqa: PLC0415 - only this function needs it
     from kg.pipeline.launching import chosen  # noqa: PLC0415 - the same
 
     given, target = settings.load({"store": store}), open_store(store)
@@ -221,7 +221,7 @@ def nodes(*, package: str | None = None, store: str | Path | None = None) -> lis
     Raises:
         StoreError: KG301 if there is no store.
     """
-    from kg.graph.reading import node_records  # noqa: PLC0415 - who queries needs no records
+    from kg.graph.reading import node_records  # noqa: PLC0415 - only this function needs it
     from kg.graph.records import node_object  # noqa: PLC0415 - the same
 
     with open_store(store).read() as snapshot:

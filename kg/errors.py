@@ -198,7 +198,7 @@ def guarded(do: Callable[[], _Result], instead: Callable[[str], _Result]) -> _Re
     """
     try:
         return do()
-    except Exception as error:  # noqa: BLE001 - whatever it is
+    except Exception as error:  # noqa: BLE001 - reports any exception
         return instead(_words(error))
 
 

@@ -45,7 +45,7 @@ def similar(name: str, known: Iterable[str], limit: int = _FEW) -> list[str]:
 def _nearest(wanted: str, names: Iterable[str]) -> list[str]:
     """Return the names that share the most pieces with `wanted`, in their order.
 
-    Comparing all letters takes too long.
+    This is a fast filter before names are compared letter by letter.
     """
     pieces = {wanted[at : at + _PIECE] for at in range(max(len(wanted) - _PIECE + 1, 1))}
     ranks = {name: sum(piece in name for piece in pieces) / (len(wanted) + len(name)) for name in names}

@@ -89,7 +89,7 @@ class Walk:
 def load_yaml(text: str, loader: Any = LOADER) -> Any:
     """Return the value of the single document in `text`; `loader` must be safe. Raises `yaml.YAMLError`."""
     _require_shallow(text, loader)
-    return yaml.load(text, loader)  # noqa: S506 - callers give safe loaders
+    return yaml.load(text, loader)  # noqa: S506 - callers pass safe loaders
 
 
 def _require_shallow(text: str, loader: Any) -> None:

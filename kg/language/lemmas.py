@@ -73,14 +73,14 @@ class Lemmas:
             known = self._known[orth, tag] = strings.add(text)
         return known
 
-    def to_disk(self, path: Path, exclude: Any = ()) -> None:  # noqa: ARG002 - the form that spaCy calls
+    def to_disk(self, path: Path, exclude: Any = ()) -> None:  # noqa: ARG002 - signature required by spaCy
         """Write the tables into the folder `path`."""
         path.mkdir(parents=True, exist_ok=True)
         tables = {"exceptions": self.exceptions, "endings": self.endings}
         text = json.dumps(tables, ensure_ascii=False, sort_keys=True, separators=(",", ":"))
         (path / _FILE).write_text(text + "\n", encoding="utf-8")
 
-    def from_disk(self, path: Path, exclude: Any = ()) -> Lemmas:  # noqa: ARG002 - the form that spaCy calls
+    def from_disk(self, path: Path, exclude: Any = ()) -> Lemmas:  # noqa: ARG002 - signature required by spaCy
         """Read the tables from the folder `path`."""
         tables = json.loads((path / _FILE).read_text("utf-8"))
         self.exceptions, self.endings = tables["exceptions"], tables["endings"]
@@ -89,5 +89,5 @@ class Lemmas:
 
 
 @Language.factory("kg_lemmas")
-def _make(nlp: Language, name: str) -> Lemmas:  # noqa: ARG001 - the form that spaCy calls
+def _make(nlp: Language, name: str) -> Lemmas:  # noqa: ARG001 - signature required by spaCy
     return Lemmas(nlp.vocab)

@@ -85,7 +85,7 @@ def pipeline(model: str) -> Language:
 
 
 def _named(model: str) -> Language:
-    import spacy  # noqa: PLC0415 - a second, for those who have texts to tag
+    import spacy  # noqa: PLC0415 - takes a second, only for tagging
 
     try:
         return spacy.load(Path(model).expanduser() if "/" in model else model, exclude=list(_UNUSED))

@@ -101,7 +101,7 @@ class PhraseFinder:
 
     def __init__(self, vocab: Vocab, patterns: Sequence[Pattern]) -> None:
         """Compile the patterns; `UsageError` KG143 if spaCy rejects one."""
-        from spacy.matcher import Matcher  # noqa: PLC0415 - spaCy is loaded where texts are tagged only
+        from spacy.matcher import Matcher  # noqa: PLC0415 - spaCy is only loaded for tagging
 
         self._patterns = {pattern.name: pattern for pattern in patterns}
         self._always = Matcher(vocab)
@@ -150,9 +150,8 @@ class PhraseFinder:
 def _needed(pattern: Pattern) -> list[str]:
     """Return words of which a text must contain one, as lemma or in lower case, for a pattern to match.
 
-    Empty if unknown.
-
-    Most sentences name no hardware, and searching for words first is cheaper than matching.
+    The list is empty if any text may match. Most sentences name no hardware, and searching for words first is cheaper
+    than matching.
     """
     for token in (*pattern.before, *pattern.phrase, *pattern.after):
         if "OP" not in token:

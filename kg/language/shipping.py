@@ -13,7 +13,7 @@ from thinc.api import Model, use_ops
 
 import kg.language.embedding
 import kg.language.lemmas
-import kg.language.tokenizer  # noqa: F401 - these register parts that the model's configuration names
+import kg.language.tokenizer  # noqa: F401 - registers components named in the model's configuration
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -53,7 +53,7 @@ class Changes:
         """Record that graphs were cleared."""
         self.replace(*graphs)
 
-    def load(self, graph: str, lines: bytes) -> None:  # noqa: ARG002 - for those who keep them
+    def load(self, graph: str, lines: bytes) -> None:  # noqa: ARG002 - for subclasses that store them
         """Record that N-Triples were added to a graph, without storing them."""
         self.replace(graph)
 

@@ -133,7 +133,7 @@ class Endpoint:
 
     def _send(self, request: urllib.request.Request, timeout: float) -> Answer:
         with self._opener.open(request, timeout=timeout) as response:
-            body = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the answer
+            body = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the response
             shutil.copyfileobj(response, body)
             body.seek(0)
             return Answer(response.headers.get_content_type(), cast("IO[bytes]", body))
@@ -143,7 +143,7 @@ class Endpoint:
             line = _first_line(error.read(1 << 16))
         if error.code in {401, 403}:
             hint = _LOGIN if self._from_environment else "Give user and password as http://USER:PASSWORD@HOST/."
-        elif 300 <= error.code < 400:  # noqa: PLR2004 - redirections of HTTP
+        elif 300 <= error.code < 400:  # noqa: PLR2004 - HTTP redirections
             hint = "Give the address that the server answers at itself; redirections are not followed."
         elif error.code in {404, 405}:
             hint = "Check the address: servers have one for queries and one for updates."

@@ -34,7 +34,7 @@ def layout_of(settings: Settings) -> Layout:
     inner = settings.store / FOLDER
     root = inner if inner.is_dir() else settings.store
     if not root.is_dir():
-        from kg.errors import StoreError  # noqa: PLC0415 - with the branch that needs it
+        from kg.errors import StoreError  # noqa: PLC0415 - only in this branch
 
         raise StoreError("KG301", f"no store at {settings.store} ({settings.origin('store')})")
     return Layout(root.absolute())
@@ -42,7 +42,7 @@ def layout_of(settings: Settings) -> Layout:
 
 def remote_refusal(address: str) -> StoreError:
     """Return the error of a command that does not support a SPARQL server."""
-    from kg.errors import Place, StoreError  # noqa: PLC0415 - with the branch that needs it
+    from kg.errors import Place, StoreError  # noqa: PLC0415 - only in this branch
 
     hint = "Use a store of this machine; `kg pull` makes one of a published graph."
     return StoreError("KG309", "the command does not work on a SPARQL server", place=Place(address), hint=hint)
@@ -50,7 +50,7 @@ def remote_refusal(address: str) -> StoreError:
 
 def _named_by_a_file(settings: Settings) -> UsageError:
     """Return the error about a server named by a file of settings, which may come from a foreign checkout."""
-    from kg.errors import UsageError  # noqa: PLC0415 - with the branch that needs it
+    from kg.errors import UsageError  # noqa: PLC0415 - only in this branch
 
     origin = settings.origin("store")
     hint = "Name the server with --store or KG_STORE."
@@ -67,7 +67,7 @@ def existing(settings: Settings) -> EmbeddedStore:
 def reading(settings: Settings) -> EmbeddedSnapshot:
     """Return the current content of the selected store, for a `with` statement.
 
-    Of a server if the settings name one.
+    The store may be a server named by the settings.
     """
     if isinstance(settings.store, str):
         from kg.store.remote_reading import RemoteReading  # noqa: PLC0415 - most stores are folders
@@ -82,7 +82,7 @@ def reading(settings: Settings) -> EmbeddedSnapshot:
 def reading_with_cache(settings: Settings) -> Iterator[tuple[EmbeddedSnapshot, Path]]:
     """Yield the current content of the selected store and the folder of its cache, which is temporary for a server."""
     if isinstance(settings.store, str):
-        import tempfile  # noqa: PLC0415 - with the branch that needs it
+        import tempfile  # noqa: PLC0415 - only in this branch
 
         with tempfile.TemporaryDirectory(prefix="kg-") as folder, reading(settings) as snapshot:
             yield snapshot, Path(folder)
@@ -98,7 +98,7 @@ def reading_all(settings: Settings, stores: Sequence[str]) -> Iterator[EmbeddedS
 
     Raises StoreError KG301 for the first missing one.
     """
-    if len(stores) < 2:  # noqa: PLR2004 - one store is no union
+    if len(stores) < 2:  # noqa: PLR2004 - a single store needs no union
         with reading(settings) as snapshot:
             yield snapshot
         return
@@ -129,7 +129,7 @@ def or_empty(settings: Settings) -> Iterator[Settings]:
     else:
         yield settings
         return
-    import tempfile  # noqa: PLC0415 - with the branch that needs it
+    import tempfile  # noqa: PLC0415 - only in this branch
 
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
     from kg.store.layout import FOLDER  # noqa: PLC0415 - start-up time

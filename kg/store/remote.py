@@ -156,7 +156,7 @@ class RemoteStore:
         return RemoteSnapshot(self._queries)
 
     @contextmanager
-    def write(self, command: str) -> Iterator[RemoteTransaction]:  # noqa: ARG002 - the Protocol's; others see nothing of it
+    def write(self, command: str) -> Iterator[RemoteTransaction]:  # noqa: ARG002 - from the Protocol; unused by servers
         """Begin a transaction; its operations are sent as one request at the end unless the body raises."""
         transaction = RemoteTransaction()
         yield transaction
@@ -269,7 +269,7 @@ def _with_booleans(body: IO[bytes]) -> IO[bytes]:
     body.seek(0)
     if start != _VIRTUOSO:
         return body
-    mended = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the answer
+    mended = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the response
     for line in body:  # quotes in values are escaped, so values cannot match
         mended.write(_VIRTUOSO_BOOLEAN.sub(lambda match: match[1] + (b"true", b"false")[match[2] == b"0"], line))
     mended.seek(0)

@@ -71,7 +71,7 @@ class RemoteReading(EmbeddedSnapshot):
         """Raise StoreError KG309: a server has no local engine."""
         raise self._unsupported("the command works on files of the store")
 
-    def query(  # noqa: PLR0913 - what the embedded store can be told
+    def query(  # noqa: PLR0913 - the options of the embedded store
         self,
         text: str,
         *,

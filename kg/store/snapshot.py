@@ -60,7 +60,7 @@ class EmbeddedSnapshot:
         """The engine itself, read-only, for libraries that need it."""
         return self._db
 
-    def query(  # noqa: PLR0913 - what the engine can be told
+    def query(  # noqa: PLR0913 - the options of the engine
         self,
         text: str,
         *,

@@ -76,8 +76,5 @@ def test_what_would_harm_is_refused(text: str) -> None:
     ],
 )
 def test_what_does_no_harm_passes(text: str) -> None:
-    """Words in strings, comments and names; declarations alone; data of any size.
-
-    Any number of operations are accepted.
-    """
+    """Words in strings, comments and names, declarations alone, large data and many operations are accepted."""
     parsed(text, "update", None)

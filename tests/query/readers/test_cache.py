@@ -97,10 +97,7 @@ def test_answers_follow_the_data(fresh: EmbeddedStore) -> None:
 
 
 def test_what_runs_keeps_its_data(fresh: EmbeddedStore) -> None:
-    """A running query ends on its original data.
-
-    Its folder remains until then, and the next query reads the new data.
-    """
+    """A running query keeps its original data and folder to its end, and the next query reads the new data."""
 
     async def ask() -> None:
         async with Readers(fresh.layout, processes=1) as readers:
