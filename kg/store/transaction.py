@@ -1,7 +1,7 @@
 """Transactions of the embedded store: changes go into a new generation, which becomes current at the end or not at all.
 
 The new generation begins as a checkpoint of the current one (hard links, milliseconds), or empty with copies of the
-remaining graphs. Costs measured with 750,000 quads of a typical store on one machine, in microseconds per quad:
+remaining graphs. Costs measured with 750,000 quads of RNKG data on one machine, in microseconds per quad:
 deleting 23, bulk loading 6, copying 17 (serializing and loading). So a transaction that replaces more than about two
 fifths of the store begins empty.
 """
