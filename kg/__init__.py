@@ -1,6 +1,6 @@
-"""`kg`: an embedded SPARQL triplestore with reasoning rules that knows ROS nodes and what robots can do with them.
+"""`kg`: an embedded SPARQL triplestore with reasoning rules, for ROS nodes and the capabilities of robots.
 
-The names below are the public API; each is loaded when it is first used, so that `import kg` costs nothing.
+The names below are the public API. Each is loaded on first use, so `import kg` is fast.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        from importlib.metadata import version  # noqa: PLC0415 - few ask, and it searches the installation
+        from importlib.metadata import version  # noqa: PLC0415 - rarely used; it searches the installation
 
         return version("kg-ros")
     if name in __all__:

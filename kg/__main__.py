@@ -1,4 +1,4 @@
-"""`python -m kg` is `kg`."""
+"""Entry point of `python -m kg`, the same as `kg`."""
 
 from kg.cli.main import run
 

@@ -1,4 +1,4 @@
-"""The public API: what a program does with `kg`; `import kg` offers these names and loads them when they are used.
+"""Public API, for use from Python. `import kg` provides these names and loads them on first use.
 
     import kg
 
@@ -9,7 +9,7 @@
     for row in kg.sparql("SELECT ?node ?name { ?node a ros:Node ; rnkg:name ?name }"):
         print(row.name)
 
-`store` is the folder of a store; without it the settings decide, as on the command line. Errors are `kg.KgError`.
+`store` is the folder of a store; by default the settings decide, as on the command line. Errors are `kg.KgError`.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ __all__ = [
 
 
 def open_store(store: str | Path | None = None) -> EmbeddedStore:
-    """Return a store that exists.
+    """Return an existing store.
 
     Raises:
-        StoreError: KG301 when there is none.
+        StoreError: KG301 if there is none.
     """
     return opening.existing(settings.load({"store": store}))
 
@@ -62,23 +62,23 @@ def build(
     jobs: int | None = None,
     report: Report | None = None,
 ) -> BuildReport:
-    """Read `sources` (folders, git addresses, or files that list them) into the store, and return what was done.
+    """Build the store from `sources` (folders, git addresses, or files that list them), and return a report.
 
-    A store is made where there is none. Without sources, those of earlier builds are read again; only what has
-    changed is. `jobs` is the number of processes, `report` is told of the progress.
+    A missing store is created. Without sources, those of earlier builds are updated; only changed packages are read.
+    `jobs` is the number of processes, `report` is called with the progress.
 
     Raises:
-        SourceError: KG101, KG102, KG103 when a source cannot be read at all.
-        StoreError: KG301 without sources and store, KG302 while another process writes, KG304 when the disk is full.
+        SourceError: KG101, KG102, KG103 if a source cannot be read at all.
+        StoreError: KG301 without sources and store, KG302 while another process writes, KG304 if the disk is full.
     """
-    from kg.pipeline.build import build as run  # noqa: PLC0415 - who only asks loads no reader of sources
+    from kg.pipeline.build import build as run  # noqa: PLC0415 - only builds need it
 
     given = settings.load({"store": store, "jobs": jobs})
     with opening.writable(given, create=bool(sources)) as target:
         return run([str(source) for source in sources], target, given, report, "kg.build")
 
 
-def compose(  # noqa: PLR0913 - what chains may be asked for by
+def compose(  # noqa: PLR0913 - the options of chains
     sources: Sequence[str],
     targets: Sequence[str],
     *,
@@ -88,17 +88,17 @@ def compose(  # noqa: PLR0913 - what chains may be asked for by
     limit: int = 5,
     store: str | Path | None = None,
 ) -> list[dict[str, Any]]:
-    """Return chains of nodes from any type of `sources` to any of `targets`, as `kg compose --json` writes them.
+    """Return chains of nodes from any type of `sources` to any of `targets`, as in `kg compose --json`.
 
-    Each goes through everything that `using` names: nodes, packages, types, words of what nodes are about. `ros` is 1
-    or 2, `length` how many nodes a chain may have; by default four, and one more than the best has. The best comes
-    first, each has its launch file (docs/compose.md).
+    Each contains everything in `using`: nodes, packages, types, words that describe nodes. `ros` is 1 or 2. `length` is
+    the largest number of nodes in a chain, by default four, and one more than the best chain has. The best comes first.
+    Each has a launch file (docs/compose.md).
 
     Raises:
-        StoreError: KG301 when there is no store.
-        UnknownNameError: KG705 for a type that no node has, KG706 when there is no chain, KG707 for a name in `using`.
+        StoreError: KG301 if there is no store.
+        UnknownNameError: KG705 for a type that no node has, KG706 if there is no chain, KG707 for a name in `using`.
     """
-    from kg.search.compose import Question  # noqa: PLC0415 - who asks otherwise needs none of it
+    from kg.search.compose import Question  # noqa: PLC0415 - only this function needs it
     from kg.search.compose import compose as composed  # noqa: PLC0415 - the same
     from kg.search.compose.results import composed_object  # noqa: PLC0415 - the same
 
@@ -116,16 +116,16 @@ def find(
     limit: int = 10,
     store: str | Path | None = None,
 ) -> list[dict[str, Any]]:
-    """Return the nodes that do what a text says, best first, as `kg search --json` writes them (docs/formats.md).
+    """Return the nodes that match a description, best first, as in `kg search --json` (docs/formats.md).
 
-    `filters` has the values of the options of `kg search` by their names, `{"subscribes": ["LaserScan"]}`; nodes have
-    to fulfil all of them. There are at most `limit` hits, each with its reasons.
+    `filters` maps the options of `kg search` to values, `{"subscribes": ["LaserScan"]}`; nodes have to match all of
+    them. At most `limit` hits are returned, each with reasons.
 
     Raises:
-        StoreError: KG301 when there is no store.
-        UsageError: KG701, KG702, KG703 for the name in a filter that no node has.
+        StoreError: KG301 if there is no store.
+        UsageError: KG701, KG702, KG703 for a name in a filter that no node has.
     """
-    from kg.search.searching import hit_object, open_search  # noqa: PLC0415 - who asks otherwise needs no index
+    from kg.search.searching import hit_object, open_search  # noqa: PLC0415 - only this function needs it
 
     search = open_search(open_store(store))
     answer = search.find(text, filters, limit)
@@ -140,18 +140,18 @@ def findings(
     level: str = "note",
     store: str | Path | None = None,
 ) -> list[dict[str, Any]]:
-    """Return what is wrong in the wiring of launch files, as `kg lint --json` writes it (docs/formats.md).
+    """Return the findings of `kg lint` about the wiring of launch files, as in `kg lint --json` (docs/formats.md).
 
-    The folders `sources` are read first, into a store of their own in the user's cache; without any, the findings are
-    those of a store. `launch` and `package` choose launch files, `level` (error, warning, note) leaves out what is
-    less. So is what kg.toml and comments allow.
+    The folders `sources` are read first, into a store in the user's cache. Without any, an existing store is checked.
+    `launch` and `package` select launch files; `level` (error, warning, note) is the least severity. Findings allowed
+    by kg.toml or comments are left out.
 
     Raises:
-        SourceError: KG101 when a folder cannot be read.
+        SourceError: KG101 if a folder cannot be read.
         StoreError: KG301 without sources and store.
         UsageError: KG421 for the allow-list, KG422 for the launch file.
     """
-    from kg.lint.objects import as_object  # noqa: PLC0415 - who asks otherwise needs none of it
+    from kg.lint.objects import as_object  # noqa: PLC0415 - only this function needs it
     from kg.lint.question import Question  # noqa: PLC0415 - the same
     from kg.lint.running import check_store, read_folders  # noqa: PLC0415 - the same
 
@@ -171,17 +171,17 @@ def infer(
     timeout: float | None = None,
     store: str | Path | None = None,
 ) -> RunReport:
-    """Run the rules in force, write what they infer into the store, and return what was done.
+    """Run the enabled rules, write the inferred triples into the store, and return a report.
 
-    `rules` are folders of rules beside those that `kg` ships, by default those of the settings. What follows from
-    changes since the last run is evaluated, with `full` everything; with `dry_run` nothing is written. `timeout` is in
+    `rules` are folders of rules in addition to those of `kg`, by default those of the settings. Only the effects of
+    changes since the last run are evaluated, with `full` everything. With `dry_run` nothing is written. `timeout` is in
     seconds.
 
     Raises:
-        RuleError: KG2xx for rules that cannot be read or run, KG205 after the timeout; the store is as it was.
-        StoreError: KG301 when there is no store, KG302 while another process writes.
+        RuleError: KG2xx for rules that cannot be read or run, KG205 at the timeout; the store is unchanged.
+        StoreError: KG301 if there is no store, KG302 while another process writes.
     """
-    from kg.pipeline.inferring import run_on_store  # noqa: PLC0415 - who only asks loads no engine of rules
+    from kg.pipeline.inferring import run_on_store  # noqa: PLC0415 - only rules need it
     from kg.rules.engine.limits import Limits  # noqa: PLC0415 - the same
 
     given = settings.load({"store": store, "rules": None if rules is None else [str(folder) for folder in rules]})
@@ -195,18 +195,19 @@ def instances(
     environment: Mapping[str, str] | None = None,
     store: str | Path | None = None,
 ) -> list[dict[str, Any]]:
-    """Return what launch files start, as `kg instances --json` writes it (docs/formats.md).
+    """Return the nodes that launch files start, as in `kg instances --json` (docs/formats.md).
 
-    That is every launch file of the store with its default arguments, or the one that `launch` names. `arguments` and
-    environment variables make it be evaluated anew, where its source stands.
+    By default these are all launch files of the store with their default arguments; `launch` selects one. With
+    `arguments` or `environment` it is evaluated again from its source.
 
     Raises:
-        SourceError: KG101 when its source is not where it was built from.
-        StoreError: KG301 when there is no store.
-        UnknownNameError: KG422 when there is no such launch file.
-        UsageError: KG003 when several are meant, it has no such argument, or arguments are given for none.
+        SourceError: KG101 if its source has moved since the build.
+        StoreError: KG301 if there is no store.
+        UnknownNameError: KG422 for an unknown launch file.
+        UsageError: KG003 if the name is ambiguous, an argument is unknown, or there are arguments without a launch
+            file.
     """
-    from kg.graph.records import instance_object  # noqa: PLC0415 - who queries needs no records
+    from kg.graph.records import instance_object  # noqa: PLC0415 - only this function needs it
     from kg.pipeline.launching import chosen  # noqa: PLC0415 - the same
 
     given, target = settings.load({"store": store}), open_store(store)
@@ -215,12 +216,12 @@ def instances(
 
 
 def nodes(*, package: str | None = None, store: str | Path | None = None) -> list[dict[str, Any]]:
-    """Return the node types of the store, or of one package, as `kg nodes --json` writes them (docs/formats.md).
+    """Return the node types of the store, or of one package, as in `kg nodes --json` (docs/formats.md).
 
     Raises:
-        StoreError: KG301 when there is no store.
+        StoreError: KG301 if there is no store.
     """
-    from kg.graph.reading import node_records  # noqa: PLC0415 - who queries needs no records
+    from kg.graph.reading import node_records  # noqa: PLC0415 - only this function needs it
     from kg.graph.records import node_object  # noqa: PLC0415 - the same
 
     with open_store(store).read() as snapshot:
@@ -228,12 +229,12 @@ def nodes(*, package: str | None = None, store: str | Path | None = None) -> lis
 
 
 def rdflib_dataset(store: str | Path | None = None) -> SnapshotDataset:
-    """Return the store in force as a read-only rdflib `Dataset` over all graphs, with the usual prefixes bound.
+    """Return the current store as a read-only rdflib `Dataset` over all graphs, with the usual prefixes bound.
 
-    Close it, or use it in a `with` statement: until then it shows the store as it was, and keeps that data on disk.
+    Close it, or use it in a `with` statement. Until then it shows the same data, which stays on disk.
 
     Raises:
-        StoreError: KG301 when there is no store.
+        StoreError: KG301 if there is no store.
     """
     from kg.store.rdflib_view import SnapshotDataset as View  # noqa: PLC0415 - the same
     from kg.syntax.names import PREFIXES  # noqa: PLC0415 - rdflib takes a quarter of a second to load
@@ -249,18 +250,17 @@ def sparql(
     limit: int | None = None,
     store: str | Path | None = None,
 ) -> Result:
-    """Run a SPARQL query over the union of all graphs and return its whole answer; the usual prefixes are known.
+    """Run a SPARQL query over the union of all graphs and return its whole result; the usual prefixes are predefined.
 
     SELECT returns `Solutions`: iterate over its rows, or call `dicts` or `dataframe`. CONSTRUCT and DESCRIBE return a
     `Graph` of triples, ASK a `Boolean` that can be used as a condition (docs/python.md).
 
-    `parameters` are terms for variables of the query, `timeout` is in seconds, `limit` caps rows or triples and the
-    answer says whether there were more.
+    `parameters` binds variables of the query to terms. `timeout` is in seconds. `limit` limits rows or triples; the
+    result records whether there were more.
 
     Raises:
-        QueryError: KG501 not SPARQL, KG502 refused, KG503 deadline, KG505 parameter, KG516
-            too deep.
-        StoreError: KG301 when there is no store.
+        QueryError: KG501 syntax error, KG502 refused, KG503 deadline, KG505 parameter, KG516 nested too deeply.
+        StoreError: KG301 if there is no store.
     """
     with open_store(store).read() as snapshot:
         return core.run(snapshot, text, parameters=parameters, timeout=timeout, limit=limit)

@@ -92,10 +92,10 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Fix:
-    """An edit that repairs an error: `text` replaces the characters at `place`, by default those of the error itself.
+    """An edit that fixes an error: `text` replaces the characters at `place`, by default those of the error itself.
 
-    A place with an end has these characters; one with equal start and end is an insertion. `title` is empty where
-    "replace by" describes the edit.
+    A place with an end is a range; with equal start and end it is an insertion. `title` is empty if "replace by"
+    describes the edit.
     """
 
     text: str
@@ -121,7 +121,7 @@ class KgError(Exception):
         hint: str | None = None,
         fixes: Iterable[Fix] = (),
     ) -> None:
-        """Raise `LookupError` for a code missing from the catalogue."""
+        """Create the error; `LookupError` for a code missing from the catalogue."""
         if code not in CATALOGUE:
             raise LookupError(code)
         super().__init__(message)
@@ -178,7 +178,7 @@ class RobotError(KgError):
     exit_code = Exit.FOUND
 
     def __init__(self, code: str, message: str, *, place: Place | None = None, hint: str | None = None) -> None:
-        """Raise `LookupError` for a code missing from the catalogue."""
+        """Create the error; `LookupError` for a code missing from the catalogue."""
         super().__init__(code, message, place=place, hint=hint)
         if code == "KG801":
             self.exit_code = Exit.USAGE
@@ -191,14 +191,14 @@ class RuleError(KgError):
 
 
 def guarded(do: Callable[[], _Result], instead: Callable[[str], _Result]) -> _Result:
-    """Return what `do` gives or, after an error that no code expected, what `instead` makes of the words about it.
+    """Return the result of `do`, or that of `instead` for the description of an unexpected exception.
 
-    For parts of a build, of which a defect of `kg` in one is not to cost the others. The words have the place in `kg`:
-    `KeyError: 'x' (values.py:7 in read)`.
+    For independent parts of a build: a defect of `kg` in one must not affect the others. The description contains the
+    place in `kg`: `KeyError: 'x' (values.py:7 in read)`.
     """
     try:
         return do()
-    except Exception as error:  # noqa: BLE001 - whatever it is
+    except Exception as error:  # noqa: BLE001 - reports any exception
         return instead(_words(error))
 
 

@@ -1,7 +1,7 @@
-"""Forms of values that users type: each function reads a text, or what TOML holds, into the value.
+"""Forms of values in settings: each function parses a text or a TOML value.
 
-The second argument is the folder that relative paths are relative to. `FormError` has the form as its text, which
-completes "X, which is not ...".
+The second argument is the base folder of relative paths. The text of `FormError` describes the form, and completes
+"X, which is not ...".
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ __all__ = [
 
 
 class FormError(ValueError):
-    """A value has another form; the text is the form that it should have."""
+    """Malformed value; the text describes the required form."""
 
 
 Form: TypeAlias = "Callable[[object, Path], Any]"
@@ -55,7 +55,7 @@ def number(least: float) -> Form:
 
 
 def whole(least: int, most: int | None = None) -> Form:
-    """Return the form of whole numbers within bounds."""
+    """Return the form of whole numbers from `least` to `most`."""
     bounds = f"a whole number of at least {least}" if most is None else f"a whole number from {least} to {most}"
 
     def read(value: object, _base: Path) -> int:
@@ -68,7 +68,7 @@ def whole(least: int, most: int | None = None) -> Form:
 
 
 def size(value: object, _base: Path) -> int:
-    """Read a number of bytes: `800`, `500K`, `4M` or `1G`."""
+    """Parse a number of bytes: `800`, `500K`, `4M` or `1G`."""
     text = str(value).strip()
     unit = _UNITS.get(text[-1:].lower(), 0)
     found = _number(text[:-1] if unit else text, float("-inf"), "a size: bytes, or 500K, 4M, 1G")
@@ -78,12 +78,12 @@ def size(value: object, _base: Path) -> int:
 
 
 def size_or_none(value: object, base: Path) -> int:
-    """Read a number of bytes; 0 is without limit."""
+    """Parse a number of bytes; 0 means no limit."""
     return 0 if str(value).strip() == "0" else size(value, base)
 
 
 def switch(value: object, _base: Path) -> bool:
-    """Read yes or no, as a flag, a variable (`1`, `true`, `yes`, `on` and their opposites) or TOML says it."""
+    """Parse a boolean from a flag, a variable (`1`, `true`, `yes`, `on` and their opposites) or TOML."""
     word = str(value).strip().lower()
     if word in {"1", "true", "yes", "on"}:
         return True
@@ -93,14 +93,14 @@ def switch(value: object, _base: Path) -> bool:
 
 
 def text(value: object, _base: Path) -> str:
-    """Read any text that is not empty."""
+    """Parse a text that is not empty."""
     if not isinstance(value, str) or not value.strip():
         raise FormError("a text")
     return value.strip()
 
 
 def words(value: object, _base: Path) -> tuple[str, ...]:
-    """Read a list of words; a text separates them by commas or spaces."""
+    """Parse a list of words; a text separates them by commas or spaces."""
     found = value.replace(",", " ").split() if isinstance(value, str) else value
     if not isinstance(found, list | tuple) or not all(isinstance(one, str) and one for one in found):
         raise FormError("a list of words")
@@ -108,12 +108,12 @@ def words(value: object, _base: Path) -> tuple[str, ...]:
 
 
 def codes(value: object, base: Path) -> tuple[str, ...]:
-    """Read a list of codes, in upper case."""
+    """Parse a list of codes; returns them in upper case."""
     return tuple(one.upper() for one in words(value, base))
 
 
 def root_path(value: object, _base: Path) -> str:
-    """Read the path of a web server, `/` or `/kg`, without its last slash."""
+    """Parse the root path of a web server, `/` or `/kg`; returns it without a trailing slash."""
     found = value.strip().rstrip("/") if isinstance(value, str) else None
     if found is None or not _ROOT_PATH.fullmatch(found):
         raise FormError("a path such as /kg, of letters, digits, `-`, `_` and `.`")
@@ -121,14 +121,14 @@ def root_path(value: object, _base: Path) -> str:
 
 
 def word(value: object, _base: Path) -> str:
-    """Read a word, in lower case."""
+    """Parse a word; returns it in lower case."""
     if not isinstance(value, str) or not value.strip():
         raise FormError("a word")
     return value.strip().lower()
 
 
 def one_of(*choices: str) -> Form:
-    """Return the form of the words `choices`."""
+    """Return the form of a choice from `choices`."""
 
     def read(value: object, _base: Path) -> str:
         found = str(value).lower()
@@ -140,17 +140,17 @@ def one_of(*choices: str) -> Form:
 
 
 def path(value: object, base: Path) -> Path:
-    """Read a path."""
+    """Parse a path."""
     if not isinstance(value, str | Path) or not str(value).strip():
         raise FormError("a path")
     try:
         return base / Path(value).expanduser()
-    except (RuntimeError, ValueError):  # a home of nobody, a character that no path has
+    except (RuntimeError, ValueError):  # the home of an unknown user, an invalid character
         raise FormError("a path") from None
 
 
 def paths(value: object, base: Path) -> tuple[Path, ...]:
-    """Read a list of paths; a text separates them as `PATH` does."""
+    """Parse a list of paths; a text separates them as in `PATH`."""
     parts = [part for part in value.split(os.pathsep) if part] if isinstance(value, str) else value
     if not isinstance(parts, list | tuple):
         raise FormError("a list of paths")
@@ -158,19 +158,19 @@ def paths(value: object, base: Path) -> tuple[Path, ...]:
 
 
 def file(value: object, base: Path) -> str:
-    """Read a path, or nothing."""
+    """Parse an optional path."""
     return str(path(value, base)) if value else ""
 
 
 def pipeline(value: object, base: Path) -> str:
-    """Read the name or path of a spaCy pipeline."""
+    """Parse the name or path of a spaCy pipeline."""
     if not isinstance(value, str):
         raise FormError("the name or path of a spaCy pipeline")
     return str(path(value, base)) if "/" in value or value.startswith((".", "~")) else value.strip()
 
 
 def iri(value: object, _base: Path) -> str:
-    """Read an IRI that others are made from; it ends with a slash."""
+    """Parse the base of IRIs; returns it with a trailing slash."""
     found = str(value)
     host = found.partition("://")[2].partition("/")[0]
     if not found.startswith(("http://", "https://")) or not host or any(sign in found for sign in ' <>"{}|\\^`#?'):
@@ -179,7 +179,7 @@ def iri(value: object, _base: Path) -> str:
 
 
 def address(value: object, _base: Path) -> str:
-    """Read the address of a robot."""
+    """Parse the address of a robot."""
     spaced = isinstance(value, str) and not value.startswith("bag:") and any(sign.isspace() for sign in value.strip())
     if not isinstance(value, str) or spaced:
         raise FormError("the address of a robot")
@@ -187,7 +187,7 @@ def address(value: object, _base: Path) -> str:
 
 
 def cluster(value: object, _base: Path) -> str:
-    """Read the address of a Dask cluster, or nothing."""
+    """Parse the optional address of a Dask cluster."""
     found = value.strip() if isinstance(value, str) else ""
     kind, mark, rest = found.partition(":")
     local = kind == "local" and (not mark or rest.isdecimal())
@@ -197,14 +197,14 @@ def cluster(value: object, _base: Path) -> str:
 
 
 def store(value: object, base: Path) -> Path | str:
-    """Read a path, or the address of a SPARQL server."""
+    """Parse a path, or the address of a SPARQL server."""
     if isinstance(value, str) and value.startswith(("http://", "https://")):
         return value
     return path(value, base)
 
 
 def folder_or_address(value: object, base: Path) -> str:
-    """Read a path, or an address with a scheme, or nothing."""
+    """Parse an optional path, or an address with a scheme."""
     return value if isinstance(value, str) and "://" in value else file(value, base)
 
 

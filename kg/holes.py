@@ -1,7 +1,7 @@
-"""Names with unknown parts: `{}` stands for one, `{label}` for one that a variable, parameter or argument would give.
+"""Names with unknown parts: `{}` is an unknown part, `{label}` the value of a variable, parameter or argument.
 
-A label is an identifier, with an index where it is an argument or element: `~/{name}/plan`, `camera/{argv[1]}`.
-Holes of one label in a name are the same unknown. A brace that belongs to the name itself is doubled (`{{`, `}}`).
+A label is an identifier, with an index for an argument or element: `~/{name}/plan`, `camera/{argv[1]}`. Holes with the
+same label in a name are the same unknown. Literal braces are doubled (`{{`, `}}`).
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ __all__ = [
 ]
 
 ANONYMOUS: Final = "{}"
-"""An unknown part without label."""
+"""An unknown part without a label."""
 PARENT: Final = "parent_namespace"
-"""The label of what is above the namespace of the node: `/robot` for a node in `/robot/local_costmap`."""
+"""Label of the parent of the node's namespace: `/robot` for a node in `/robot/local_costmap`."""
 SUBSTITUTIONS: Final = frozenset({"node", "ns", "namespace", PARENT})
-"""Labels that mean the name and the namespace of the node, as in names of ROS 2; no variable has them as its label."""
+"""Labels for the name and the namespace of the node, as in names of ROS 2; variables never use them."""
 _LONGEST: Final = 40
 _LABEL: Final = r"[A-Za-z]\w*(?:\[\d+\])?"
 _PIECE: Final = re.compile(r"\{\{|\}\}|\{(" + _LABEL + r")?\}", re.ASCII)
@@ -48,14 +48,14 @@ _PIECE: Final = re.compile(r"\{\{|\}\}|\{(" + _LABEL + r")?\}", re.ASCII)
 
 @dataclass(frozen=True, slots=True)
 class Hole:
-    """An unknown part of a name or text; `label` is empty where nothing names it."""
+    """An unknown part of a name or text; `label` may be empty."""
 
     label: str = ""
 
 
 @lru_cache(maxsize=16_384)
 def parse(name: str) -> tuple[str | Hole, ...]:
-    """Return the known parts and the holes of a name in order, no two known parts in a row."""
+    """Return the known parts and the holes of a name in order; adjacent known parts are joined."""
     parts: list[str | Hole] = []
     text, end = "", 0
     for piece in _PIECE.finditer(name):
@@ -71,12 +71,12 @@ def parse(name: str) -> tuple[str | Hole, ...]:
 
 
 def escape(text: str) -> str:
-    """Return a known text as it is written in a name."""
+    """Return a known text with its braces escaped."""
     return text.replace("{", "{{").replace("}", "}}") if "{" in text or "}" in text else text
 
 
 def written(parts: Iterable[str | Hole]) -> str:
-    """Return the name of known parts and holes: what `parse` reads."""
+    """Return the name with these parts, the inverse of `parse`."""
     return "".join(escape(part) if isinstance(part, str) else f"{{{part.label}}}" for part in parts)
 
 
@@ -91,17 +91,20 @@ def is_known(name: str | None) -> TypeGuard[str]:
 
 
 def anonymous(name: str) -> str:
-    """Return a name without labels: what names that differ in labels alone share."""
+    """Return a name without the labels of its holes."""
     return substitute(name, lambda _: ANONYMOUS)
 
 
 def known_letters(name: str) -> int:
-    """Return how many letters of a name are known."""
+    """Return the number of known letters of a name."""
     return sum(len(part) for part in parse(name) if isinstance(part, str))
 
 
 def substitute(name: str, value_of: Callable[[str], str | None]) -> str:
-    """Return a name with values, themselves names, in its holes; a hole whose label has no value (None) stays."""
+    """Return a name with its holes replaced by values, themselves names.
+
+    Holes whose label has no value (None) remain.
+    """
     if "{" not in name:
         return name
 
@@ -113,9 +116,9 @@ def substitute(name: str, value_of: Callable[[str], str | None]) -> str:
 
 
 def partition(name: str, hole: str = "") -> tuple[str, str, str]:
-    """Return what is before the first holes in a row, these, and what is after them; all is before if it has none.
+    """Split a name at its first run of holes into the parts before, in and after it; without holes, all is before.
 
-    If the name has the labelled `hole` (`{name}`), the first of these takes the place of the first holes in a row.
+    If the name contains the labelled `hole` (`{name}`), it is split there instead.
     """
     start = end = len(name)
     for piece in _PIECE.finditer(name) if "{" in name else ():
@@ -131,13 +134,16 @@ def partition(name: str, hole: str = "") -> tuple[str, str, str]:
 
 
 def filled(name: str, value: str) -> str:
-    """Return a name with one value in all its holes."""
+    """Return a name with the same value in all its holes."""
     return substitute(name, lambda _: value)
 
 
 @lru_cache(maxsize=16_384)
 def pattern(name: str, unknown: str = r"[^/.]+") -> re.Pattern[str]:
-    """Return what a name may be: `unknown` matches one hole or several in a row, holes of one label match the same."""
+    """Return the pattern of possible names: `unknown` matches a run of holes.
+
+    Holes with the same label match equal text.
+    """
     found: list[str] = []
     groups: dict[str, int] = {}
     parts = parse(name)
@@ -159,19 +165,19 @@ def pattern(name: str, unknown: str = r"[^/.]+") -> re.Pattern[str]:
 
 
 def fits(name: str, concrete: str, unknown: str = r"[^/.]+") -> bool:
-    """Check whether a known name is what a name with holes may be."""
+    """Check whether a known name is a possible value of a name with holes."""
     return pattern(name, unknown).fullmatch(concrete) is not None
 
 
 @lru_cache(maxsize=16_384)
 def label_of(source: str) -> str:
-    """Return the label of an unknown part from what would give it: a variable, parameter (`~/a.b`) or `argv[1]`.
+    """Return the label for an unknown part from its source: a variable, parameter (`~/a.b`) or `argv[1]`.
 
-    It is empty where the label would say nothing: one letter, or a word that has another meaning in names.
+    It is empty if the label would be meaningless: a single letter, or a word with another meaning in names.
     """
-    if "--" in source:  # the spellings of an option: `argv[--topic|-t]`
+    if "--" in source:  # an option with its spellings: `argv[--topic|-t]`
         source = source.partition("[")[2].removesuffix("]").partition("|")[0]
-    if source.startswith("port["):  # a port of a node of behavior trees
+    if source.startswith("port["):  # a port of a node in a behavior tree
         source = source.removeprefix("port[").removesuffix("]")
     source = source.replace("[]", "")  # each element of a list
     index = re.search(r"\w(\[\d+\])$", source)
@@ -182,5 +188,5 @@ def label_of(source: str) -> str:
 
 
 def hole_of(source: str) -> str:
-    """Return the hole of an unknown part, with the label of what would give it."""
+    """Return the hole for an unknown part, labelled by its source."""
     return f"{{{label_of(source)}}}"

@@ -1,7 +1,7 @@
 """ROS names: joining, private names and resolution.
 
 Sources: wiki.ros.org/Names (ROS 1) and design.ros2.org/articles/topic_and_service_names.html (ROS 2).
-Private names are written `~/name` throughout `kg`; ROS 1 code says `~name`, ROS 2 code `~/name`.
+Private names are written `~/name` throughout `kg`; code of ROS 1 uses `~name`, code of ROS 2 `~/name`.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ __all__ = ["FRAMEWORK", "is_for_node", "join", "key", "normalise", "resolve"]
 FRAMEWORK: Final = frozenset(
     {"/rosout", "/rosout_agg", "/tf", "/tf_static", "/clock", "/diagnostics", "/diagnostics_agg", "/parameter_events"}
 )
-"""Names that nearly every node has for the sake of its framework."""
+"""Names that the framework gives to nearly every node."""
 
 _PART: Final = re.compile(r"/\w+")
 _MOST_NAME: Final = 1000
-"""Characters of a name of a node, of which ROS takes 255."""
+"""Largest number of characters in the name of a node; ROS allows 255."""
 
 
 def key(name: str) -> str:
-    """Return a name without case, underscores and hyphens: what `laser_scan`, `LaserScan` and `laser-scan` share."""
+    """Return a name without case, underscores and hyphens, equal for `laser_scan`, `LaserScan` and `laser-scan`."""
     return name.lower().replace("_", "").replace("-", "")
 
 
 def normalise(name: str) -> str:
-    """Return `name` with single slashes, none at its end, and a private name as `~/name` (`~` alone stays)."""
+    """Return `name` with single slashes, no trailing slash, and a private name as `~/name` (`~` alone is unchanged)."""
     private = name.startswith("~")
     body = "/".join(part for part in name.removeprefix("~").split("/") if part)
     if private:
@@ -39,9 +39,9 @@ def normalise(name: str) -> str:
 
 
 def join(namespace: str, name: str) -> str:
-    """Return `name` as seen from the root of a node handle's `namespace` (which may be empty, private or absolute).
+    """Return `name` relative to a node handle's `namespace` (which may be empty, private or absolute).
 
-    A name that is absolute or private itself keeps its own root, as `ros::NodeHandle` has it for absolute ones.
+    Absolute and private names are returned as they are, as in `ros::NodeHandle` for absolute ones.
     """
     if name.startswith(("/", "~")) or not namespace:
         return normalise(name)
@@ -49,7 +49,7 @@ def join(namespace: str, name: str) -> str:
 
 
 def resolve(name: str, node: str, namespace: str = "/") -> str:
-    """Return the absolute name of `name` for a node called `node` in `namespace`, before any remapping."""
+    """Return the absolute name of `name` for the node `node` in `namespace`, before any remapping."""
     written = normalise(name)
     if written.startswith("/"):
         return written
@@ -59,9 +59,9 @@ def resolve(name: str, node: str, namespace: str = "/") -> str:
 
 
 def is_for_node(key: str, full: str) -> bool | None:
-    """Tell whether a key of a ROS 2 parameter file is for the node `full`; None where that hangs on a hole in its name.
+    """Return whether a key of a ROS 2 parameter file applies to the node `full`; None if that depends on a hole.
 
-    Source: `rclcpp::parameter_map_from`, where `/*` stands for one part of a name and `/**` for any number of them.
+    Source: `rclcpp::parameter_map_from`: `/*` matches one part of a name and `/**` any number of them.
     """
     absolute = "/" + key.strip("/")
     if not is_partial(full):
@@ -73,7 +73,7 @@ def is_for_node(key: str, full: str) -> bool | None:
 
 @lru_cache(maxsize=4096)
 def _fits(key: str, full: str) -> bool:
-    """Tell whether a key with wildcards means a name: all places that it may have come to are followed at once.
+    """Return whether a key with wildcards matches a name, by following all possible positions at once.
 
     A regular expression takes far too long for a key with many wildcards.
     """
@@ -95,6 +95,6 @@ def _fits(key: str, full: str) -> bool:
 
 
 def _ends(name: str, place: int) -> range:
-    """Return where a part of a name that begins at a place may end."""
+    """Return the possible ends of a part of a name that begins at a position."""
     part = _PART.match(name, place)
     return range(place + 2, part.end() + 1) if part else range(0)

@@ -1,6 +1,6 @@
-"""Where the files that belong to `kg` but are no code stand: ontologies, rules, queries, examples, criteria.
+"""Data files of `kg`: ontologies, rules, queries, examples, criteria.
 
-In a checkout they stand at the top level; the wheel carries them as `kg/_data`.
+In a checkout they are at the top level; in the wheel they are in `kg/_data`.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ _PACKAGE = Path(__file__).resolve().parent
 def folder(name: str) -> Path:
     """Return the folder `corpus`, `ontology`, `rules`, `queries`, `examples` or `docs` of this installation.
 
-    An installed `docs` has the page of error codes only.
+    The wheel contains only the error codes of `docs`.
     """
     installed = _PACKAGE / "_data" / name
     return installed if installed.is_dir() else _PACKAGE.parent / name
 
 
 def digest(roots: Iterable[Path]) -> str:
-    """Return the digest of the names and contents of files and of all below folders, but Python's bytecode."""
+    """Return the digest of the names and contents of files, and of all files in folders, except Python's bytecode."""
     found = hashlib.blake2b(digest_size=_BYTES)
     for root in roots:
         for path in sorted(_files(root)):

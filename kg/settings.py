@@ -1,9 +1,9 @@
-"""Every setting of `kg`, declared once: the fields of `Settings`.
+"""Settings of `kg`, each declared once as a field of `Settings`.
 
 A field named `max_file_bytes` is the flag `--max-file-bytes`, the environment variable `KG_MAX_FILE_BYTES`
-and the key `max_file_bytes` of `kg.toml`, which is looked for in the working folder and the folders above
-it. A flag wins over the environment, that over the file, that over the default. Relative paths in a file
-are relative to that file. Each value knows its origin.
+and the key `max_file_bytes` of `kg.toml`, which is searched in the working folder and the folders above it.
+Flags override the environment, which overrides the file, which overrides defaults. Relative paths in a file
+are relative to that file. Each value has its origin.
 """
 
 from __future__ import annotations
@@ -45,18 +45,18 @@ __all__ = [
 
 FILE_NAME: Final = "kg.toml"
 TABLES: Final = ("lint", "serve")
-"""Tables of `kg.toml`: the settings of one command each. What a table holds beside settings, `table` returns."""
+"""Tables of `kg.toml`, each with the settings of one command. `table` returns their other content."""
 _OTHERS: Final = {"": TABLES, "lint": ("allow",)}
-"""Keys that are not settings, of the top level and of tables."""
+"""Keys of the top level and of tables that are not settings."""
 
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """What is known of a setting before it has a value.
+    """Declaration of a setting.
 
-    `read` is the form of its values (`kg.forms`), `table` the table of `kg.toml` that has it, "" for the top level.
-    `option` is the name that users see where the field has another one. A setting that is not `in_files` is taken from
-    flags and variables only: a `kg.toml` that comes with a checkout must not open a server, for example.
+    `read` is the form of its values (`kg.forms`), `table` its table in `kg.toml`, "" for the top level. `option` is the
+    public name if it differs from the field. A setting that is not `in_files` is only read from flags and variables:
+    for example, a `kg.toml` in a checkout must not open a server.
     """
 
     name: str
@@ -69,18 +69,18 @@ class Declaration:
     option: str = ""
     in_files: bool = True
     several: bool = False
-    """Whether the flag may be given several times."""
+    """Whether the flag may be repeated."""
     short: str = ""
-    """The flag of one letter, with its dash."""
+    """The short flag, with its dash."""
 
     @property
     def key(self) -> str:
-        """Its name in its table of `kg.toml`."""
+        """The key in its table of `kg.toml`."""
         return self.option or self.name
 
     @property
     def flag(self) -> str:
-        """The option of the command line."""
+        """The flag on the command line."""
         return "--" + self.key.replace("_", "-")
 
     @property
@@ -90,13 +90,13 @@ class Declaration:
 
     @property
     def switch(self) -> bool:
-        """Whether the flag has no value."""
+        """Whether the flag takes no value."""
         return self.default is False
 
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where the value of a setting comes from: `kind` is flag, environment, file or default."""
+    """Origin of the value of a setting: `kind` is flag, environment, file or default."""
 
     kind: str
     place: Place | None = None
@@ -110,9 +110,9 @@ _DEFAULT: Final = Origin("default")
 
 
 def setting(default: Any, read: Form, metavar: str, sentence: str, **more: Any) -> Any:
-    """Return a field of a dataclass that declares a setting; `more` are fields of `Declaration`.
+    """Return a dataclass field that declares a setting; `more` are fields of `Declaration`.
 
-    A default that is a text is what a user would type for it: `"4M"` for 4194304 bytes.
+    A text as default is parsed like user input: `"4M"` for 4194304 bytes.
     """
     value = read(default, Path()) if isinstance(default, str) else default
     shown = "" if default is None or default is False or default == () else str(default)
@@ -122,14 +122,14 @@ def setting(default: Any, read: Form, metavar: str, sentence: str, **more: Any) 
 
 
 def declared(shape: type[Any], table: str = "") -> Mapping[str, Declaration]:
-    """Return the settings that the fields of a dataclass declare, by name of field."""
+    """Return the settings declared by the fields of a dataclass, by name of field."""
     found = (Declaration(one.name, one.default, table=table, **one.metadata) for one in fields(shape) if one.metadata)
     return MappingProxyType({one.name: one for one in found})
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """The values in force, and for each its origin."""
+    """Values of all settings with their origins."""
 
     store: Path | str | None = setting(
         None,
@@ -239,11 +239,11 @@ class Settings:
     origins: Mapping[str, Origin] = field(default_factory=dict)
 
     def origin(self, name: str) -> Origin:
-        """Return where the value of the setting `name` comes from."""
+        """Return the origin of the setting `name`."""
         return self.origins.get(name, _DEFAULT)
 
     def chosen(self) -> dict[str, Any]:
-        """Return what somebody chose, the store apart, as flags that `load` in another process takes: plain values."""
+        """Return the settings that are not defaults, except the store, as plain flags for `load` in another process."""
         named = {one.name: value for one, value, origin in self.values() if origin.kind != _DEFAULT.kind}
         return {name: _plain(value) for name, value in named.items() if name != "store"}
 
@@ -264,7 +264,7 @@ DECLARED: Final = declared(Settings)
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table of `kg.toml` as it stands there, and the whole text, to find lines in."""
+    """A table of `kg.toml` before validation, and the whole text, to find lines in."""
 
     file: Path
     text: str
@@ -272,10 +272,10 @@ class Table:
 
 
 def table(name: str, folder: Path) -> Table | None:
-    """Return a table of the `kg.toml` in force in `folder`; None without one.
+    """Return a table of the `kg.toml` for `folder`; None if there is none.
 
     Raises:
-        UsageError: KG002 when the file cannot be read, or what has this name is no table.
+        UsageError: KG002 if the file cannot be read, or the key is not a table.
     """
     file = find_file(folder)
     text, content = _parsed(file) if file else ("", {})
@@ -293,7 +293,7 @@ def find_file(start: Path) -> Path | None:
 
 
 def own_folder(name: str) -> Path:
-    """Return the folder `name` next to the `kg.toml` in force, else in the working folder."""
+    """Return the folder `name` next to the `kg.toml` that applies, else in the working folder."""
     here = Path.cwd()
     file = find_file(here)
     return Path(name) if file is None or file.parent == here else file.parent / name
@@ -302,12 +302,12 @@ def own_folder(name: str) -> Path:
 def user_paths(settings: Settings, name: str) -> tuple[Path, ...]:
     """Return the folders and files of the setting `name`, by default the folder of that name if it exists.
 
-    Raises UsageError KG002 for one that the setting names and that does not exist.
+    Raises UsageError KG002 for a path of the setting that does not exist.
     """
     default = own_folder(name)
     named: tuple[Path, ...] = getattr(settings, name) or ((default,) if default.is_dir() else ())
     for path in named:
-        if not os.path.exists(path):  # noqa: PTH110 - False for what may not be looked at, where Path raises
+        if not os.path.exists(path):  # noqa: PTH110 - False if unreadable, whereas Path raises
             origin = settings.origin(name)
             message = f"{origin.name or f'the setting `{name}`'} names {path}, which is not there"
             raise UsageError("KG002", message, place=origin.place, hint=f"Name a folder of {name}, or a file.")
@@ -320,10 +320,10 @@ def load(
     environment: Mapping[str, str] | None = None,
     folder: Path | None = None,
 ) -> Settings:
-    """Return the settings in force in `folder` (default: the working folder).
+    """Return the settings for `folder` (default: the working folder).
 
-    `flags` maps names of settings to what the command line gave, None where it gave nothing.
-    `UsageError` KG002 names the flag, variable or line whose value cannot be used.
+    `flags` maps names of settings to values from the command line, None if absent. `UsageError` KG002 names the flag,
+    variable or line with an invalid value.
     """
     found = _values(DECLARED, flags or {}, environment, folder or Path.cwd(), folder or Path.cwd())
     origins = {name: origin for name, (_, origin) in found.items()}
@@ -337,9 +337,9 @@ def load_table(
     environment: Mapping[str, str] | None = None,
     folder: Path | None = None,
 ) -> dict[str, Any]:
-    """Return the settings of a table that somebody chose, by names of fields.
+    """Return the settings of a table that are not defaults, by names of fields.
 
-    `folder` is where `kg.toml` is looked for; paths of flags and variables stay relative to the working folder.
+    `folder` is where the search for `kg.toml` begins; paths of flags and variables are relative to the working folder.
     Otherwise as `load`.
     """
     found = _values(known, flags, environment, folder or Path.cwd(), Path())
@@ -347,7 +347,7 @@ def load_table(
 
 
 def table_values(known: Mapping[str, Declaration]) -> Iterator[tuple[Declaration, Any, Origin]]:
-    """Yield each setting of a table with the value that it has without flags, and its origin."""
+    """Yield each setting of a table with its value without flags, and its origin."""
     found = _values(known, {}, None, Path.cwd(), Path())
     for one in known.values():
         yield one, *found.get(one.name, (one.default, _DEFAULT))
@@ -360,7 +360,7 @@ def _values(
     folder: Path,
     base: Path,
 ) -> dict[str, tuple[Any, Origin]]:
-    """Return each value that somebody chose with its origin; paths of flags and variables are relative to `base`."""
+    """Return each value that is not a default with its origin; paths of flags and variables are relative to `base`."""
     environment = os.environ if environment is None else environment
     given = [
         *_from_file(known, folder),
@@ -391,7 +391,7 @@ def _read(declaration: Declaration, value: object, origin: Origin, base: Path) -
 
 
 def _from_file(known: Mapping[str, Declaration], folder: Path) -> Iterator[tuple[Declaration, object, Origin, Path]]:
-    """Yield what the file says of the settings of one table, or of the top level."""
+    """Yield the settings in the file, of one table or of the top level."""
     file = find_file(folder)
     if file is None:
         return
@@ -417,7 +417,7 @@ def _from_file(known: Mapping[str, Declaration], folder: Path) -> Iterator[tuple
 
 
 def _parsed(file: Path) -> tuple[str, dict[str, Any]]:
-    """Return the text of a file and what it holds, as long as the file stays as it is."""
+    """Return the text and the parsed content of a file, cached until the file changes."""
     try:
         state = file.stat()
     except OSError as problem:
@@ -427,7 +427,7 @@ def _parsed(file: Path) -> tuple[str, dict[str, Any]]:
 
 @cache
 def _parsed_at(file: Path, *_state: int) -> tuple[str, dict[str, Any]]:
-    import tomllib  # noqa: PLC0415 - a third of a millisecond that only those with a kg.toml pay
+    import tomllib  # noqa: PLC0415 - takes 0.3 ms, only with a kg.toml
 
     try:
         text = file.read_text(encoding="utf-8")
@@ -451,7 +451,7 @@ def toml_place(message: str) -> tuple[str, int | None, int | None]:
 
 
 def _line_of(name: str, text: str, table: str = "") -> int | None:
-    """Return the line of a key, in a table of the file or above all tables, or of the head of a table."""
+    """Return the line of a key, in a table of the file or before all tables, or of the header of a table."""
     inside = not table
     for number, line in enumerate(text.splitlines(), 1):
         key = line.split("=")[0].strip().strip("[]").split(".")[0].strip().strip("\"'")

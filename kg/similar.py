@@ -1,4 +1,4 @@
-"""Names that were meant, for names typed almost right."""
+"""Suggestions for misspelt names."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ __all__ = ["asked", "did_you_mean", "folded", "similar", "unknown"]
 _FEW = 3
 _ALIKE = 0.6
 _MANY = 1000
-"""So many names are compared letter by letter."""
+"""Up to this number, all names are compared letter by letter."""
 _PIECE = 3
-"""Letters."""
+"""Number of letters in a piece."""
 
 
 def folded(name: str) -> str:
-    """Return the letters and digits of a name in lower case: names that people write differ in the rest."""
+    """Return the letters and digits of a name in lower case, for comparisons that ignore the spelling."""
     return "".join(sign for sign in name.casefold() if sign.isalnum())
 
 
 def similar(name: str, known: Iterable[str], limit: int = _FEW) -> list[str]:
-    """Return up to `limit` of the `known` names that `name` may stand for, the likeliest first.
+    """Return up to `limit` of the `known` names as suggestions for `name`, the likeliest first.
 
-    A name is also meant by a part of it (`move` for `move_base`) or without its package (`base` for `nav/base`).
+    A name also matches by a part of it (`move` for `move_base`) or without its package (`base` for `nav/base`).
     """
     wanted = name.strip().lower()
     names = {candidate.lower(): candidate for candidate in sorted(set(known), reverse=True)}
@@ -43,7 +43,10 @@ def similar(name: str, known: Iterable[str], limit: int = _FEW) -> list[str]:
 
 
 def _nearest(wanted: str, names: Iterable[str]) -> list[str]:
-    """Return the names that share most pieces with the one wanted, in their order: comparing all takes too long."""
+    """Return the names that share the most pieces with `wanted`, in their order.
+
+    This is a fast filter before names are compared letter by letter.
+    """
     pieces = {wanted[at : at + _PIECE] for at in range(max(len(wanted) - _PIECE + 1, 1))}
     ranks = {name: sum(piece in name for piece in pieces) / (len(wanted) + len(name)) for name in names}
     kept = set(nlargest(_MANY, ranks, key=ranks.__getitem__))
@@ -51,12 +54,12 @@ def _nearest(wanted: str, names: Iterable[str]) -> list[str]:
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:
-    """Return the question to put behind an error about an unknown `name`; None when nothing is alike."""
+    """Return a "did you mean" question for an error about an unknown `name`; None if no name is similar."""
     return asked(similar(name, known))
 
 
 def asked(names: Iterable[str]) -> str | None:
-    """Return the question whether one of some names was meant, in their order; None when there are none."""
+    """Return a "did you mean" question for suggested names, in their order; None if there are none."""
     found = [f"`{name}`" for name in names]
     if not found:
         return None
@@ -65,6 +68,6 @@ def asked(names: Iterable[str]) -> str | None:
 
 
 def unknown(kind: str, name: str, names: Iterable[str], *, otherwise: str) -> UnknownNameError:
-    """Return the error KG001 about a name: with those of `names` that were probably meant, else the way out."""
+    """Return the error KG001 about a name: with suggestions from `names`, else with the hint `otherwise`."""
     hint = did_you_mean(name, names) or otherwise
     return UnknownNameError("KG001", f"unknown {kind} `{name}`", hint=hint)

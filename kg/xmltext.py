@@ -1,4 +1,4 @@
-"""XML that may be hostile: no entities, no DTD, no network, bounded depth; what is well-formed is recovered."""
+"""Parser for untrusted XML: no entities, no DTD, no network, limited depth; it recovers well-formed parts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["XmlResult", "line_of", "parse_xml"]
 
 @dataclass(frozen=True, slots=True)
 class XmlResult:
-    """The root element, as far as it could be read, and what was wrong with the text, as (code, message, line)."""
+    """The root element, as far as it could be parsed, and the problems of the text, as (code, message, line)."""
 
     root: _Element | None
     problem: tuple[str, str, int | None] | None = None
@@ -25,7 +25,7 @@ def line_of(element: _Element) -> int:
 
 
 def parse_xml(text: bytes) -> XmlResult:
-    """Parse UTF-8 `text`; a declaration of another encoding in it is overridden, entities are refused."""
+    """Parse UTF-8 `text`; the declaration of another encoding is overridden, entities are refused."""
     from lxml import etree  # noqa: PLC0415  (the command line starts without it)
 
     if b"<!ENTITY" in text:

@@ -1,4 +1,4 @@
-"""YAML that may be hostile: the parser in C composes nested nodes on its own stack, which deep nesting overruns."""
+"""Parser for untrusted YAML. The C parser composes nested nodes on its own stack, which deep nesting overflows."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _MOST_DEPTH: Final = 200
 _MOST_LEVELS: Final = 60
-"""Of what is read of a document: far beyond what people write, below what the stack of the interpreter holds."""
+"""Depth limit for the traversal of a document: far beyond real files, within the stack of the interpreter."""
 _MOST_VISITS: Final = 50_000
 _MOST_CHARACTERS: Final = 5_000_000
 _HARMLESS: Final = 2000
-"""Levels that a text of so few opening marks cannot exceed; the stack overflows at some twenty thousand."""
+"""A text with no more opening marks cannot exceed this depth; the stack overflows at some twenty thousand."""
 _LEADING: Final = re.compile(r"^[ \t?-]*", re.MULTILINE)
 
 
 class YamlFault(ValueError):  # noqa: N818 - a finding about the user's file, not an error of the program
-    """What is wrong with a text, as what is said of it (`is not YAML: ...`), and the line, counted from 1.
+    """Problem of a text, as a predicate (`is not YAML: ...`), and the line, counted from 1.
 
-    `is_large` tells that it is no mistake in the text, but more than is read.
+    `is_large` is whether a limit was exceeded, rather than the syntax violated.
     """
 
     def __init__(self, message: str, line: int | None = None, *, is_large: bool = False) -> None:
@@ -40,9 +40,9 @@ class YamlFault(ValueError):  # noqa: N818 - a finding about the user's file, no
 
 
 def compose_yaml(text: str, loader: Any = LOADER) -> Node | None:
-    """Return the root node of the one document in `text`, None when there is none.
+    """Return the root node of the single document in `text`, None if it is empty.
 
-    Raises `YamlFault` for what is no YAML, also for what nests deeper than 200 levels.
+    Raises `YamlFault` for invalid YAML, or nesting deeper than 200 levels.
     """
     try:
         _require_shallow(text, loader)
@@ -54,21 +54,21 @@ def compose_yaml(text: str, loader: Any = LOADER) -> Node | None:
 
 
 def fault_of(error: yaml.YAMLError) -> YamlFault:
-    """Return an error of the parser, or of a constructor of values, as what is wrong with the text."""
+    """Return an error of the parser, or of a constructor of values, as a `YamlFault`."""
     mark = getattr(error, "problem_mark", None)
     problem = str(getattr(error, "problem", None) or error).partition("\n")[0]
     return YamlFault(f"is not YAML: {problem}", mark.line + 1 if mark else None)
 
 
 class Walk:
-    """The reading of a composed document, which bounds what its aliases can make of it."""
+    """Traversal of a composed document, which limits the expansion of its aliases."""
 
     def __init__(self) -> None:
         self._visits = 0
         self._characters = 0
 
     def visit(self, node: Node, depth: int) -> None:
-        """Count a node; raises `YamlFault` if it is too deep, or one too many."""
+        """Count a node; raises `YamlFault` if it exceeds the depth or the number of nodes."""
         self._visits += 1
         self._characters += len(node.value) if isinstance(node, yaml.ScalarNode) else 0
         line = node.start_mark.line + 1
@@ -79,7 +79,7 @@ class Walk:
             raise YamlFault(message, line, is_large=True)
 
     def pairs(self, node: Node | None, depth: int) -> Iterator[tuple[yaml.ScalarNode, Node]]:
-        """Yield the entries of a mapping whose keys are scalars; nothing of other nodes."""
+        """Yield the entries of a mapping whose keys are scalars; nothing for other nodes."""
         for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
             self.visit(key, depth)
             if isinstance(key, yaml.ScalarNode):
@@ -87,9 +87,9 @@ class Walk:
 
 
 def load_yaml(text: str, loader: Any = LOADER) -> Any:
-    """Return the value of the one document in `text`; `loader` is a safe one. Raises `yaml.YAMLError`."""
+    """Return the value of the single document in `text`; `loader` must be safe. Raises `yaml.YAMLError`."""
     _require_shallow(text, loader)
-    return yaml.load(text, loader)  # noqa: S506 - callers give safe loaders
+    return yaml.load(text, loader)  # noqa: S506 - callers pass safe loaders
 
 
 def _require_shallow(text: str, loader: Any) -> None:
@@ -102,5 +102,5 @@ def _require_shallow(text: str, loader: Any) -> None:
         elif isinstance(event, yaml.CollectionEndEvent):
             depth -= 1
         if depth > _MOST_DEPTH:
-            place: Any = event.start_mark  # of the parser in C, which is no subclass of the other
+            place: Any = event.start_mark  # of the C parser, which is not a subclass of the other
             raise yaml.MarkedYAMLError(problem=f"it nests deeper than {_MOST_DEPTH} levels", problem_mark=place)

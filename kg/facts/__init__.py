@@ -1,11 +1,11 @@
-"""The facts that pass from reading to the graph, and nothing else does; all are frozen and slotted.
+"""Facts: the data passed from extraction to the graph; all classes are frozen and slotted.
 
-Paths are relative to the root of their source, with `/` between parts; lines count from one. A fact never holds an
-IRI: `kg.graph` makes those.
+Paths are relative to the root of their source, with `/` as separator; lines are counted from one. Facts contain no
+IRIs, which `kg.graph` creates.
 
-Two levels are never mixed (see `docs/names.md`): a `NodeType` (`kg.facts.code`) is what code declares, names as
-written; a `NodeInstance` (`kg.facts.systems`) is one start of it by a launch configuration (`kg.facts.launch`), with
-the names that namespaces, remappings and parameters give it.
+There are two levels (see `docs/names.md`): a `NodeType` (`kg.facts.code`) is what code declares, with names as written.
+A `NodeInstance` (`kg.facts.systems`) is one start of it by a launch configuration (`kg.facts.launch`), with namespaces,
+remappings and parameters applied to its names.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Facts that code, build files and manifests give: RNKG's packages, node types, interfaces and parameters."""
+"""Facts from code, build files and manifests: packages, node types, interfaces and parameters."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-# Imported when the module is, for the caches and property tests make facts from their annotations.
+# Imported at run time: the caches and property tests create facts from their annotations.
 from kg.facts.launch import LaunchConfiguration  # noqa: TC001 - see above
 from kg.facts.places import Location  # noqa: TC001 - see above
 from kg.facts.texts import Description, Snippet  # noqa: TC001 - see above
 
 TREE_NODE: Final = "BT::TreeNode"
-"""The class as which nodes of behavior trees are loaded (BehaviorTree.CPP)."""
+"""Base class of nodes of behavior trees (BehaviorTree.CPP)."""
 
 
 class Resolution(StrEnum):
-    """How the name of an interface became known, from best to worst."""
+    """How the name of an interface was resolved, from best to worst."""
 
     LITERAL = "literal"
     CONSTANT = "constant"
@@ -27,7 +27,7 @@ class Resolution(StrEnum):
 
 
 class Role(StrEnum):
-    """What a node does at an interface; the value is the key in `kg nodes --json`."""
+    """Role of a node at an interface; the value is the key in `kg nodes --json`."""
 
     PUBLISHES = "publishes"
     SUBSCRIBES = "subscribes"
@@ -38,17 +38,17 @@ class Role(StrEnum):
 
     @property
     def channel(self) -> str:
-        """What it is an end of: a `topic`, `service` or `action`."""
+        """The kind of channel: `topic`, `service` or `action`."""
         return _ENDS[self][0]
 
     @property
     def outward(self) -> bool:
-        """Whether the node is the one that begins: it publishes or calls."""
+        """Whether the node initiates the communication: it publishes or calls."""
         return _ENDS[self][1]
 
     @property
     def opposite(self) -> Role:
-        """What a node at the other side of the channel does."""
+        """The role at the other end of the channel."""
         return _ENDS[self][2]
 
 
@@ -60,7 +60,7 @@ _ENDS: Final[dict[Role, tuple[str, bool, Role]]] = {
     Role.ACTION_SERVERS: ("action", False, Role.ACTION_CLIENTS),
     Role.ACTION_CLIENTS: ("action", True, Role.ACTION_SERVERS),
 }
-"""The channel of a role, whether it is outward, and its opposite."""
+"""The channel of a role, whether the role is outward, and its opposite."""
 
 
 class NodeKind(StrEnum):
@@ -83,7 +83,7 @@ class Access(StrEnum):
 
 
 class FileKind(StrEnum):
-    """The sorting of files of RNKG section 3.2.1: code by what it is, and text."""
+    """Classification of files as in RNKG section 3.2.1: kinds of code, and text."""
 
     CPP = "cpp"
     PYTHON = "python"
@@ -100,37 +100,35 @@ class FileKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """Quality of service of one end of a ROS 2 interface; None where the code leaves it to a default not known."""
+    """Quality of service of one end of a ROS 2 interface; None for a default that is unknown."""
 
     reliability: str | None = None
     durability: str | None = None
     history: str | None = None
     depth: int | None = None
     deadline: float | None = None
-    """Longest time between two messages, in seconds; infinite where None."""
+    """Longest time between two messages, in seconds; None for infinite."""
     lifespan: float | None = None
     """How long a message stays valid, in seconds."""
     liveliness: str | None = None
     """`automatic` or `manual_by_topic`."""
     lease_duration: float | None = None
-    """How long a publisher may be silent before it is taken for dead, in seconds."""
+    """How long a publisher may be silent before it counts as dead, in seconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Interface:
     """One end of a topic, service or action that a node declares.
 
-    `name` is the name as the node gives it to ROS: relative (`scan`), private (`~/scan`) or absolute
-    (`/scan`), with the namespace of its node handle in front; a part that is not known is a hole (`kg.holes`)
-    (resolution `partial`); None when nothing of it is known (`unresolved`). `resolved` is the same name
-    for a node started alone, under its own name, in the root namespace and without remapping.
-    `written` is the expression in the code. `type` is `package/Type`. `parameter` names the parameter
-    whose value the name is (its default is then in `name`); `argv[1]` is the first argument of the command line,
-    `argv[--topic|-t]` what an option gives, `port[topic]` a port of a behavior tree node; `~/imu{}` stands for as many
-    parameters as are set whose names fit it, one interface for each, `~/topics[].name` for members of the elements of
-    one, `~/topics[key]` for a dictionary's keys.
-    `origin` says through which framework or table the fact came when it is `implicit`. `reason` tells why something
-    stayed unresolved.
+    `name` is the name passed to ROS: relative (`scan`), private (`~/scan`) or absolute (`/scan`), prefixed with the
+    namespace of the node handle. An unknown part is a hole (`kg.holes`; resolution `partial`); None if all of it is
+    unknown (`unresolved`). `resolved` is the same name for a node started alone, under its own name, in the root
+    namespace and without remapping. `written` is the expression in the code. `type` is `package/Type`. `parameter` is
+    the parameter whose value the name is (`name` then contains its default). There, `argv[1]` is the first argument of
+    the command line, `argv[--topic|-t]` the value of an option, `port[topic]` a port of a behavior tree node. `~/imu{}`
+    means one interface for each matching parameter that is set, `~/topics[].name` one for that member of each element,
+    `~/topics[key]` one for each key of a dictionary. `origin` is the framework or table that an `implicit` fact comes
+    from. `reason` explains why something is unresolved.
     """
 
     role: Role
@@ -146,11 +144,14 @@ class Interface:
     qos: Qos | None = None
     reason: str | None = None
     arguments: int = 0
-    """How many arguments the command line has to have for the node to make it."""
+    """Number of command line arguments required for the node to create the interface."""
     switches: tuple[str, ...] = ()
-    """Boolean parameters that have to be true for the node to make it; those that must not be have a `!` in front."""
+    """Boolean parameters that must be true for the node to create it.
+
+    Those that must be false are prefixed with `!`.
+    """
     via: tuple[Location, ...] = ()
-    """The calls from `location`, the innermost one in the node's own package, to the framework call, which is last.
+    """The calls from `location`, the innermost one in the node's own package, down to the framework call.
 
     Empty if the framework is called at `location`.
     """
@@ -160,8 +161,8 @@ class Interface:
 class Parameter:
     """A parameter that a node reads, writes or declares; `name` follows the rules of `Interface.name`.
 
-    `type` is a ROS parameter type (`bool`, `int`, `double`, `string`, `double_array`, ...); `default` is
-    written as YAML. None where the code does not tell.
+    `type` is a ROS parameter type (`bool`, `int`, `double`, `string`, `double_array`, ...); `default` is YAML. Both are
+    None if unknown.
     """
 
     name: str | None
@@ -174,14 +175,14 @@ class Parameter:
     origin: str | None = None
     reason: str | None = None
     description: str | None = None
-    """What the declaration says of it in words (`generate_parameter_library`, dynamic_reconfigure, a descriptor)."""
+    """Description in the declaration (`generate_parameter_library`, dynamic_reconfigure, a descriptor)."""
     via: tuple[Location, ...] = ()
-    """As for `Interface.via`."""
+    """As `Interface.via`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """A limit at which the interpretation of a node stopped short, so that facts may be missing.
+    """A limit that stopped the interpretation of a node, so facts may be missing.
 
     `limit` is `steps`, `depth` (of calls) or `turns` (of one loop); `location` is the call that was running.
     """
@@ -192,9 +193,9 @@ class Bound:
 
 @dataclass(frozen=True, slots=True)
 class Import:
-    """A module or header from outside of its package that a node imports, at the first place that does.
+    """A module or header from outside its package that a node imports, at its first import.
 
-    `name` is written as in the code: `RPi.GPIO`, `serial/serial.h`.
+    `name` is as in the code: `RPi.GPIO`, `serial/serial.h`.
     """
 
     name: str
@@ -203,7 +204,7 @@ class Import:
 
 @dataclass(frozen=True, slots=True)
 class PluginDefault:
-    """A plugin that a node loads if its parameters are not set: its `class_name`, and the name that it gets, if any."""
+    """A plugin loaded by default, without parameters: its `class_name`, and its name, if any."""
 
     class_name: str
     name: str | None = None
@@ -211,11 +212,12 @@ class PluginDefault:
 
 @dataclass(frozen=True, slots=True)
 class PluginSlot:
-    """A place of a node for plugins of a base class (`nav2_core::Controller`, None if it is not known).
+    """A slot of a node for plugins of a base class (`nav2_core::Controller`, None if unknown).
 
     `names` is the parameter with the names of the plugins, `parameter` the one with the class of a plugin. The latter
-    has `{id}` for the plugin's name (`{id}.plugin`), or `[]` for an element of a list (`~/plugins[].type`). A slot is
-    `fixed` if the code gives the class; `reason` tells why a class is not known. `via` is as for `Interface.via`.
+    contains `{id}` for the plugin's name (`{id}.plugin`), or `[]` for an element of a list (`~/plugins[].type`). A slot
+    is `fixed` if the code specifies the class; `reason` explains why a class is unknown. `via` is as in
+    `Interface.via`.
     """
 
     base_class: str | None
@@ -230,7 +232,7 @@ class PluginSlot:
 
 @dataclass(frozen=True, slots=True)
 class NodeType:
-    """What an executable, script, nodelet, component, plugin or node class declares in code (RNKG's node)."""
+    """Declarations in code of an executable, script, nodelet, component, plugin or node class (a node in RNKG)."""
 
     name: str
     kind: NodeKind
@@ -240,20 +242,20 @@ class NodeType:
     executable: str | None = None
     plugin: str | None = None
     node_name: str | None = None
-    """The name it gives itself (`ros::init`, `Node("...")`), before any remapping."""
+    """The node's own name (`ros::init`, `Node("...")`), before any remapping."""
     base_class: str | None = None
-    """For plugins and nodelets the class they are loaded as (`nodelet::Nodelet`, `nav2_core::Controller`)."""
+    """Base class of a plugin or nodelet (`nodelet::Nodelet`, `nav2_core::Controller`)."""
     aliases: tuple[str, ...] = ()
-    """Other executables that start it, and its names in build files: its target, a library that holds nothing else."""
+    """Other executables that start it, and its names in build files: its target, or a library that only contains it."""
     sources: tuple[str, ...] = ()
     interfaces: tuple[Interface, ...] = ()
     parameters: tuple[Parameter, ...] = ()
     bounds: tuple[Bound, ...] = ()
     slots: tuple[PluginSlot, ...] = ()
     imports: tuple[Import, ...] = ()
-    """What its sources take from outside of the package, by name; not the C++ standard library."""
+    """Imports of its sources from outside the package, by name, without the C++ standard library."""
     exported: Location | None = None
-    """For plugins, nodelets and components: what registers the class, in a plugin description, CMake or C++."""
+    """For plugins, nodelets and components: the registration of the class, in a plugin description, CMake or C++."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -294,7 +296,7 @@ class Person:
 
 @dataclass(frozen=True, slots=True)
 class Dependency:
-    """What a package depends on; `kind` is the element of package.xml (`depend`, `exec_depend`, ...)."""
+    """A dependency of a package; `kind` is the element of package.xml (`depend`, `exec_depend`, ...)."""
 
     name: str
     kind: str
@@ -303,7 +305,7 @@ class Dependency:
 
 @dataclass(frozen=True, slots=True)
 class Package:
-    """A ROS package as its package.xml and build files describe it."""
+    """A ROS package as described by its package.xml and build files."""
 
     name: str
     path: str
@@ -321,24 +323,24 @@ class Package:
     dependencies: tuple[Dependency, ...] = ()
     deprecated: str | None = None
     also: int | None = None
-    """The other version of ROS that its manifest has conditions for; it is read for `ros`."""
+    """The other version of ROS in the conditions of its manifest; the package is read for `ros`."""
 
 
 @dataclass(frozen=True, slots=True)
 class SourceFile:
-    """A file that belongs to a package, sorted as RNKG section 3.2.1 sorts them; `digest` is a BLAKE2b of its bytes."""
+    """A file of a package, classified as in RNKG section 3.2.1; `digest` is the BLAKE2b of its bytes."""
 
     path: str
     kind: FileKind
     bytes: int
     digest: str
     text: str | None = None
-    """Its content, if nodes read it when they run: a behavior tree."""
+    """Its content, if nodes read it at run time: a behavior tree."""
 
 
 @dataclass(frozen=True, slots=True)
 class DataFile:
-    """A file of a package that nodes read when they run; `path` is relative to the root of its source."""
+    """A file of a package that nodes read at run time; `path` is relative to the root of its source."""
 
     repository: str
     package: str
@@ -348,7 +350,7 @@ class DataFile:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Something in the sources that could not be read as it should; `code` is a key of `kg.errors.CATALOGUE`."""
+    """A problem in the sources; `code` is a key of `kg.errors.CATALOGUE`."""
 
     code: str
     message: str
@@ -360,8 +362,8 @@ class Problem:
 class Repository:
     """A source: a git checkout or a plain folder.
 
-    `name` is `host/owner/name` from the remote (`github.com/husky/husky`), or `local/NAME` for a folder
-    without one. `commit` is None where the folder is not a git checkout; `dirty` tells of changes on top of it.
+    `name` is `host/owner/name` from the remote (`github.com/husky/husky`), or `local/NAME` for a folder without one.
+    `commit` is None if the folder is not a git checkout; `dirty` is whether it has uncommitted changes.
     """
 
     name: str
@@ -374,10 +376,10 @@ class Repository:
 
 @dataclass(frozen=True, slots=True)
 class PackageFacts:
-    """All that was read of one package: the result of extraction, which is a pure function of the package.
+    """Facts about one package: the result of extraction, which is a pure function of its inputs.
 
-    `inputs` maps every file that was read to its digest, those of other packages too (base classes,
-    message definitions); nothing else can change the result.
+    `inputs` maps all files that were read to their digests, including those of other packages (base classes, message
+    definitions). Nothing else can change the result.
     """
 
     repository: str
@@ -388,10 +390,10 @@ class PackageFacts:
     problems: tuple[Problem, ...] = ()
     inputs: tuple[tuple[str, str], ...] = ()
     launches: tuple[LaunchConfiguration, ...] = ()
-    """Each launch file of the package, evaluated as if it were the one that is started, with its default arguments."""
+    """The launch files of the package, each evaluated as the main one with its default arguments."""
     programs: tuple[str, ...] = ()
-    """What `rosrun` or `ros2 run` can start of the package, in which a node was found or not."""
+    """Programs of the package for `rosrun` or `ros2 run`, whether or not a node was found in them."""
     descriptions: tuple[Description, ...] = ()
-    """What people wrote about the package and its nodes, in the order of their places."""
+    """Descriptions of the package and its nodes, in the order of their places."""
     snippets: tuple[Snippet, ...] = ()
-    """The lines of code that the facts rest on, by file."""
+    """Lines of code cited by the facts, by file."""

@@ -1,8 +1,8 @@
-"""Facts that launch files give: what a configuration starts, with which names, remappings and parameters.
+"""Facts from launch files: the nodes that a configuration starts, with names, remappings and parameters.
 
-A configuration is one launch file evaluated as the one that is started, with everything that it includes. Texts are
-those after substitution; a part that cannot be known without running anything is the hole `{}` (`kg.holes`), and a
-`LaunchProblem` of the kind `unresolved` tells the reason. The folder of a package in a text is `package://NAME`.
+A configuration is one launch file evaluated as the main one, with all its includes. Texts are those after substitution.
+A part only known at run time is the hole `{}` (`kg.holes`), and a `LaunchProblem` of the kind `unresolved` contains the
+reason. The folder of a package in a text is `package://NAME`.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-# Imported when the module is, for the caches make facts from their annotations.
+# Imported at run time: the caches create facts from their annotations.
 from kg.facts.places import Location  # noqa: TC001 - see above
 
 
 class LaunchDialect(StrEnum):
-    """The language of a launch file; `running` is none: of a system that was seen running."""
+    """The language of a launch file; `running` for a system observed at run time."""
 
     ROSLAUNCH = "roslaunch"
     ROS2_XML = "ros2-xml"
@@ -25,7 +25,7 @@ class LaunchDialect(StrEnum):
 
 
 class StartKind(StrEnum):
-    """How something is started."""
+    """How a node is started."""
 
     NODE = "node"
     NODELET = "nodelet"
@@ -35,39 +35,39 @@ class StartKind(StrEnum):
     LIFECYCLE_NODE = "lifecycle-node"
     TEST = "test"
     INNER = "inner"
-    """Made by a node of the same process, which no launch file says."""
+    """Created by another node of the same process, not by a launch file."""
     RUNNING = "running"
-    """Seen running, however it was started."""
+    """Observed running; how it was started is unknown."""
 
 
 class LaunchProblemKind(StrEnum):
-    """What is wrong, or not known, in a configuration."""
+    """Kind of error or unknown part in a configuration."""
 
     MISSING_FILE = "missing-file"
-    """A file is named that does not exist, in a package that does."""
+    """A file does not exist, in a package that does."""
     UNKNOWN_PACKAGE = "unknown-package"
-    """A package is named that is neither in the build nor installed; nothing can be said about its files."""
+    """A package is neither in the build nor installed, so its files are unknown."""
     UNDECLARED_ARGUMENT = "undeclared-argument"
-    """An argument is passed to a file that does not declare it, or read where none is declared."""
+    """An argument is passed to a file that does not declare it, or read without a declaration."""
     MISSING_ARGUMENT = "missing-argument"
-    """An argument without default is not given by an include."""
+    """An include does not pass an argument without default."""
     CYCLE = "cycle"
-    """A file includes itself, by way of others or not."""
+    """A file includes itself, directly or indirectly."""
     MALFORMED = "malformed"
-    """What is written is not a valid launch file."""
+    """Invalid syntax or structure."""
     OTHER_VERSION = "other-version"
-    """The file is written for ROS 1, and its package is of ROS 2; it is not evaluated."""
+    """The file is for ROS 1 and its package for ROS 2; it is not evaluated."""
     UNRESOLVED = "unresolved"
-    """Something depends on what is known only at run time."""
+    """Something depends on values only known at run time."""
     LIMIT = "limit"
-    """A limit of size, depth or number was reached; what lies behind was not read."""
+    """A limit of size, depth or number was reached; the rest was not read."""
 
 
 @dataclass(frozen=True, slots=True)
 class LaunchArgument:
-    """An argument that the file of a configuration declares itself; `value` is what it has after evaluation.
+    """An argument declared by the main file of a configuration; `value` is its value after evaluation.
 
-    It is required where `default` is None and it is not `fixed` (`<arg value=...>`, which callers cannot set).
+    It is required if `default` is None and it is not `fixed` (`<arg value=...>`, which callers cannot set).
     """
 
     name: str
@@ -81,11 +81,11 @@ class LaunchArgument:
 
 @dataclass(frozen=True, slots=True)
 class LaunchParameter:
-    """A parameter that a configuration sets; `value` is written as YAML in one line, None where it is not known.
+    """A parameter that a configuration sets; `value` is YAML in one line, None if unknown.
 
-    In ROS 1 `name` is absolute (`/move_base/controller_frequency`); in ROS 2 it is that of the node's parameter
-    (`controller_frequency`, `FollowPath.plugin`), `{}` for those of a file that is not known. `chain` are the lines of
-    the includes that led to it, outermost first.
+    In ROS 1 `name` is absolute (`/move_base/controller_frequency`). In ROS 2 it is relative to the node
+    (`controller_frequency`, `FollowPath.plugin`), `{}` for the parameters of an unknown file. `chain` contains the
+    lines of the includes that led to it, outermost first.
     """
 
     name: str
@@ -96,13 +96,15 @@ class LaunchParameter:
     """A ROS parameter type (`bool`, `int`, `double`, `string`, `string_array`, ...)."""
     reason: str | None = None
     node: str | None = None
-    """The key of a parameter file of ROS 2 that it stands below (`/ns/node`, `/**`), None where it is for the node that
-    has it alone. A process is given whole files, and the key tells which of its nodes a parameter is for."""
+    """The enclosing key in a ROS 2 parameter file (`/ns/node`, `/**`), None if it is for its node alone.
+
+    A process receives whole files, and the key selects the nodes that the parameter applies to.
+    """
 
 
 @dataclass(frozen=True, slots=True)
 class Remap:
-    """A remapping as written after substitution; of several that fit a name the first in the node's list counts."""
+    """A remapping after substitution; if several match a name, the first one in the node's list applies."""
 
     source: str
     target: str
@@ -114,12 +116,12 @@ class Remap:
 class StartedNode:
     """A node that a configuration starts.
 
-    `name` is without namespace, None where the node's own name is kept (ROS 2); `namespace` is absolute. `executable`
-    is what `rosrun`/`ros2 run` start, `plugin` the class of a nodelet or component, `host` the absolute name of the
-    manager or container that it is loaded into. `parameters` are those given to its process (ROS 2; in ROS 1 they stand
-    in the configuration), those left out whose key names another node of the configuration; of two of one name for one
-    node the later counts. `condition` says what has to hold, in the words of the
-    file, where that cannot be known; what surely is not started is left out.
+    `name` is without namespace, None if the node uses its own name (ROS 2); `namespace` is absolute. `executable` is
+    the program for `rosrun`/`ros2 run`, `plugin` the class of a nodelet or component, `host` the absolute name of its
+    manager or container. `parameters` are those given to its process (ROS 2; in ROS 1 they are in the configuration),
+    without those whose key names another node of the configuration. If two set the same parameter of a node, the later
+    one applies. `condition` is the condition of the start as written, if its value is unknown; nodes certainly not
+    started are left out.
     """
 
     name: str | None
@@ -141,7 +143,7 @@ class StartedNode:
 
 @dataclass(frozen=True, slots=True)
 class LaunchInclude:
-    """An include: `written` after substitution; the file as `repository` and `path`, None where it is not found."""
+    """An include: `written` after substitution; the file as `repository` and `path`, None if not found."""
 
     written: str
     location: Location
@@ -154,9 +156,9 @@ class LaunchInclude:
 
 @dataclass(frozen=True, slots=True)
 class PluginValue:
-    """What stands in an element of a plugin: `element` is its path (`topicName`, `ros/namespace`, `camera@name`).
+    """Content of an element of a plugin: `element` is its path (`topicName`, `ros/namespace`, `camera@name`).
 
-    Paths that begin with `../` are of the sensor or model that the plugin stands in.
+    Paths that begin with `../` belong to the sensor or model that contains the plugin.
     """
 
     element: str
@@ -166,10 +168,10 @@ class PluginValue:
 
 @dataclass(frozen=True, slots=True)
 class LaunchPlugin:
-    """A plugin of a simulator in the robot description that the parameter `parameter` holds (an absolute name).
+    """A simulator plugin in a robot description, which is the value of the parameter `parameter` (an absolute name).
 
-    `library` is the file that is loaded, as written; `location` is the line of its `<plugin>`, `chain` the lines that
-    led to it: those of includes of launch files, of the parameter, and of includes of robot descriptions.
+    `library` is the library as written; `location` is the line of its `<plugin>`, `chain` the lines that led to it:
+    includes of launch files, the parameter, and includes of robot descriptions.
     """
 
     library: str
@@ -179,12 +181,12 @@ class LaunchPlugin:
     name: str | None = None
     values: tuple[PluginValue, ...] = ()
     condition: str | None = None
-    """What has to hold for it to be there, in the words of the description, where that cannot be known."""
+    """The condition for its existence, as written in the description, if its value is unknown."""
 
 
 @dataclass(frozen=True, slots=True)
 class LaunchProblem:
-    """Something wrong or not known in a configuration; `subject` is the name it is about (a file, an argument)."""
+    """An error or unknown part in a configuration; `subject` is the name concerned (a file, an argument)."""
 
     kind: LaunchProblemKind
     message: str
@@ -195,9 +197,9 @@ class LaunchProblem:
 
 @dataclass(frozen=True, slots=True)
 class LaunchConfiguration:
-    """One launch file and everything it includes, evaluated; `given` are arguments that the caller set.
+    """A launch file and all its includes, evaluated; `given` contains arguments set by the caller.
 
-    Locations without a repository stand in `repository`. `files` are all launch and parameter files that were read, as
+    Locations without a repository are in `repository`. `files` are all launch and parameter files that were read, as
     pairs of repository and path.
     """
 
@@ -210,16 +212,16 @@ class LaunchConfiguration:
     arguments: tuple[LaunchArgument, ...] = ()
     nodes: tuple[StartedNode, ...] = ()
     parameters: tuple[LaunchParameter, ...] = ()
-    """The parameter server of ROS 1 in the order of setting: all names absolute, the later of two counts."""
+    """Parameter server of ROS 1 in the order of setting: absolute names; the later of two values applies."""
     includes: tuple[LaunchInclude, ...] = ()
     problems: tuple[LaunchProblem, ...] = ()
     files: tuple[tuple[str, str], ...] = ()
     folder: str = "."
     """The folder of the package, relative to the source."""
     plugins: tuple[LaunchPlugin, ...] = ()
-    """The plugins of simulators in the robot descriptions that parameters hold when everything is set."""
+    """Simulator plugins in the robot descriptions among the final parameters."""
 
     @property
     def name(self) -> str:
-        """The name that people know it by: its package, and its path in that."""
+        """Display name: the package, and the path in it."""
         return f"{self.package}/{self.path if self.folder == '.' else self.path.removeprefix(f'{self.folder}/')}"

@@ -1,4 +1,4 @@
-"""Where a fact was read."""
+"""Places of facts."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from dataclasses import dataclass
 class Location:
     """A line of a file, relative to the root of its source; line 0 is the file as a whole.
 
-    Of what was seen running, `path` is the peer that showed it: its name and its address.
-    `repository` is None for the source that the fact belongs to, else the name of the other source of the
-    build that the file stands in (a base class, say).
+    For facts observed at run time, `path` is the peer that showed it: its name and its address. `repository` is None
+    for the source of the fact itself, else the name of another source of the build, which contains the file (a base
+    class, for example).
     """
 
     path: str

@@ -1,4 +1,4 @@
-"""Facts about systems: the computation graph that a launch configuration makes, resolved without running it."""
+"""Facts about systems: the computation graph of a launch configuration, resolved without running it."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ if TYPE_CHECKING:
 
 
 class MissingType(StrEnum):
-    """Why an instance is of no node type of the build."""
+    """Why an instance has no node type in the build."""
 
     UNKNOWN_PACKAGE = "unknown-package"
-    """Its package is not in the build: nothing can be said."""
+    """Its package is not in the build."""
     UNKNOWN_NODE = "unknown-node"
-    """Its package is in the build and has nothing of that name."""
+    """Its package is in the build, but does not contain that name."""
     NO_NODE = "no-node"
-    """Its package has a program of that name in which no node was found."""
+    """Its package contains a program of that name, in which no node was found."""
     NOT_SAID = "not-said"
-    """Which package, program or class it starts is not known before run time."""
+    """Its package, program or class is only known at run time."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class NodeReference:
-    """A node type: the source, the package and the name that it has there."""
+    """A node type by source, package and name."""
 
     repository: str
     package: str
@@ -40,7 +40,7 @@ class NodeReference:
 
 @dataclass(frozen=True, slots=True)
 class NodeName:
-    """What launch files name a node type by; `mark` is a digest of all that wiring may learn of it."""
+    """The name of a node type in launch files; `mark` is a digest of the facts that wiring may use."""
 
     name: str
     kind: NodeKind
@@ -52,9 +52,9 @@ class NodeName:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """What can be started of a package: its node types, in the order of its cached result, and other programs.
+    """What can be started from a package: its node types, in the order of its cached result, and other programs.
 
-    `data` are the files that nodes read when they run.
+    `data` contains the files that nodes read at run time.
     """
 
     nodes: tuple[NodeName, ...] = ()
@@ -66,10 +66,10 @@ class Known:
 class InstanceInterface:
     """One end of a topic, service or action of an instance.
 
-    `declared` is what code says of it, `owner` the node type whose code that is: the one that the instance is of, or a
-    plugin that it loads. `resolved` is the absolute name after namespaces, parameters and remappings, with a hole for a
-    part that is not known, None when nothing is; `resolution` says how it became known. `remap` is what changed the
-    name, `parameter` what set it. `qos` is what is in force after overrides.
+    `declared` is the declaration in code, `owner` the node type that declares it: that of the instance, or a plugin
+    that it loads. `resolved` is the absolute name after namespaces, parameters and remappings, with holes for unknown
+    parts, None if all is unknown; `resolution` is how it was resolved. `remap` is the remapping that changed the name,
+    `parameter` the parameter that set it. `qos` is the effective one after overrides.
     """
 
     declared: Interface
@@ -84,10 +84,10 @@ class InstanceInterface:
 
 @dataclass(frozen=True, slots=True)
 class InstanceParameter:
-    """A parameter set for an instance: `name` absolute in ROS 1 (`/node/x`) and `/node/x` in ROS 2 as well.
+    """A parameter set for an instance: `name` is absolute in ROS 1 (`/node/x`), and `/node/x` in ROS 2 as well.
 
-    `declared` is the node's parameter that it sets, None where the node has none of that name as far as is known.
-    `similar` are names of parameters of the node that it is likely meant to be.
+    `declared` is the node's parameter that it sets, None if the node has none of that name as far as known. `similar`
+    contains parameters of the node as suggestions.
     """
 
     name: str
@@ -99,9 +99,9 @@ class InstanceParameter:
 
 @dataclass(frozen=True, slots=True)
 class InstanceRemap:
-    """A remapping of an instance with both names resolved; `used` tells whether it changed the name of an interface.
+    """A remapping of an instance with both names resolved; `used` is whether it changed the name of an interface.
 
-    `similar` are resolved names of the instance's interfaces that its left side is likely meant to be.
+    `similar` contains resolved names of the instance's interfaces as suggestions for its left side.
     """
 
     source: str
@@ -115,9 +115,9 @@ class InstanceRemap:
 class NodeInstance:
     """One start of a node: `name` is absolute.
 
-    `type` is the node type it is of; None with the `reason` (in words) and `missing`, when the build has none.
-    `plugins` are the node types of what it loads by parameters; `host` is the name of the instance whose process it
-    shares. `complete` tells whether every interface of it is known: the type, all names and all plugins.
+    `type` is its node type; None, with `reason` (a sentence) and `missing`, if it is not in the build. `plugins` are
+    the node types of the plugins that it loads by parameters; `host` is the name of the instance whose process it
+    shares. `complete` is whether all its interfaces are known: the type, all names and all plugins.
     """
 
     name: str
@@ -133,15 +133,15 @@ class NodeInstance:
     complete: bool = False
     missing: MissingType | None = None
     since: str | None = None
-    """When it was first seen running (ISO 8601, UTC); None where a launch file starts it."""
+    """Time of the first observation (ISO 8601, UTC); None if started by a launch file."""
     similar: tuple[str, ...] = ()
-    """Packages of the build that the one it is started from is likely meant to be, where that is not in the build."""
+    """Packages of the build as suggestions for its package, if that is not in the build."""
 
     @property
     def started_type(self) -> str:
-        """The package and the name of its node type; else what the launch file starts, `?` for what it does not say.
+        """Package and name of its node type, else of the program that the launch file starts, `?` for unknown parts.
 
-        Of a node that was seen running and is of no node type of the store, nobody tells what started it.
+        A running node without a node type in the store shows neither.
         """
         if self.type is not None:
             return f"{self.type.package}/{self.type.node}"
@@ -154,9 +154,9 @@ class NodeInstance:
 
 @dataclass(frozen=True, slots=True)
 class Sighting:
-    """How a running system was seen: its address, and from when until when (ISO 8601, UTC), None while it is watched.
+    """Observation of a running system: its address, and its start and end (ISO 8601, UTC), None while it goes on.
 
-    `complete` tells whether it was watched long enough to be known whole.
+    `complete` is whether it lasted long enough to see the whole system.
     """
 
     address: str
@@ -167,15 +167,15 @@ class Sighting:
 
 @dataclass(frozen=True, slots=True)
 class System:
-    """A configuration with its instances; `sighting` is of one that was seen running.
+    """A configuration with its instances; `sighting` is the observation of a running system.
 
-    `similar` are pairs of names of one kind (`topic`, `service`, `action`) that are likely meant to be one:
-    (kind, name, other name).
+    `similar` contains pairs of names of one kind (`topic`, `service`, `action`) that probably should be equal: (kind,
+    name, other name).
     """
 
     configuration: LaunchConfiguration
     instances: tuple[NodeInstance, ...] = ()
     similar: tuple[tuple[str, str, str], ...] = ()
     shared_parameters: tuple[LaunchParameter, ...] = ()
-    """Parameters of ROS 1 that stand below the name of no instance."""
+    """Parameters of ROS 1 outside the names of all instances."""
     sighting: Sighting | None = None

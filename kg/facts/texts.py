@@ -1,4 +1,4 @@
-"""Facts that texts give (RNKG sections 3.2.3 and 3.2.4): what people wrote about nodes and packages, and its words."""
+"""Facts from texts (RNKG sections 3.2.3 and 3.2.4): descriptions of nodes and packages, and their words."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-# Imported when the module is, for property tests make facts from their annotations.
+# Imported at run time: property tests create facts from their annotations.
 from kg.facts.places import Location  # noqa: TC001 - see above
 
 _LONGEST: Final = 200
-"""Characters of a line of a snippet."""
+"""Largest number of characters of a line in a snippet."""
 
 
 class DescriptionKind(StrEnum):
-    """Where a description stands."""
+    """The source of a description."""
 
     COMMENT = "comment"
     """A comment of C++ or Python: at the head of a file, of a class or of the main function."""
@@ -24,19 +24,19 @@ class DescriptionKind(StrEnum):
     README = "readme"
     """A paragraph of a README, or of another page of documentation in the package or the repository."""
     LAUNCH = "launch"
-    """A comment in a launch file beside what starts the node."""
+    """A comment in a launch file next to the start of the node."""
     WIKI = "wiki"
-    """Markup of the ROS wiki that is kept in the repository (`#!clearsilver CS/NodeAPI`)."""
+    """Markup of the ROS wiki in the repository (`#!clearsilver CS/NodeAPI`)."""
     PLUGIN = "plugin"
-    """The description that a plugin file gives to a nodelet, component or plugin."""
+    """The description of a nodelet, component or plugin in a plugin file."""
 
 
 @dataclass(frozen=True, slots=True)
 class Phrase:
     """A noun phrase that a pattern found in a description.
 
-    `text` holds its words in lower case as the dictionary has them, joined by single spaces (`laser range finder`).
-    `pattern` names the pattern of `ontology/hardware-patterns.toml` that matched.
+    `text` contains its lemmas in lower case, separated by single spaces (`laser range finder`). `pattern` is the name
+    of the pattern in `ontology/hardware-patterns.toml`.
     """
 
     text: str
@@ -45,12 +45,11 @@ class Phrase:
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """A paragraph that people wrote about a node type, or about the package where `node` is None.
+    """A paragraph about a node type, or about the package if `node` is None.
 
-    `text` is plain prose: comment signs, markup and line breaks inside of it are gone. `node` is the `NodeType.name`.
-    `heading` is that of the section in which it stands. `location` is its first line. `words` and `phrases` are empty
-    until the text was tagged: `words` are its nouns, proper nouns, verbs and adjectives as the dictionary has them, in
-    lower case, sorted, each once.
+    `text` is plain prose, without comment signs, markup and line breaks. `node` is the `NodeType.name`. `heading` is
+    that of its section. `location` is its first line. `words` and `phrases` are empty before tagging: `words` contains
+    the lemmas of its nouns, proper nouns, verbs and adjectives, in lower case, sorted, without duplicates.
     """
 
     text: str
@@ -64,10 +63,10 @@ class Description:
 
 @dataclass(frozen=True, slots=True)
 class Snippet:
-    """The lines of a file that facts of a package rest on, with a few around them, as `shortened` gives them.
+    """Lines of a file cited by facts of a package, with a few around them, as returned by `shortened`.
 
-    `lines` are pairs of a number, counted from one, and the text, by number. `repository` is None for the source of the
-    package, else the name of the other source that the file stands in.
+    `lines` contains pairs of line number, counted from one, and text, in order. `repository` is None for the source of
+    the package, else the name of another source that contains the file.
     """
 
     path: str
@@ -76,6 +75,6 @@ class Snippet:
 
     @staticmethod
     def shortened(line: str) -> str:
-        """Return a line of a file as snippets have it: without blanks at its end, and cut where it is long."""
+        """Return a line of a file for a snippet: without trailing whitespace, and cut if too long."""
         text = line.rstrip()
         return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"

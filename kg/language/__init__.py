@@ -1,1 +1,1 @@
-"""Texts to knowledge: parts of speech, lemmas, and the noun phrases that name hardware, with spaCy."""
+"""Language processing with spaCy: parts of speech, lemmas, and noun phrases that name hardware."""

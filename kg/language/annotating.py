@@ -1,7 +1,7 @@
-"""Descriptions get their words and the phrases in them (RNKG, sections 3.2.3 and 3.2.4).
+"""Annotate descriptions with their words and phrases (RNKG, sections 3.2.3 and 3.2.4).
 
-A pure function of texts, pipeline and patterns: the same in any process and order. spaCy is loaded with the first
-text that has words, once a process.
+A pure function of texts, pipeline and patterns: the same in any process and order. spaCy is loaded once per process, at
+the first text with words.
 """
 
 from __future__ import annotations
@@ -22,34 +22,34 @@ if TYPE_CHECKING:
     from kg.facts.texts import Description, Phrase
 
 LONGEST_TEXT: Final = 20_000
-"""Characters of a description that are tagged: ten pages; longer ones are data."""
+"""Largest tagged part of a description in characters: ten pages; longer texts are data."""
 LONGEST_WORD: Final = 80
-"""Longer words are data (keys, pictures written as letters) and are left out."""
+"""Longer words are data (keys, ASCII art) and are left out."""
 LONGEST_SENTENCE: Final = 2_000
-"""Characters that are tagged at a time, so that a text without full stops costs no more memory than others."""
+"""Characters tagged at a time, so texts without full stops use no more memory than others."""
 LEAST_ENGLISH: Final = 0.6
-"""How many of the letters have to be those of English."""
+"""Least share of letters of the English alphabet."""
 MOST_SIGNS: Final = 0.25
-"""A sentence with more signs than this is code or a drawing."""
+"""A sentence with a larger share of signs is code or a drawing."""
 STOP_WORDS: Final = frozenset({"be", "do", "get", "have", "let", "make", "use", "need", "want", "etc"})
-"""Verbs that say nothing about what a node does."""
+"""Verbs that say nothing about the function of a node."""
 
 _WORD_CLASSES: Final = frozenset({"ADJ", "NOUN", "PROPN", "VERB"})
 _WORD: Final = re.compile(r"[a-z][a-z0-9+-]*[a-z0-9+]")
-"""What is kept of the lemmas: no numbers, and no identifiers, which say what a thing is called, not what it does."""
+"""Lemmas to keep: no numbers, and no identifiers, which are names rather than functions."""
 _LETTERS: Final = re.compile(r"[^\W\d_]")
 _ENGLISH: Final = re.compile(r"[A-Za-z]")
 _SIGNS: Final = re.compile(r"[^\w\s.,:'\"()/-]")
 _UNPRINTABLE: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\ud800-\udfff\ufeff]")
 _BOUNDARY: Final = re.compile(r"(?<=[^\W\d_][a-z0-9)\]'\"][.!?])\s+(?=[A-Z\"'(`])|\n{2,}|(?<=;)\s*\n")
 _LAST_NUMBER: Final = re.compile(r"(?<=\w \d)\.$")
-"""A full stop behind a number at the end; at the beginning the two are one word, as in lists."""
+"""A full stop after a number at the end; at the beginning the two are one word, as in lists."""
 _BATCH: Final = 128
 
 
 @dataclass(frozen=True, slots=True)
 class _Tagged:
-    """What is in a sentence."""
+    """Annotations of a sentence."""
 
     words: frozenset[str]
     phrases: tuple[Phrase, ...]
@@ -60,16 +60,16 @@ def annotate(
 ) -> tuple[Description, ...]:
     """Return the descriptions with their `words` and `phrases`, in the same order.
 
-    `model` names an installed spaCy pipeline or the folder of one; the shipped one without. `known` are descriptions
-    that the same pipeline and patterns have annotated, by their text: what has such a text is not tagged again.
+    `model` is an installed spaCy pipeline or the folder of one, by default the shipped one. `known` maps texts to
+    descriptions annotated with the same pipeline and patterns, which are reused.
 
     Raises:
-        UsageError: KG141, KG142 when the pipeline cannot be used, KG143 when the patterns cannot.
+        UsageError: KG141, KG142 if the pipeline is unusable, KG143 if the patterns are.
     """
     earlier = known or {}
     given = tuple(descriptions)
     parts = [[] if one.text in earlier else sentences(one.text) for one in given]
-    # Comments and pages repeat themselves, and a sentence does not depend on what stands around it.
+    # Comments and pages repeat sentences, and the tags of a sentence do not depend on its context.
     tagged = _tag(dict.fromkeys(sentence for part in parts for sentence in part), model or "")
     return tuple(
         _like(one, earlier[one.text]) if one.text in earlier else _filled(one, [tagged[part] for part in own])
@@ -78,7 +78,7 @@ def annotate(
 
 
 def prepare(model: str | None = None) -> None:
-    """Load what `annotate` needs, so that processes forked from this one have it, and it fails here if it must.
+    """Load the dependencies of `annotate`, to share them with forked processes and to fail early.
 
     Raises:
         UsageError: as `annotate`.
@@ -87,7 +87,7 @@ def prepare(model: str | None = None) -> None:
 
 
 def sentences(text: str) -> list[str]:
-    """Return the sentences of a text that are worth tagging: not what is in another script, nor code, nor data."""
+    """Return the sentences of a text that are worth tagging: no other scripts, no code, no data."""
     clean = _UNPRINTABLE.sub(" ", text[:LONGEST_TEXT])
     found = []
     for part in _BOUNDARY.split(clean):

@@ -1,7 +1,8 @@
-"""How the shipped model sees a word: by its form and by its first and last characters.
+"""Embedding of words in the shipped model, from their form and their first and last characters.
 
-Most words of robotics stand in no treebank. What they are shows at their ends (`-izer`, `-ing`, `_msgs`), so the
-embedding has more of these than that of spaCy, whose features are the norm, one character in front and three behind.
+Most words of robotics are missing from treebanks. Their endings show their part of speech (`-izer`, `-ing`, `_msgs`).
+So the embedding uses more of the ending than spaCy's, whose features are the norm, a prefix of one character and a
+suffix of three.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ if TYPE_CHECKING:
     from spacy.tokens import Doc
 
 FEATURES: Final = ("form", "shape", "prefix", "suffix2", "suffix3", "suffix4")
-"""What of a word has a table of rows."""
+"""Features of a word, each with its own table."""
 
 _KEPT_WORDS: Final = 100_000
-"""Features of so many words are remembered; texts have fewer different ones, but for those made to harm."""
+"""Number of words with cached features; only malicious texts have more different ones."""
 _LONGEST_FORM: Final = 64
 _RUN: Final = 4
-"""A shape shortens runs of the same kind of character to so many, as that of spaCy does."""
+"""Longest run of the same kind of character in a shape, as in spaCy."""
 _DIGIT: Final = re.compile(r"\d")
 
 

@@ -1,8 +1,8 @@
-"""The dictionary form of a word from its letters and its Penn tag: what was learned by heart, else by its ending.
+"""Lemmas of words from their letters and Penn tags, by a table of exceptions and a table of endings.
 
-spaCy's trainable lemmatizer chooses among edits of the word as it is written, capitals included. English inflects by
-endings that the tag tells apart, so a table of endings is smaller, faster, and right more often on words that no
-treebank has; `benchmarks/language` measures both.
+spaCy's trainable lemmatizer selects among edits of the word as written, including capitals. Endings in English are
+determined by the tag, so a table of endings is smaller, faster, and more often right for words missing from treebanks;
+`benchmarks/language` measures both.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
     from spacy.vocab import Vocab
 
 LONGEST_ENDING: Final = 6
-"""How many characters of the end of a word are looked at."""
+"""Longest ending in characters."""
 
 _FILE: Final = "lemmas.json"
 _KEPT_WORDS: Final = 100_000
-"""So many lemmas are remembered; texts have fewer different words, but for those made to harm."""
+"""Number of cached lemmas; only malicious texts have more different words."""
 
 Table = dict[str, dict[str, str]]
-"""Tag to form, or to ending, to lemma, or to what stands for the ending: how many characters go, and what comes."""
+"""Tag to word to lemma, or tag to ending to replacement: the number of characters to remove, and the text to append."""
 
 
 def lemma(word: str, tag: str, exceptions: Table, endings: Table) -> str:
-    """Return the lemma of a word in lower case; a word of a tag without endings, or with digits, is its own."""
+    """Return the lemma of a word in lower case; the word itself for tags without endings, or if it contains digits."""
     form = word.lower()
     known = exceptions.get(tag, {}).get(form)
     if known is not None:
@@ -48,7 +48,7 @@ def lemma(word: str, tag: str, exceptions: Table, endings: Table) -> str:
 
 
 class Lemmas:
-    """The part of a pipeline that sets the lemmas of tagged documents."""
+    """Pipeline component that sets the lemmas of tagged documents."""
 
     def __init__(self, vocab: Vocab) -> None:
         self.vocab = vocab
@@ -73,14 +73,14 @@ class Lemmas:
             known = self._known[orth, tag] = strings.add(text)
         return known
 
-    def to_disk(self, path: Path, exclude: Any = ()) -> None:  # noqa: ARG002 - the form that spaCy calls
+    def to_disk(self, path: Path, exclude: Any = ()) -> None:  # noqa: ARG002 - signature required by spaCy
         """Write the tables into the folder `path`."""
         path.mkdir(parents=True, exist_ok=True)
         tables = {"exceptions": self.exceptions, "endings": self.endings}
         text = json.dumps(tables, ensure_ascii=False, sort_keys=True, separators=(",", ":"))
         (path / _FILE).write_text(text + "\n", encoding="utf-8")
 
-    def from_disk(self, path: Path, exclude: Any = ()) -> Lemmas:  # noqa: ARG002 - the form that spaCy calls
+    def from_disk(self, path: Path, exclude: Any = ()) -> Lemmas:  # noqa: ARG002 - signature required by spaCy
         """Read the tables from the folder `path`."""
         tables = json.loads((path / _FILE).read_text("utf-8"))
         self.exceptions, self.endings = tables["exceptions"], tables["endings"]
@@ -89,5 +89,5 @@ class Lemmas:
 
 
 @Language.factory("kg_lemmas")
-def _make(nlp: Language, name: str) -> Lemmas:  # noqa: ARG001 - the form that spaCy calls
+def _make(nlp: Language, name: str) -> Lemmas:  # noqa: ARG001 - signature required by spaCy
     return Lemmas(nlp.vocab)

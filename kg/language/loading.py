@@ -1,6 +1,6 @@
-"""Which spaCy pipeline tags: the shipped one, or one that the user names; loaded once a process.
+"""Load a spaCy pipeline, the shipped one or the user's, once per process.
 
-`identity` says which it is without loading anything, so that a build without changes stays quick.
+`identity` identifies it without loading anything, so a build without changes is fast.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from spacy.language import Language
 
 SHIPPED: Final = Path(__file__).resolve().parent / "model"
-"""The folder of the model that belongs to `kg`."""
+"""Folder of the shipped model."""
 
 _PROBE: Final = "This robot moves."
 _NEEDED: Final = (("POS", "parts of speech"), ("LEMMA", "lemmas"))
@@ -30,14 +30,14 @@ _UNUSED: Final = (
     "entity_ruler",
     "spancat",
 )
-"""Parts that cost time and give nothing that is used here."""
+"""Components that cost time and are not used here."""
 
 
 def identity(model: str) -> str:
-    """Return what stands for a pipeline and its version; nothing is loaded.
+    """Return an identifier of a pipeline and its version, without loading it.
 
-    The empty name is the shipped one, which is part of the code of `kg`. The files of another may be large; they count
-    by size and time.
+    The empty name is the shipped one, which is part of the code of `kg`. The files of others may be large, so only
+    their sizes and times are used.
     """
     if not model:
         return model
@@ -55,7 +55,7 @@ def identity(model: str) -> str:
 
 
 def describe(model: str) -> str:
-    """Return the name and version of a pipeline for people; nothing is loaded."""
+    """Return the display name and version of a pipeline, without loading it."""
     folder = SHIPPED if not model else Path(model).expanduser()
     try:
         meta = json.loads((folder / "meta.json").read_text("utf-8"))
@@ -67,10 +67,10 @@ def describe(model: str) -> str:
 
 @cache
 def pipeline(model: str) -> Language:
-    """Return the pipeline of that name or path, without parts that are not used; the empty name is the shipped one.
+    """Return the pipeline of that name or path, without unused components; the empty name is the shipped one.
 
     Raises:
-        UsageError: KG141 when it cannot be loaded, KG142 when it sets no parts of speech or no lemmas.
+        UsageError: KG141 if it cannot be loaded, KG142 if it does not set parts of speech and lemmas.
     """
     nlp = _named(model) if model else _shipped()
     probe = nlp(_PROBE) if model else None
@@ -85,7 +85,7 @@ def pipeline(model: str) -> Language:
 
 
 def _named(model: str) -> Language:
-    import spacy  # noqa: PLC0415 - a second, for those who have texts to tag
+    import spacy  # noqa: PLC0415 - takes a second, only for tagging
 
     try:
         return spacy.load(Path(model).expanduser() if "/" in model else model, exclude=list(_UNUSED))

@@ -1,6 +1,6 @@
-"""Noun phrases that name hardware, found by the patterns of `ontology/hardware-patterns.toml` (RNKG, section 3.2.4).
+"""Noun phrases that name hardware, by the patterns in `ontology/hardware-patterns.toml` (RNKG, section 3.2.4).
 
-The patterns are data; here they become a `Matcher` of spaCy, and its matches phrases.
+The patterns are compiled to a spaCy `Matcher`, whose matches are phrases.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ FILE_NAME: Final = "hardware-patterns.toml"
 
 _REFERENCE: Final = re.compile(r"([a-z]+)(?:([?*+])|\{(\d+),(\d+)\})?")
 _LONGEST_PHRASE: Final = 8
-"""A phrase of more words is a list without commas, or no language."""
+"""Longer phrases are lists without commas, or not prose."""
 
 _NOUNS: Final = frozenset({"NOUN", "PROPN"})
 
@@ -35,7 +35,7 @@ Tokens = list[dict[str, Any]]
 
 @dataclass(frozen=True, slots=True)
 class Pattern:
-    """A pattern as the `Matcher` takes it; `begin` and `end` count the tokens before and behind the phrase."""
+    """A pattern for the `Matcher`; `begin` and `end` are the numbers of context tokens before and after the phrase."""
 
     name: str
     example: str
@@ -47,10 +47,10 @@ class Pattern:
 
 @cache
 def read_patterns(path: Path | None = None) -> tuple[Pattern, ...]:
-    """Return the patterns of a file, by default of the one that belongs to `kg`.
+    """Return the patterns of a file, by default of the shipped one.
 
     Raises:
-        UsageError: KG143 when the file cannot be read, or a pattern uses what is not defined in it.
+        UsageError: KG143 if the file cannot be read, or a pattern refers to an undefined name.
     """
     path = path or resources.folder("ontology") / FILE_NAME
     try:
@@ -73,9 +73,9 @@ def _patterns(content: Mapping[str, Any]) -> Iterator[Pattern]:
 
 
 def _tokens(part: str | dict[str, Any], tokens: Mapping[str, Any], words: Mapping[str, Any]) -> Tokens:
-    """Return a part of a pattern with its references to `[tokens]` and `[words]` filled in.
+    """Return a part of a pattern with its references to `[tokens]` and `[words]` resolved.
 
-    `{n,m}` becomes so many tokens, of which some may be missing, as spaCy counts them when it tells what matched.
+    `{n,m}` is expanded to that many tokens, some of them optional, to match the token indices that spaCy reports.
     """
     if isinstance(part, dict):
         return [{key: _filled(value, words) for key, value in part.items()}]
@@ -97,11 +97,11 @@ def _filled(value: Any, words: Mapping[str, Any]) -> Any:
 
 
 class PhraseFinder:
-    """The patterns, ready for documents of one vocabulary."""
+    """Patterns compiled for documents of one vocabulary."""
 
     def __init__(self, vocab: Vocab, patterns: Sequence[Pattern]) -> None:
-        """Raise `UsageError` KG143 when spaCy refuses a pattern."""
-        from spacy.matcher import Matcher  # noqa: PLC0415 - spaCy is loaded where texts are tagged only
+        """Compile the patterns; `UsageError` KG143 if spaCy rejects one."""
+        from spacy.matcher import Matcher  # noqa: PLC0415 - spaCy is only loaded for tagging
 
         self._patterns = {pattern.name: pattern for pattern in patterns}
         self._always = Matcher(vocab)
@@ -118,9 +118,9 @@ class PhraseFinder:
                 raise UsageError("KG143", f"spaCy refuses the pattern {pattern.name}: {reason}") from None
 
     def find(self, doc: Doc) -> tuple[Phrase, ...]:
-        """Return the phrases of a document in the order of the text: of those that overlap the longest, else the first.
+        """Return the phrases of a document in order; of overlapping ones the longest, else the first.
 
-        A dash with a space on one side parts two phrases.
+        A dash with a space on one side separates two phrases.
         """
         matches: Any = self._always(doc, with_alignments=True)
         if not self._needed.isdisjoint(doc.to_array(["LEMMA", "LOWER"]).ravel().tolist()):
@@ -148,9 +148,10 @@ class PhraseFinder:
 
 
 def _needed(pattern: Pattern) -> list[str]:
-    """Return words of which a text needs one, as lemma or in lower case, for a pattern to match; none where any may.
+    """Return words of which a text must contain one, as lemma or in lower case, for a pattern to match.
 
-    Most sentences name no hardware, and to look for words first is cheaper than to match.
+    The list is empty if any text may match. Most sentences name no hardware, and searching for words first is cheaper
+    than matching.
     """
     for token in (*pattern.before, *pattern.phrase, *pattern.after):
         if "OP" not in token:
@@ -162,13 +163,13 @@ def _needed(pattern: Pattern) -> list[str]:
 
 
 def _is_dash(doc: Doc, place: int) -> bool:
-    """Tell whether a hyphen parts what stands around it."""
+    """Return whether a hyphen separates the words around it."""
     token: Token = doc[place]
     return token.text == "-" and (place == 0 or bool(token.whitespace_) or bool(doc[place - 1].whitespace_))
 
 
 def _text(tokens: Iterable[Token]) -> str:
-    """Return the words of a phrase: nouns as the dictionary has them, others as written ("charging station")."""
+    """Return the words of a phrase: nouns as lemmas, others as written ("charging station")."""
     return " ".join(
         (token.lemma_ if token.pos_ in _NOUNS else token.text).lower() for token in tokens if token.text != "-"
     )

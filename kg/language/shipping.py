@@ -1,7 +1,7 @@
-"""How the shipped model is written and read: the folder of a spaCy pipeline with its numbers in half precision.
+"""Read and write the shipped model: the folder of a spaCy pipeline with its numbers in half precision.
 
-Half precision halves the folder and changes no tag in a thousand; the numbers are made whole again in memory, for
-spaCy computes with 32 bits.
+Half precision halves the size of the folder, and changes less than one tag in a thousand. In memory the numbers are
+converted to 32 bits, which spaCy computes with.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from thinc.api import Model, use_ops
 
 import kg.language.embedding
 import kg.language.lemmas
-import kg.language.tokenizer  # noqa: F401 - these register parts that the model's configuration names
+import kg.language.tokenizer  # noqa: F401 - registers components named in the model's configuration
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from spacy.language import Language
 
 _ABSENT: Final = ("tokenizer", "vocab")
-"""The tokenizer is code, and the words of the treebank are not needed to tag others."""
+"""The tokenizer is code, and the words of the treebank are not needed for tagging."""
 
 
 def load(folder: Path) -> Language:
-    """Return the pipeline in `folder`, as `save` wrote it."""
-    # The multiplication of numpy takes a third of the time of the one that spaCy brings.
+    """Return the pipeline in `folder`, written by `save`."""
+    # numpy's multiplication takes a third of the time of spaCy's own.
     with use_ops("numpy", use_blis=False):
         nlp = load_model_from_config(load_config(folder / "config.cfg"), auto_fill=False, validate=False)
     nlp.from_disk(folder, exclude=_ABSENT)
@@ -39,7 +39,7 @@ def load(folder: Path) -> Language:
 
 
 def save(nlp: Language, folder: Path) -> None:
-    """Write a pipeline into `folder`; what `nlp` holds in memory is rounded as well."""
+    """Write a pipeline into `folder`; the numbers of `nlp` in memory are rounded too."""
     for model in _models(nlp):
         _convert(model, "float16")
     nlp.to_disk(folder, exclude=_ABSENT)

@@ -1,6 +1,6 @@
-"""Where words begin and end in texts about robots: identifiers stay whole.
+"""Tokenizer for texts about robots, which preserves identifiers.
 
-spaCy's rules for English split `sensor_msgs/LaserScan` and `AT91SAM7-EK/2` as they split `and/or`.
+spaCy's rules for English split `sensor_msgs/LaserScan` and `AT91SAM7-EK/2` like `and/or`.
 """
 
 from __future__ import annotations
@@ -29,21 +29,21 @@ IDENTIFIER: Final = re.compile(
     """,
     re.VERBOSE,
 )
-"""What is one word though it has signs in it."""
+"""Single words that contain signs."""
 
 _RUNS: Final = (r"[!?]{2,}", r"[-=_~*]{2,}", r"\${2,}", r"<{2,}", r">{2,}", r"\+{2,}")
-"""Signs that are one word when they are repeated, as in the treebank: rows of dashes, `!!`."""
+"""Repeated signs that are one word, as in the treebank: rows of dashes, `!!`."""
 _JOINED: Final = ("and/or",)
-"""What spaCy keeps whole and the treebank splits."""
+"""Words that spaCy preserves and the treebank splits."""
 
 
 def make_tokenizer() -> Callable[[Language], Tokenizer]:
-    """Return what makes the tokenizer of a pipeline: spaCy's rules for English, and those of this module."""
+    """Return a function that creates the tokenizer of a pipeline: spaCy's English rules, and those of this module."""
     return _make
 
 
 def _make(nlp: Language) -> Tokenizer:
-    # All at once: each property of a tokenizer that is set later reads the special cases anew.
+    # In one call: setting a property of a tokenizer later parses the special cases again.
     defaults = nlp.Defaults
     return Tokenizer(
         nlp.vocab,

@@ -1,1 +1,1 @@
-"""From sources to the store: what to read again, in which process, and how the result replaces the old one."""
+"""Build pipeline from sources to the store: incremental reading, worker processes, and updates of the store."""

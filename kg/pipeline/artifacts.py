@@ -1,12 +1,12 @@
-"""Results of extraction shared by machines, each found by a digest of the version of `kg` and of its own inputs.
+"""Results of extraction shared by machines, found by a digest of the version of `kg` and of their inputs.
 
     artifacts = Artifacts("/shared/kg-artifacts")       # or any address that fsspec opens, such as s3://bucket/kg
     found = artifacts.result(version, job, source, package, read)
 
-The key of a package stands for the version of `kg`, its settings and the package's own files. What a result depends on
-elsewhere (look-ups, files of other packages) is recorded in it and compared when it is found, so that a key may have
-several results. Every file has a name that contains the digest of its content: a file that is half written, damaged or
-foreign is never used.
+The key of a package is computed from the version of `kg`, its settings and the package's own files. Other dependencies
+of a result (look-ups, files of other packages) are recorded in it and compared when it is found, so a key may have
+several results. The name of a file contains the digest of its content: partial, damaged or foreign files are never
+used.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _Content = TypeVar("_Content")
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A result in the store: its name there, and the problems that the report of a build lists."""
+    """A stored result: its name, and the problems for the report of a build."""
 
     name: str
     outcome: Outcome
@@ -47,7 +47,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class _Result:
-    """The content of the file of a result."""
+    """Content of the file of a result."""
 
     source: str
     name: str
@@ -64,7 +64,7 @@ class _Result:
 
 @dataclass(frozen=True, slots=True)
 class _Build:
-    """The content of the file of a job: all that workers have to know of a build."""
+    """Content of the file of a job: the description of a build for its workers."""
 
     version: str
     code: str
@@ -77,11 +77,11 @@ class _Build:
 
 
 class Artifacts:
-    """A folder, or an address that fsspec opens, of results and of the jobs that they belong to.
+    """Results and jobs in a folder, or at an address that fsspec opens.
 
     Raises:
         UsageError: KG125 without the extra `cluster`.
-        SourceError: KG128 when the address cannot be used; so does every writing that fails.
+        SourceError: KG128 if the address is unusable; also for each failed write.
     """
 
     def __init__(self, address: str) -> None:
@@ -98,7 +98,7 @@ class Artifacts:
     def keep_job(self, version: str, code: str, job: Job) -> str:
         """Write the job of a build for its workers, and return its name.
 
-        `version` is that of results, `code` the digest of the code that makes them.
+        `version` is the version of results, `code` the digest of the code that computes them.
         """
         workspace = job.workspace
         described = _Build(
@@ -107,10 +107,10 @@ class Artifacts:
         return self._write(_JOBS, zlib.compress(_encode(described), 1))
 
     def job(self, name: str) -> tuple[str, str, Job]:
-        """Return the version of results and the code of a build, and its job, prepared for look-ups.
+        """Return the version of results and the digest of the code of a build, and its job, prepared for look-ups.
 
         Raises:
-            SourceError: KG128 when it is not there or damaged.
+            SourceError: KG128 if it is missing or damaged.
         """
         content = self._read(name)
         described = _decode(zlib.decompress(content), _Build) if content else None
@@ -126,9 +126,9 @@ class Artifacts:
     def result(
         self, version: str, job: Job, source: Source, package: PackageFolder, read: Callable[[], Outcome]
     ) -> Found:
-        """Return the result of a package as it is now in the build of `job`; without one, `read` it and keep it.
+        """Return the current result of a package in the build of `job`; if missing, `read` it and store it.
 
-        A result that the next build is not to use again is not kept; its name is empty.
+        A result that the next build must not reuse is not stored; its name is empty.
         """
         repository = source.repository.name
         marks = {f"{repository}:{one.path}": _mark(job, FilePath(repository, one.path)) for one in package.files}
@@ -143,7 +143,7 @@ class Artifacts:
         return Found(self._write(folder, _packed(outcome)) if outcome.reusable else "", outcome)
 
     def outcome(self, name: str) -> Outcome | None:
-        """Return a result by its name; None when it is not there or damaged."""
+        """Return a result by its name; None if it is missing or damaged."""
         content = self._read(name)
         found = _decode(content, _Result) if content else None
         if found is None:
@@ -162,7 +162,7 @@ class Artifacts:
         return sorted(f"{folder}/{name}" for name in names if len(name) == 2 * _BYTES)
 
     def _read(self, name: str) -> bytes | None:
-        """Return the content of a file; None when it is not there, or damaged, and then it is removed."""
+        """Return the content of a file; None if it is missing, or damaged and then deleted."""
         path = f"{self._root}/{name}"
         try:
             content: bytes = self._files.cat_file(path)
@@ -221,7 +221,7 @@ def _packed(outcome: Outcome) -> bytes:
 
 
 def _holds(job: Job, outcome: Outcome, marks: Mapping[str, str]) -> bool:
-    """Return whether all that a result was read from is the same now; `marks` are those of the package's own files."""
+    """Return whether all inputs of a result are unchanged; `marks` are those of the package's own files."""
     recorded = {**cache.lookups_of(outcome.packed), **outcome.outside}
     if any(answer(job.workspace, lookup) != before for lookup, before in recorded.items()):
         return False
@@ -247,7 +247,7 @@ def _encode(content: Any) -> bytes:
 
 
 def _decode(content: bytes, kind: type[_Content]) -> _Content | None:
-    """Return the content of a file; None for one of another form, which another version of `kg` wrote."""
+    """Return the content of a file; None if it has another form, written by another version of `kg`."""
     from msgspec import DecodeError, msgpack  # noqa: PLC0415 - start-up time
 
     try:

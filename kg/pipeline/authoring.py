@@ -1,4 +1,4 @@
-"""Input for trying rules: the rules in force, and a snapshot to try them on."""
+"""Input for testing rules: the enabled rules, and a snapshot to test them on."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """The rules in force and a store to try them on; `chosen` are those that were named, empty for all."""
+    """The enabled rules and a store to test them on; `chosen` contains the named ones, empty for all."""
 
     library: Library
     files: list[RuleFile]

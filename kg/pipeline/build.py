@@ -1,10 +1,10 @@
-"""The whole way from sources to a store: plan, read what changed, write one new generation.
+"""The whole build: plan, read changed packages, write one new generation of the store.
 
     store = EmbeddedStore.create(Path(".kg"))
     report = build(["~/catkin_ws/src"], store, settings.load(), Silent())
 
-Killed or interrupted at any moment, a build leaves the store as it was: the store changes in one transaction at the
-end, and what the next build compares with is written last.
+If a build is killed or interrupted, the store is unchanged: it is written in one transaction at the end, and the state
+for the next build is written last.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
 _CODE = frozenset({FileKind.CPP, FileKind.PYTHON})
 _GC_THRESHOLD = 100_000
-"""How many objects are made between two looks for cycles of them."""
+"""Number of new objects that triggers a garbage collection."""
 
 
 def build(  # noqa: PLR0913 - each is a decision of the caller
@@ -63,35 +63,35 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
     *,
     rules: bool = True,
 ) -> BuildReport:
-    """Read the sources `named` (folders, git addresses, lists of them) into `store` and return what was done.
+    """Read the sources `named` (folders, git addresses, lists of them) into `store` and return a report.
 
-    Without names it reads what earlier builds read. Other sources in the store stay. `report` receives the
-    progress; `command` is the running command in errors of other writers. The rules in force run in the same
-    transaction; unusable ones are left out and listed in the report; without `rules` their inferences stay as they are.
+    Without names it reads the sources of earlier builds. Other sources in the store remain. `report` receives the
+    progress; `command` is the running command in errors of other writers. The enabled rules run in the same
+    transaction; unusable ones are left out and listed in the report. Without `rules` inferences are unchanged.
 
     Raises:
-        RuleError: KG208 for a pack of rules that cannot be loaded, KG231 for a folder of rules that is closed.
-        SourceError: KG101, KG102, KG103 when a source cannot be read at all, KG110, KG123, KG124 for an error in a
+        RuleError: KG208 for a rule pack that cannot be loaded, KG231 for an unreadable folder of rules.
+        SourceError: KG101, KG102, KG103 if a source cannot be read at all, KG110, KG123, KG124 for an error in a
             description of framework calls.
-        UsageError: KG002 when a setting names what does not exist, KG141, KG142 when the spaCy pipeline that the
-            settings name cannot be used.
-        StoreError: KG302 while another process writes, KG304 when the disk is full; the store is as it was.
+        UsageError: KG002 if a path of the settings does not exist, KG141, KG142 if the spaCy pipeline of the settings
+            is unusable.
+        StoreError: KG302 while another process writes, KG304 if the disk is full; the store is unchanged.
     """
     began = time.perf_counter()
-    told = report or Silent()
+    progress = report or Silent()
     share_pools()
     with translated(str(store.layout.root)):
         store.layout.cache.mkdir(parents=True, exist_ok=True)
     with _rare_collections(), store.write(command) as transaction:
-        found = _Build(store, transaction, settings, told, rules=rules).run(tuple(named))
+        found = _Build(store, transaction, settings, progress, rules=rules).run(tuple(named))
     finished = replace(found, seconds=time.perf_counter() - began)
-    told.finished(finished)
+    progress.finished(finished)
     return finished
 
 
 @contextmanager
 def _rare_collections() -> Iterator[None]:
-    """Look for cycles of objects less often: nearly all that a build makes stays until its end, or has none."""
+    """Collect garbage less often: nearly all objects of a build live until its end, or are in no cycle."""
     before = gc.get_threshold()
     gc.set_threshold(_GC_THRESHOLD)
     try:
@@ -101,7 +101,7 @@ def _rare_collections() -> Iterator[None]:
 
 
 class _Build:
-    """One build under way."""
+    """State of a running build."""
 
     def __init__(
         self,
@@ -124,14 +124,14 @@ class _Build:
         self._inference = Inference(store, settings)
 
     def run(self, named: tuple[str, ...]) -> BuildReport:
-        """Do all of it under the lock of the store, which the caller holds."""
+        """Run the build; the caller holds the lock of the store."""
         if not named and not self._state.roots:
             raise SourceError("KG101", "no source is named, and no earlier build named one", hint="Name a folder.")
         roots = named or self._state.roots
         sources = gather(roots, self._store.layout.checkouts, self._report, again=not named)
         workspace = RecordingWorkspace(sources, installed_folders(self._settings))
         now = version(self._settings, self._cache)
-        calls = checked_calls(self._settings)  # after the version: a file that changes between them is read again
+        calls = checked_calls(self._settings)  # after the version: a file that changes in between is read again
         plan = make_plan(workspace, self._state, self._cache, now, self._settings.max_file_bytes)
         self._jobs = max(1, min(self._jobs, len(plan.read)))
         self._report.planned(len(plan.read), len(plan.reused), 0 if self._settings.cluster else self._jobs)
@@ -168,7 +168,7 @@ class _Build:
         *,
         changed: bool,
     ) -> tuple[Systems, SystemsReport]:
-        """Write the systems that launch files make, of the sources of this build and of those that stay."""
+        """Write the systems of launch files, for the sources of this build and the remaining ones."""
         built = {source.repository.name for source in sources}
         others = {name: one for name, one in self._state.sources.items() if name not in {*built, *gone}}
         packages = {
@@ -177,7 +177,7 @@ class _Build:
         }
         if not changed and self._systems_hold():
             return self._state.systems, totals(self._state.systems)
-        # Late, for a build without changes wires nothing.
+        # Late, as a build without changes wires nothing.
         from kg.pipeline.systems import update_systems  # noqa: PLC0415 - see above
 
         iris = Iris(self._settings.base)
@@ -186,7 +186,7 @@ class _Build:
         )
 
     def _infer(self, *, changed: bool) -> Inferred | None:
-        """Run the rules when the sources or the rules themselves are not those of the last run."""
+        """Run the rules if the sources or the rules have changed since the last run."""
         current = self._store.layout.current()
         if self._rules is None or (not changed and self._rules == self._state.rules and current is not None):
             return None
@@ -209,7 +209,7 @@ class _Build:
         return changed
 
     def _removed_sources(self, sources: Sequence[Source], roots: Sequence[str]) -> tuple[str, ...]:
-        """Return the sources of earlier builds that stood in the folders of this one and do not any more."""
+        """Return the sources of earlier builds in the folders of this one that no longer exist."""
         present = {source.repository.name for source in sources}
         inside = folders(roots)
         return tuple(
@@ -219,7 +219,7 @@ class _Build:
         )
 
     def _trusted(self, sources: Sequence[Source], plan: Plan) -> set[str]:
-        """Return the sources whose graph in the store is still that of the last build."""
+        """Return the sources whose graph in the store is unchanged since the last build."""
         current = self._store.layout.current()
         if self._state.version != plan.version or current is None:
             return set()
@@ -233,9 +233,9 @@ class _Build:
 
     @cached_property
     def _touched(self) -> frozenset[str] | None:
-        """The graphs written since the last build saved its state, None if that is unknown.
+        """The graphs written since the last build saved its state, None if unknown.
 
-        A build killed after its generation came into force counts as such a write.
+        A build killed after committing its generation counts as such a write.
         """
         current = self._store.layout.current()
         if current is None or current == self._state.generation:
@@ -244,11 +244,11 @@ class _Build:
         return None if graphs is None else frozenset(graphs)
 
     def _shared_holds(self) -> bool:
-        """Return whether the graph shared by sources is as the last build left it."""
+        """Return whether the graph shared by sources is unchanged since the last build."""
         return self._touched is not None and Iris(self._settings.base).graph(SHARED) not in self._touched
 
     def _systems_hold(self) -> bool:
-        """Return whether nobody else wrote the graphs of launch files."""
+        """Return whether the graphs of launch files are unchanged since the last build."""
         beginning = f"{self._settings.base}graph/launch/"
         return self._touched is not None and not any(graph.startswith(beginning) for graph in self._touched)
 
@@ -264,7 +264,7 @@ class _Build:
         """Read the packages of the plan into `results`, and write the graphs of the `changed` sources."""
         with self._pool(workspace, plan, calls) as pool:
             self._jobs = pool.size if pool else self._jobs
-            # After the workers have started: they neither need what this loads nor may they inherit an open engine.
+            # After the workers have started: they do not need these modules, and must not inherit an open engine.
             from kg.pipeline.writing import Writing  # noqa: PLC0415 - see above
 
             trusted = self._trusted(workspace.sources, plan)
@@ -299,7 +299,7 @@ class _Build:
     ) -> AbstractContextManager[Pool | ClusterPool | None]:
         """Return the workers for the packages to read, None for none; the largest packages start first.
 
-        The workers then end at about the same time.
+        So the workers finish at about the same time.
         """
         if not plan.read:
             return nullcontext()
@@ -316,8 +316,8 @@ class _Build:
         if self._settings.cluster:
             return self._cluster_pool(workspace, plan, tasks, calls)
         if model or (self._jobs > 1 and not all(task.earlier for task in tasks)):
-            # Once for all workers, which are forked; a single one loads it with the first text that it meets, and
-            # where all packages were read before, most of their texts are tagged.
+            # Once for all workers, which are forked. A single worker loads it with the first text that needs tagging;
+            # if all packages were read before, most texts are already tagged.
             from kg.language.annotating import prepare  # noqa: PLC0415 - a build without changes tags nothing
 
             prepare(model)
@@ -327,7 +327,7 @@ class _Build:
     def _cluster_pool(
         self, workspace: RecordingWorkspace, plan: Plan, tasks: list[Task], calls: tuple[str, ...]
     ) -> ClusterPool:
-        """Return the workers of the cluster that the settings name; raises as `kg.pipeline.cluster.ClusterPool`."""
+        """Return the workers of the cluster in the settings; raises as `kg.pipeline.cluster.ClusterPool`."""
         from kg.pipeline.artifacts import Artifacts  # noqa: PLC0415 - few builds have a cluster
         from kg.pipeline.cluster import ClusterPool, batches  # noqa: PLC0415 - the same
         from kg.pipeline.extracting import Request  # noqa: PLC0415 - the same
@@ -345,13 +345,13 @@ class _Build:
         )
 
     def _earlier(self, source: Source, package: PackageFolder, plan: Plan) -> str:
-        """Return the name of the last result of a package, if the same version of `kg` made it."""
+        """Return the name of the last result of a package, if it has the same version."""
         known = self._state.sources.get(source.repository.name) if self._state.version == plan.version else None
         before = known.packages.get(package.path) if known else None
         return before.result if before else ""
 
     def _kept(self, package: PackageFolder, outcome: Outcome, mark: str) -> PackageState:
-        """Put a result into the cache and return the state that the next build compares with."""
+        """Cache a result and return its state for the next build."""
         with translated(str(self._cache)):
             name = cache.store(self._cache, outcome.packed)
         result = outcome.result
@@ -369,7 +369,7 @@ class _Build:
             known=outcome.known,
         )
 
-    def _next_state(  # noqa: PLR0913, PLR0917 - all that a build found out
+    def _next_state(  # noqa: PLR0913, PLR0917 - the results of a build
         self,
         sources: Sequence[Source],
         plan: Plan,

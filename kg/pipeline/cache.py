@@ -1,9 +1,10 @@
-"""Results of extraction on disk: the N-Triples of a package, its own and those that sources share, compressed.
+"""Cached results of extraction: the compressed N-Triples of a package, its own and those shared by sources.
 
-The look-ups that they depend on, what its launch files start, its descriptions and its node types are before them.
+They are preceded by the look-ups that they depend on, the starts of its launch files, its descriptions and its node
+types.
 
-A file is named by the digest of its content, so a damaged or foreign one is noticed, and two builds cannot disturb
-each other.
+A file is named by the digest of its content, so damaged or foreign files are detected, and concurrent builds do not
+interfere.
 """
 
 from __future__ import annotations
@@ -37,9 +38,9 @@ def pack(  # noqa: PLR0913, PLR0917 - the parts of a result
     texts: tuple[Description, ...] = (),
     stated: tuple[Stated, ...] = (),
 ) -> bytes:
-    """Return the packed form of N-Triples, of the look-ups (with their answers) that they depend on, of shared ones.
+    """Return the packed form of N-Triples, the look-ups (with results) that they depend on, and shared N-Triples.
 
-    With them go the configurations of the package's launch files, its annotated descriptions, and its node types.
+    It also contains the configurations of the package's launch files, its annotated descriptions, and its node types.
     """
     from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
 
@@ -53,30 +54,30 @@ def pack(  # noqa: PLR0913, PLR0917 - the parts of a result
 
 
 def store(folder: Path, packed: bytes) -> str:
-    """Write a packed result and return its name; OSError when it cannot be written."""
+    """Write a packed result and return its name; OSError if it cannot be written."""
     name = hashlib.blake2b(packed, digest_size=16).hexdigest()
     write_atomically(folder / f"{name}{_ENDING}", packed, durable=False)
     return name
 
 
 def triples(folder: Path, name: str) -> bytes | None:
-    """Return the N-Triples of a result; None when it is not there or damaged."""
+    """Return the N-Triples of a result; None if it is missing or damaged."""
     return _part(folder, name, _CONTENT)
 
 
 def shared(folder: Path, name: str) -> bytes | None:
-    """Return those N-Triples of a result that sources share; None when it is not there or damaged."""
+    """Return the N-Triples of a result that sources share; None if it is missing or damaged."""
     return _part(folder, name, _SHARED)
 
 
 def lookups(folder: Path, name: str) -> dict[Lookup, str] | None:
-    """Return the look-ups that a result depends on, with their answers; None when it is not there or damaged."""
+    """Return the look-ups that a result depends on, with their results; None if it is missing or damaged."""
     packed = _read(folder, name)
     return None if packed is None else lookups_of(packed)
 
 
 def launches(folder: Path, name: str) -> tuple[LaunchConfiguration, ...] | None:
-    """Return the configurations of a package's launch files; None when the result is not there or damaged."""
+    """Return the configurations of a package's launch files; None if the result is missing or damaged."""
     from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
 
     from kg.facts import LaunchConfiguration  # noqa: PLC0415 - the same
@@ -86,7 +87,7 @@ def launches(folder: Path, name: str) -> tuple[LaunchConfiguration, ...] | None:
 
 
 def descriptions(folder: Path, name: str) -> tuple[Description, ...]:
-    """Return the annotated descriptions of a package; none when the result is not there or damaged."""
+    """Return the annotated descriptions of a package; empty if the result is missing or damaged."""
     from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
 
     from kg.facts import Description  # noqa: PLC0415 - the same
@@ -96,7 +97,7 @@ def descriptions(folder: Path, name: str) -> tuple[Description, ...]:
 
 
 def nodes(folder: Path, name: str) -> tuple[Stated, ...]:
-    """Return the node types of a package; none when the result is not there or damaged."""
+    """Return the node types of a package; empty if the result is missing or damaged."""
     from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
 
     from kg.graph.nodes import Stated  # noqa: PLC0415 - the same
@@ -106,12 +107,12 @@ def nodes(folder: Path, name: str) -> tuple[Stated, ...]:
 
 
 def exists(folder: Path, name: str) -> bool:
-    """Return whether a result is there, without reading it."""
+    """Return whether a result exists, without reading it."""
     return (folder / f"{name}{_ENDING}").exists()
 
 
 def keep_only(folder: Path, names: Iterable[str]) -> None:
-    """Remove all results but those of these names, and partial files of a killed build."""
+    """Delete all other results, and partial files of a killed build."""
     kept = {f"{name}{_ENDING}" for name in names}
     for path in folder.iterdir():
         if path.name not in kept and (path.suffix in {_ENDING, ".tmp"}):
@@ -119,7 +120,7 @@ def keep_only(folder: Path, names: Iterable[str]) -> None:
 
 
 def lookups_of(packed: bytes) -> dict[Lookup, str]:
-    """Return the look-ups that a packed result depends on, with their answers."""
+    """Return the look-ups that a packed result depends on, with their results."""
     return {tuple(lookup): answer for *lookup, answer in json.loads(_part_of(packed, _LOOKUPS))}
 
 

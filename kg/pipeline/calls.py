@@ -1,4 +1,4 @@
-"""The descriptions of framework calls that users add: the files `*.toml` of the setting `calls`."""
+"""User descriptions of framework calls: the files `*.toml` of the setting `calls`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def call_files(settings: Settings) -> list[Path]:
-    """Return the files of descriptions in force, in the order in which their rows count.
+    """Return the files of descriptions of the settings, in order of precedence.
 
     Raises UsageError KG002 for a path of the setting that does not exist.
     """
@@ -39,7 +39,7 @@ def read_calls(files: Iterable[Path]) -> dict[str, str]:
 
 
 def checked_calls(settings: Settings) -> tuple[str, ...]:
-    """Return the texts of the descriptions in force.
+    """Return the checked texts of the descriptions of the settings.
 
     Raises:
         SourceError: KG110 for a file that cannot be read, KG123 and KG124 for the first error in a file.

@@ -1,7 +1,7 @@
-"""The node types of all packages of a store, from their cached results, and the questions of wiring about them.
+"""Node types of all packages of a store, from their cached results, with a record of look-ups by wiring.
 
-What could be started contributes its names, which the state of a build holds. A node type is decoded when a question
-names it. Questions are noted with digests of their answers, so that a system is wired again when an answer changes.
+The state of a build contains the names of everything that can be started. A node type is decoded when it is looked up.
+Look-ups are recorded with digests of their results; a system is wired again when one changes.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     from kg.pipeline.state import PackageState, Question
 
 _DECODED: Final = 64
-"""Node types of so many packages are held at a time; systems of a package start those of few others."""
+"""Number of packages with decoded node types in memory; systems of a package start nodes of few others."""
 
 
 class Catalogue(NodeTypes):
     """The node types of `packages`, whose results are in the cache `folder`, and those of other sources of the store.
 
-    `programs` are those that packages of other sources install, `data` their files that nodes read. `asked` are the
-    questions since it was emptied.
+    `programs` contains programs that packages of other sources install, `data` their files that nodes read. `asked`
+    records the look-ups since it was cleared.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Catalogue(NodeTypes):
         self._places: list[tuple[Key, NodeReference, NodeName, int]] = []
         self._results = {key: package.result for key, package in packages.items()}
         self._given: dict[Key, list[NodeRecord]] = {}
-        """The node types of other sources."""
+        """Node types of other sources."""
         self._decoded: OrderedDict[Key, list[NodeRecord]] = OrderedDict()
         found = {(key[0], package.name, key): package.known for key, package in packages.items()}
         for (repository, package), records in groupby(others, key=lambda one: (one.repository, one.package)):
@@ -103,7 +103,7 @@ class Catalogue(NodeTypes):
         return super().loaded(name)
 
     def data(self, package: str) -> list[DataFile]:
-        """Return the files of a package that nodes read when they run."""
+        """Return the files of a package that nodes read at run time."""
         self.asked["data", package] = None
         return super().data(package)
 
@@ -113,11 +113,11 @@ class Catalogue(NodeTypes):
         return super().like(package)
 
     def typed(self, at: int) -> Typed:
-        """Return one of the node types by its place among them."""
+        """Return one of the node types by its index."""
         return self._places[at][1], self._record(at).node
 
     def records(self, system: System) -> dict[NodeReference, NodeRecord]:
-        """Return the node types that are named in a system."""
+        """Return the node types referenced in a system."""
         found = {}
         for reference in _references(system):
             self.asked["record", reference.repository, reference.package, reference.node] = None
@@ -127,7 +127,7 @@ class Catalogue(NodeTypes):
         return found
 
     def mark(self, question: Question) -> str:
-        """Return a digest of the answer to a question."""
+        """Return a digest of the result of a look-up."""
         if question not in self._marks:
             self._marks[question] = digest(repr(self._answer(*question)).encode())
         return self._marks[question]
@@ -171,7 +171,7 @@ class Catalogue(NodeTypes):
 
 
 def _references(system: System) -> Iterator[NodeReference]:
-    """Yield the node types that the instances of a system are of, load, or have something from, each once."""
+    """Yield the node types of instances and plugins in a system, each once."""
     found: dict[NodeReference | None, None] = {}
     for instance in system.instances:
         found.update(dict.fromkeys((instance.type, *instance.plugins)))

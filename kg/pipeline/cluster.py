@@ -1,11 +1,11 @@
-"""The workers of a build on a Dask cluster, with the interface of `kg.pipeline.pool`.
+"""Workers of a build on a Dask cluster, with the interface of `kg.pipeline.pool`.
 
     with ClusterPool("tcp://scheduler:8786", task_groups, request, report) as pool:
         for outcome in pool.outcomes(): ...
 
-Workers put results into a store that all machines share (`kg.pipeline.artifacts`); only names of results pass through
-the scheduler. So whatever happens to a worker, a package is there as a whole or not at all, and what was read before
-is found by whoever gets the rest of the work.
+Workers write results into a store that all machines share (`kg.pipeline.artifacts`); only names of results pass through
+the scheduler. So the result of a package is complete or missing, whatever happens to a worker, and a worker that takes
+over the remaining work finds the earlier results.
 """
 
 from __future__ import annotations
@@ -30,23 +30,23 @@ if TYPE_CHECKING:
     from kg.pipeline.report import Report
 
 LOCAL: Final = "local"
-"""The address, with `:N` for N workers, of a cluster on this machine that lasts as long as the build."""
+"""Address of a cluster on this machine for the duration of the build; `:N` adds the number of workers."""
 
 _ATTEMPTS: Final = 2
-"""How often a package is given to a worker."""
+"""Number of attempts to read a package."""
 _BATCH_BYTES: Final = 1_000_000
-"""Bytes of code after which packages of a source are another piece of work; a second or two."""
+"""Size of code after which the packages of a source form another batch; about two seconds."""
 _CONNECT_SECONDS: Final = 30.0
 _SILENT_SECONDS: Final = 60.0
-"""Seconds without news after which the cluster is looked at."""
+"""Seconds without messages after which the cluster is checked."""
 _NOISY: Final = ("distributed", "distributed.client", "distributed.core", "distributed.nanny", "tornado")
 _TOPIC: Final = "kg"
 _own = threading.local()
-"""The extractor of this thread of a worker."""
+"""Extractor of this thread of a worker."""
 
 
 def batches(tasks: Iterable[tuple[Task, int]]) -> list[list[Task]]:
-    """Return packages, given with their bytes of code, as pieces of work of one source each, in the same order."""
+    """Return packages, given with their sizes of code, as batches of one source each, in the same order."""
     found: list[list[Task]] = []
     open_ones: dict[str, tuple[list[Task], int]] = {}
     for task, size in tasks:
@@ -60,7 +60,7 @@ def batches(tasks: Iterable[tuple[Task, int]]) -> list[list[Task]]:
 
 
 def read_packages(request: Request, tasks: Sequence[Task]) -> list[Reading]:
-    """Read packages, in a process of this thread of a worker; a cluster runs this function."""
+    """Read packages, in an extractor process of this worker thread; runs on the cluster."""
     from distributed import get_worker  # noqa: PLC0415 - part of the extra `cluster`
 
     worker = get_worker()
@@ -76,14 +76,14 @@ def read_packages(request: Request, tasks: Sequence[Task]) -> list[Reading]:
 
 
 class ClusterPool:
-    """The workers of one build, for a `with` statement, which connects and gives out all work.
+    """Workers of one build; a context manager that connects and submits all work.
 
-    A package whose worker dies, or that takes too long, is given to another one once more; then it gives KG121.
+    A package whose worker dies or exceeds the time limit gets a second attempt, then KG121.
 
     Raises:
         UsageError: KG125 without the extra `cluster`.
-        SourceError: KG126 if no cluster is at the address, or it has or keeps no worker; KG127 when
-            a worker cannot read the sources as this machine does; KG128 when results cannot be written or read.
+        SourceError: KG126 if no cluster is at the address, or it has no workers (any more); KG127 if a worker cannot
+            read the sources as this machine does; KG128 if results cannot be written or read.
     """
 
     def __init__(
@@ -117,14 +117,14 @@ class ClusterPool:
         self._close()
 
     def outcomes(self) -> Iterator[Outcome]:
-        """Yield the outcome of each package as it comes."""
+        """Yield the outcome of each package as it arrives."""
         while self._given:
             try:
                 news = self._news.get(timeout=_SILENT_SECONDS)
             except queue.Empty:
                 self._require_worker()
                 continue
-            if isinstance(news, tuple):  # what a worker logged, with its time
+            if isinstance(news, tuple):  # a log message of a worker, with its time
                 self._report.placed(news[1]["worker"], news[1]["source"])
             elif news in self._given:
                 yield from self._take(news)
@@ -134,7 +134,7 @@ class ClusterPool:
         readings: list[Reading]
         if future.status in {"cancelled", "lost"}:
             raise self._lost("the connection to the scheduler was lost")
-        if error := future.exception():  # one that a worker raised, or that it died too often
+        if error := future.exception():  # raised by a worker, or because workers died repeatedly
             problem = f"the worker that read the package failed: {error}"
             readings = [Reading(task, problem=problem, again=True) for task in tasks]
         else:
@@ -155,7 +155,7 @@ class ClusterPool:
                 yield failed(*task[:3], problem)
 
     def _submit(self, batch: list[Task]) -> None:
-        # Dask's own pages show this name.
+        # This name is visible on Dask's dashboard.
         key = f"{batch[0].source}:{batch[0].path}-{len(self._given)}-{id(batch):x}"
         future = self._client.submit(read_packages, self._request, batch, key=key, pure=False)
         self._given[future] = batch
@@ -167,12 +167,12 @@ class ClusterPool:
             from distributed import Client, LocalCluster  # noqa: PLC0415 - the same
         except ImportError as error:
             raise without_extra() from error
-        for name in _NOISY:  # errors are reported in our words
+        for name in _NOISY:  # errors are reported in our own words
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
         kind, _, number = self._address.partition(":")
         try:
             if kind == LOCAL:
-                dask.config.set({"distributed.worker.profile.enabled": False})  # it samples a hundred times a second
+                dask.config.set({"distributed.worker.profile.enabled": False})  # it takes a hundred samples a second
                 workers = max(1, min(int(number or 0) or os.cpu_count() or 1, len(self._work)))
                 self._cluster = LocalCluster(
                     n_workers=workers,
@@ -187,7 +187,7 @@ class ClusterPool:
 
     @property
     def size(self) -> int:
-        """How many packages are read at a time: the threads of all workers."""
+        """Number of packages read at a time: the threads of all workers."""
         return sum(self._client.nthreads().values())
 
     def _require_worker(self) -> None:

@@ -1,4 +1,4 @@
-"""Estimates of the packages, files and time of a build: counted by a scan, without opening a source file."""
+"""Estimates of the packages, files and time of a build, from a scan that opens no source file."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ if TYPE_CHECKING:
 
 _CODE: Final = frozenset({FileKind.CPP, FileKind.PYTHON})
 _READING: Final = 2.6
-"""Processor seconds that a megabyte of code takes, measured on 77 repositories (docs/cluster.md, "Volumes")."""
+"""Processor seconds per megabyte of code, measured on 77 repositories (docs/cluster.md, "Volumes")."""
 _WRITING: Final = 1.6
-"""Seconds that wiring, rules and writing take for a megabyte of code, in the same measurement; one process does it."""
+"""Seconds of wiring, rules and writing per megabyte of code, in the same measurement; in one process."""
 _TRIPLES: Final = 40_000
-"""Triples for a megabyte of code, with inferred ones."""
+"""Triples per megabyte of code, including inferred ones."""
 _STORE_BYTES: Final = 14.5
-"""Bytes of the store and its cache for each byte of code."""
+"""Bytes of the store and its cache per byte of code."""
 
 
 @dataclass(frozen=True, slots=True)
 class Volume:
     """Volume of one source in a build: packages, files, bytes of code; and the part covered by earlier results.
 
-    The other figures are estimates: seconds of reading by one processor, seconds of writing, triples with those that
-    rules infer, and bytes of the store.
+    The other figures are estimates: processor seconds of reading, seconds of writing, triples including inferred ones,
+    and bytes of the store.
     """
 
     source: str
@@ -60,7 +60,7 @@ class Volume:
 
     @property
     def triples(self) -> int:
-        """Triples, with those that rules infer."""
+        """Triples, including inferred ones."""
         return round(self.code_bytes * _TRIPLES / 1e6)
 
     @property
@@ -70,12 +70,12 @@ class Volume:
 
 
 def estimate(named: Sequence[str], settings: Settings, report: Report) -> list[Volume]:
-    """Return the volume of a build of the sources `named`, source by source.
+    """Return the volume of a build of the sources `named`, by source.
 
     Git addresses are fetched: into the store if it exists, else into a temporary folder.
 
     Raises:
-        SourceError: KG101, KG102, KG103 when a source cannot be read at all.
+        SourceError: KG101, KG102, KG103 if a source cannot be read at all.
         StoreError: KG301 for a store of the settings that does not exist.
     """
     with TemporaryDirectory(prefix="kg-") as temporary:

@@ -1,7 +1,7 @@
-"""A process that reads packages for a worker of a cluster, and the handle by which the worker uses it.
+"""Extractor process, which reads packages for a worker of a cluster, and its handle in the worker.
 
-A worker runs several threads and must stay reachable, so packages are read in a process of their own: one that dies or
-hangs is replaced, and costs the package that it was at. The process ends when its worker does.
+A worker runs several threads and must stay responsive, so packages are read in a separate process. A process that
+crashes or hangs is replaced, and only its current package fails. The process exits with its worker.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ from kg.pipeline.plan import code_version
 from kg.pipeline.pool import Task, attempt, end_of
 
 _START_SECONDS: Final = 120.0
-"""How long a process may take to load code, the tagger and the description of a build."""
+"""Time limit for loading code, the tagger and the description of a build."""
 _END_SECONDS: Final = 0.5
-"""How long a process that has closed its end may take to exit."""
+"""Time limit for the exit of a process after closing its connection."""
 
 
 class Request(NamedTuple):
-    """A build as a worker gets it: the store of results, the job in it, and how many seconds a package may take."""
+    """Description of a build for a worker: the store of results, its job, and the time limit of a package (s)."""
 
     artifacts: str
     job: str
@@ -43,8 +43,8 @@ class Request(NamedTuple):
 class Reading:
     """Outcome of one package on a worker.
 
-    `artifact` is the name of its result, empty where it gave none; then `problem` is the reason. `again` is whether
-    another attempt may succeed. With `code`, an error of `kg`, no package can be read there.
+    `artifact` is the name of its result, empty if it failed; then `problem` is the reason. `again` is whether another
+    attempt may succeed. With `code`, an error of `kg`, the worker cannot read any package.
     """
 
     task: Task
@@ -55,7 +55,7 @@ class Reading:
 
 
 class Extractor:
-    """Reads packages, one at a time, in a process that starts with the first and serves any number of builds."""
+    """Reads packages, one at a time, in a process that starts with the first one and serves any number of builds."""
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
@@ -63,9 +63,9 @@ class Extractor:
         self._request: Request | None = None
 
     def read(self, request: Request, task: Task) -> Reading:
-        """Return the outcome of a package of a build, after at most the time limit of a package."""
+        """Return the outcome of a package of a build, within the time limit of a package."""
         if self._process is not None and self._process.poll() is not None:
-            self.close()  # it ended while it had nothing to do
+            self.close()  # it exited while idle
         is_new = self._pipe is None
         seconds = request.seconds + (0 if request == self._request else _START_SECONDS)
         try:
@@ -78,12 +78,12 @@ class Extractor:
             return Reading(task, problem=message, again=True)
         if found.code:
             self.close()
-            if not is_new:  # an update of kg needs a new process
+            if not is_new:  # a new version of kg requires a new process
                 return self.read(request, task)
         return found
 
     def close(self) -> int:
-        """End the process and return its exit code, negative for a signal."""
+        """Stop the process and return its exit code, negative for a signal."""
         process, pipe = self._process, self._pipe
         self._process = self._pipe = self._request = None
         if process is None or pipe is None:
@@ -109,11 +109,11 @@ class Extractor:
         return found
 
     def _start(self) -> Connection:
-        """Start the process; an error that keeps it from reading is its first response."""
+        """Start the process; if it cannot read packages, its first response is the error."""
         here, there = Pipe()
         command = [sys.executable, "-c", f"from {__name__} import main; main()", str(there.fileno())]
-        # A worker of Dask is a daemon of its nanny, so it may not start a process by `multiprocessing`. The standard
-        # input is held open: it ends when the worker does.
+        # A Dask worker is a daemon process, so it must not use `multiprocessing`. Standard input closes when the
+        # worker exits.
         self._process = subprocess.Popen(command, pass_fds=[there.fileno()], stdin=subprocess.PIPE)  # noqa: S603 - our own module
         there.close()
         self._pipe = here
@@ -121,7 +121,7 @@ class Extractor:
 
 
 def main() -> None:
-    """Read packages until the other end closes: after each `Request` the tasks of that build."""
+    """Read packages until the connection closes: each `Request` is followed by the tasks of that build."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_worker, daemon=True).start()
     pipe = Connection(int(sys.argv[1]))
@@ -148,10 +148,15 @@ def _end_with_worker() -> None:
 
 
 class _Reader:
-    """Reads packages of one build into the store of results, unless they are there."""
+    """Reads packages of one build into the store of results, except those already there."""
 
     def __init__(self, request: Request) -> None:
-        """Raise SourceError KG127 for another version of `kg`, KG128 without the job, UsageError KG141, KG142."""
+        """Load the job.
+
+        Raises:
+            SourceError: KG127 for another version of `kg`, KG128 without the job.
+            UsageError: KG141, KG142.
+        """
         self._artifacts = Artifacts(request.artifacts)
         self._version, code, self._job = self._artifacts.job(request.job)
         prepare(self._job.model)

@@ -1,4 +1,4 @@
-"""Remove sources from a store for good: their graphs, and their place in builds without names."""
+"""Remove sources from a store permanently: their graphs, and their entries for builds without names."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 def forget(
     store: EmbeddedStore, settings: Settings, names: Sequence[str], command: str = "kg forget", *, rules: bool = True
 ) -> Inferred | None:
-    """Remove sources from the store and from builds without names; unknown names do nothing.
+    """Remove sources from the store and from builds without names; unknown names are ignored.
 
-    What rules inferred from them goes too, rules that cannot be used being left out; without `rules` it stays until the
-    next build, and None is returned.
+    Inferences from them are removed too; unusable rules are left out. Without `rules` these stay until the next build,
+    and None is returned.
 
     Raises:
-        RuleError: KG208 for a pack of rules that cannot be loaded, KG231 for a folder of rules that is closed.
-        StoreError: KG301 without data, KG302 while another process writes, KG304 when the disk is full.
+        RuleError: KG208 for a rule pack that cannot be loaded, KG231 for an unreadable folder of rules.
+        StoreError: KG301 without data, KG302 while another process writes, KG304 if the disk is full.
     """
     iris, inference = Iris(settings.base), Inference(store, settings)
     with store.write(command) as transaction:
@@ -57,7 +57,7 @@ def forget(
 
 
 def _without(state: State, names: frozenset[str]) -> State:
-    """Return the state without sources; a root stays as long as another source that is in it does."""
+    """Return the state without sources; a root is removed with its last source."""
     kept = {name: source for name, source in state.sources.items() if name not in names}
     gone = [source.repository.root for name, source in state.sources.items() if name in names]
     left = [source.repository.root for source in kept.values()]

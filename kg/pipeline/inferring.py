@@ -1,12 +1,12 @@
-"""Runs the rules in force: inside the transactions of the pipeline, over a store, a SPARQL server or files.
+"""Run the enabled rules: inside the transactions of the pipeline, over a store, a SPARQL server or files.
 
 Inferences change together with the asserted triples, in one transaction.
 
-The ontologies belong to the rules: their graph is patched where a file of theirs changed, and the rules follow.
+The ontologies are input of the rules: their graph is patched if one of their files has changed, before the rules run.
 
-A failing rule never loses the triples that were read. An unusable file is left out. If the others cannot run together,
-those of the user's folders are left out too; if that does not help, nothing is inferred. So the graph of inferred
-triples always follows from the rules that ran, and never holds triples from an earlier state of the data.
+A failing rule never loses asserted triples. Unusable files are left out. If the others cannot run together, those of
+the user's folders are left out too; if that does not help, nothing is inferred. So the graph of inferred triples always
+corresponds to the rules that ran, and never contains triples from an earlier state of the data.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from kg.store.transaction import EmbeddedTransaction
 
 _LAST: Final = "rules"
-"""The file of the cache with the record of the last run; the next one: the ontologies that the store was given."""
+"""Cache file with the record of the last run; below, that with the ontologies written to the store."""
 _ONTOLOGIES: Final = "ontologies"
 
 
@@ -54,9 +54,8 @@ _ONTOLOGIES: Final = "ontologies"
 class LastRun:
     """Record of the last run: the digest of its rules, empty if some could not run, and its counts.
 
-    What is inferred follows from the generation `generation` of the store and these rules, with this `base`. `costs`
-    are those of the last full run: for each rule by name the seconds, the triples that it was the first to derive, and
-    the rounds.
+    The inferences follow from the generation `generation` of the store and these rules, with this `base`. `costs` are
+    those of the last full run: for each rule its seconds, the number of triples that it derived first, and its rounds.
     """
 
     digest: str
@@ -69,7 +68,7 @@ class LastRun:
 
 
 def _costs(report: RunReport, cache: Path) -> Mapping[str, tuple[float, int, int]]:
-    """Return the cost of each rule: in this run if it was full, else in the last full one."""
+    """Return the cost of each rule: in this run if it was full, else in the last full run."""
     if not report.rules:
         last = last_run(cache)
         return last.costs if last else {}
@@ -90,14 +89,14 @@ def last_run(cache: Path) -> LastRun | None:
 
 
 def _note_run(cache: Path, run: LastRun) -> None:
-    """Save the record of a run for the next one; StoreError KG304 when the disk is full."""
+    """Save the record of a run for the next one; StoreError KG304 if the disk is full."""
     with translated(str(cache)):
         cache.mkdir(parents=True, exist_ok=True)
         write_atomically(cache / _LAST, json.dumps(asdict(run)).encode(), durable=False)
 
 
 def unchanged(settings: Settings, layout: Layout) -> LastRun | None:
-    """Return the last run if neither the store nor a rule has changed since: another one would do nothing.
+    """Return the last run if the store and the rules are unchanged since, so another one would do nothing.
 
     Raises as `digest`.
     """
@@ -115,7 +114,7 @@ class _Ontologies(msgspec.Struct, frozen=True):
 
 
 def _given(cache: Path) -> _Ontologies | None:
-    """Return the ontologies that the store was given; None where that is not known."""
+    """Return the ontologies written to the store; None if unknown."""
     with suppress(OSError, zlib.error, msgspec.DecodeError):
         return msgspec.msgpack.decode(zlib.decompress((cache / _ONTOLOGIES).read_bytes()), type=_Ontologies)
     return None
@@ -136,10 +135,10 @@ def _in_force(settings: Settings, problems: list[KgError] | None) -> bytes:
 
 
 class Inference:
-    """The rules in force, run inside a transaction; `remember` after the commit makes the next run short.
+    """The enabled rules, run inside a transaction; `remember` after the commit speeds up the next run.
 
-    A long-running process can run them repeatedly, in one transaction after the other. `digest` is that of the
-    rules that ran, empty before, and where some could not.
+    A long-running process can run them repeatedly, in successive transactions. `digest` is that of the rules that ran,
+    empty before the run, and if some could not.
     """
 
     def __init__(self, store: EmbeddedStore, settings: Settings) -> None:
@@ -149,10 +148,10 @@ class Inference:
         self._runner: Runner | None = None
         self._last: LastRun | None = None
         self._ontologies: _Ontologies | None = None
-        """The ontologies that the transaction gave to the store; None where it left them alone."""
+        """Ontologies that the transaction wrote to the store; None if it did not."""
 
     def prepare(self) -> None:
-        """Load the rules in force and the memory of their last run, for a process that waits for its first transaction.
+        """Load the enabled rules and the memory of their last run in advance, before the first transaction.
 
         Raises as `run`, and StoreError as `EmbeddedStore.read`.
         """
@@ -162,14 +161,14 @@ class Inference:
         self._runner.prepare(rules)
 
     def watch(self, transaction: EmbeddedTransaction) -> None:
-        """Keep the triples that a transaction writes into an empty store: its run need not read them back."""
-        from kg.rules.written import Written  # noqa: PLC0415 - numbers are loaded here
+        """Retain the triples that a transaction writes into an empty store, so the rules need not read them back."""
+        from kg.rules.written import Written  # noqa: PLC0415 - loads numpy
 
         if transaction.base is None and not transaction.changed:
             transaction.changes = Written(self._store.layout.cache)
 
     def outdated(self) -> bool:
-        """Return whether the ontologies in force are others than those that the store was given; raises KG002."""
+        """Return whether the ontologies in the settings differ from those in the store; raises KG002."""
         cache = self._store.layout.cache
         given = _given(cache)
         return given is not None and given.digest != ontology_digest(self._settings, cache)
@@ -177,10 +176,10 @@ class Inference:
     def update_ontologies(
         self, transaction: EmbeddedTransaction, problems: list[KgError] | None = None, *, anew: bool = False
     ) -> None:
-        """Write the ontologies in force to a store: if it has none, or if their files have changed since.
+        """Write the ontologies to a store, if it has none or their files have changed.
 
-        What users add to their graph stays. So does a graph that users made themselves, unless it is written `again`.
-        A file that cannot be read is left out and its error added to `problems`, where they are given.
+        Triples that users added to their graph remain. So does a graph that users created, unless it is written `anew`.
+        A file that cannot be read is left out and its error added to `problems`, if given.
 
         Raises:
             GraphError: KG601 for a file that cannot be read, without `problems`.
@@ -202,10 +201,10 @@ class Inference:
             transaction.patch_graph(graph, b"".join(old - new), b"".join(new - old))
 
     def run(self, transaction: EmbeddedTransaction) -> Inferred:
-        """Make what is inferred follow from what the transaction has written by now; what cannot run is left out.
+        """Update the inferences to the data written so far by the transaction; unusable rules are left out.
 
-        Ontologies whose files have changed are updated first. Raises:
-            RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
+        Changed ontologies are updated first. Raises:
+            RuleError: KG208 for a rule pack that cannot be loaded, KG231 for an unreadable folder of rules.
             UsageError: KG002 for a folder or a family of the settings that does not exist.
         """
         found = digest(self._settings, self._store.layout.cache)
@@ -224,9 +223,9 @@ class Inference:
     def _attempt(
         self, transaction: EmbeddedTransaction, problems: list[RuleError], mark: str, *, own: bool
     ) -> Inferred | None:
-        """Run the rules that can be read, of the digest `mark`.
+        """Run the readable rules, whose digest is `mark`.
 
-        Return None, and add the error to `problems`, where they cannot run.
+        If they cannot run, return None and add the error to `problems`.
         """
         runner = self._runner or _new_runner(self._store, self._settings)
         self._runner = None
@@ -251,9 +250,9 @@ class Inference:
         return Inferred(0, 0, removed, 0.0, "none")
 
     def remember(self, generation: int | None, *, save: bool = True) -> None:
-        """Keep the triples that the run read and inferred, as of the generation that its transaction made.
+        """Store the input and output of the run in memory, for the generation that its transaction created.
 
-        Without `save` the columns stay in this process; the next one starts from those that were saved last.
+        Without `save` they stay in this process; another process starts from the ones saved last.
         """
         if self._runner is not None:
             self._runner.remember(generation, save=save)
@@ -269,13 +268,13 @@ class Inference:
             _note_run(self._store.layout.cache, replace(self._last, generation=current))
 
     def save(self) -> None:
-        """Write the memory to the cache."""
+        """Write them to the cache."""
         if self._runner is not None:
             self._runner.save()
 
 
 def _new_runner(store: EmbeddedStore, settings: Settings) -> Runner:
-    from kg.rules.running import Runner  # noqa: PLC0415 - numbers are loaded here, not where nothing has changed
+    from kg.rules.running import Runner  # noqa: PLC0415 - loads numpy, not needed without changes
 
     return Runner(Names.of(settings.base, RNKG), store.layout.cache)
 
@@ -283,11 +282,11 @@ def _new_runner(store: EmbeddedStore, settings: Settings) -> Runner:
 def run_on_store(
     settings: Settings, *, full: bool = False, dry_run: bool = False, limits: Limits | None = None
 ) -> RunReport:
-    """Update the inferred triples of the store in force from its other graphs; only with `full` from scratch.
+    """Update the inferred triples of the current store from its other graphs; only with `full` from scratch.
 
-    Ontologies whose files have changed are updated first. Raises:
-        GraphError: KG601 for an ontology that cannot be read; the store is as it was.
-        RuleError: KG2xx for rules that cannot be read or run, KG205 at a limit; the store is as it was.
+    Changed ontologies are updated first. Raises:
+        GraphError: KG601 for an ontology that cannot be read; the store is unchanged.
+        RuleError: KG2xx for rules that cannot be read or run, KG205 at a limit; the store is unchanged.
         StoreError: KG301 without a store, KG302 while another process writes.
     """
     store, mark = existing(settings), digest(settings)
@@ -308,7 +307,7 @@ def run_on_store(
     return report
 
 
-def _run_with_ontologies(  # noqa: PLR0913 - what `run_on_store` was asked, and on what
+def _run_with_ontologies(  # noqa: PLR0913 - the arguments of `run_on_store`
     store: EmbeddedStore, settings: Settings, inference: Inference, *, full: bool, dry_run: bool, limits: Limits | None
 ) -> RunReport:
     """Update the ontologies and run the rules in one transaction."""
@@ -329,8 +328,8 @@ def _run_with_ontologies(  # noqa: PLR0913 - what `run_on_store` was asked, and 
 def run_on_server(
     settings: Settings, query_address: str, update_address: str | None = None, *, limits: Limits | None = None
 ) -> RemoteReport:
-    """Run the rules on a SPARQL 1.1 server; raises as `run_on_store`, and KG225 when the server fails."""
-    from kg.rules.remote.running import run as run_remotely  # noqa: PLC0415 - HTTP is loaded here
+    """Run the rules on a SPARQL 1.1 server; raises as `run_on_store`, and KG225 if the server fails."""
+    from kg.rules.remote.running import run as run_remotely  # noqa: PLC0415 - loads HTTP
     from kg.store.remote import RemoteStore  # noqa: PLC0415 - the same
 
     store = RemoteStore(query_address, update_address)
@@ -341,11 +340,11 @@ def run_on_server(
 def run_on_files(
     settings: Settings, files: Sequence[Path], output: Path | None, *, limits: Limits | None = None
 ) -> RunReport:
-    """Write what the rules infer from files of RDF to `output`, or nowhere.
+    """Write the inferences from RDF files to `output`, or nowhere if None.
 
-    Raises as `run_files`, and UsageError KG003 before anything is inferred where `output` cannot be written.
+    Raises as `run_files`, and UsageError KG003 before the run if `output` is not writable.
     """
-    from kg.rules.running import run_files  # noqa: PLC0415 - numbers are loaded here
+    from kg.rules.running import run_files  # noqa: PLC0415 - loads numpy
 
     if output is not None:
         _check_output(output)
@@ -356,7 +355,7 @@ def run_on_files(
 def _check_output(output: Path) -> None:
     folder = output.absolute().parent
     problem = None
-    if not os.path.isdir(folder):  # noqa: PTH112 - False for what is closed, where Path raises
+    if not os.path.isdir(folder):  # noqa: PTH112 - False if unreadable, whereas Path raises
         problem = f"the folder {folder} does not exist"
     elif os.path.isdir(output):  # noqa: PTH112 - the same
         problem = "it is a folder"
@@ -367,8 +366,8 @@ def _check_output(output: Path) -> None:
 
 
 def _schema(file: Path) -> Iterator[Triple]:
-    """Yield the axioms of a file; of N-Triples only candidate lines are parsed. Other errors are reported later."""
-    from kg.rules.running import rdf_format  # noqa: PLC0415 - numbers are loaded here
+    """Yield the axioms of a file; for N-Triples, only candidate lines are parsed. Other errors are reported later."""
+    from kg.rules.running import rdf_format  # noqa: PLC0415 - loads numpy
 
     kind = rdf_format(file)
     plain = kind == RdfFormat.N_TRIPLES

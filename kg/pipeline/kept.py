@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 _SETTLED: Final = 2_000_000_000
-"""Nanoseconds after which a file that changes again is certain to have another time."""
+"""Nanoseconds after which another change of a file certainly gives it another time."""
 _BYTES: Final = 16
 
 
 class State(NamedTuple):
-    """A file by its entry in the folder; times in nanoseconds. Whatever changes a file sets the time `changed`."""
+    """A file by its metadata; times in nanoseconds. Every change of a file sets the time `changed`."""
 
     path: str
     number: int
@@ -32,7 +32,7 @@ class State(NamedTuple):
 
 
 def states(root: Path | str) -> Iterator[State]:
-    """Yield the state of each file below a folder, or of a file; unreadable ones are skipped."""
+    """Yield the state of each file in a folder, or of a file; unreadable ones are skipped."""
     try:
         entries = sorted(os.scandir(root), key=lambda entry: entry.name)
     except NotADirectoryError:
@@ -49,21 +49,21 @@ def states(root: Path | str) -> Iterator[State]:
 
 
 def installations() -> Iterator[State]:
-    """Yield the states of the folders of installed packages: installing or removing one changes its folder."""
+    """Yield the states of the folders of installed packages, which change when a package is installed or removed."""
     for place in sys.path:
         with suppress(OSError):
             yield _state(place, Path(place).stat())
 
 
 def settled(seen: tuple[State, ...]) -> bool:
-    """Return whether the next change of any of some files gives it another state: all changed a while ago."""
+    """Return whether the files are old enough that any further change gives them another state."""
     return time.time_ns() - max((state.changed for state in seen), default=0) > _SETTLED
 
 
 def kept(place: Path | None, seen: tuple[State, ...], what: object, make: Callable[[], str]) -> str:
-    """Return the text that `make` gives, from the file `place` where it gave it for the same `what` and states `seen`.
+    """Return the text that `make` returns, cached in the file `place` for the same `what` and states `seen`.
 
-    Without a place it is made each time. StoreError KG304, KG306 when it cannot be written.
+    Without a place it is computed each time. StoreError KG304, KG306 if the file cannot be written.
     """
     if place is None or not settled(seen):
         return make()

@@ -1,4 +1,4 @@
-"""The node types of a package as other packages of a build see them: their names, and a digest of the rest."""
+"""Node types of a package as visible to other packages of a build: their names, and a digest of the rest."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def known_as(
     names: list[NodeName] = []
     for _, several in groupby(ordered, key=lambda one: one.node.name):
         same = list(several)
-        # A reference names all node types of a name, so each depends on the others.
+        # A reference names all node types with that name, so each depends on the others.
         marks = " ".join(map(_mark, same))
         for at, one in enumerate(same):
             node, mark = one.node, digest(f"{at} {marks}".encode())
@@ -34,9 +34,9 @@ def known_as(
 
 
 def _mark(stated: Stated) -> str:
-    """Return a digest of a node type in which lines count by their order alone.
+    """Return a digest of a node type in which lines count only by their order.
 
-    A comment moves lines, and nothing that wiring makes holds a line of code.
+    A comment moves lines, but the results of wiring contain no lines of code.
     """
     content = msgspec.to_builtins(stated)
     places = {place: at for at, place in enumerate(sorted(set(_places(content))))}

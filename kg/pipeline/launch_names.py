@@ -1,4 +1,4 @@
-"""Launch configurations by the names that people give them, and the arguments that they give to these."""
+"""Find launch configurations by the names that users type, and parse their arguments."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _SHOWN: Final = 8
 
 
 def find(names: Sequence[SystemName], text: str, roots: Mapping[str, str]) -> SystemName:
-    """Return the one of `names` that `text` means: the path of a file on disk, or a name as `matching` takes it.
+    """Return the one of `names` that `text` refers to: the path of a file on disk, or a name as in `matching`.
 
-    `roots` has the folder of each source.
+    `roots` contains the folder of each source.
 
     Raises:
         UnknownNameError: KG422 if none matches.
@@ -37,7 +37,7 @@ def find(names: Sequence[SystemName], text: str, roots: Mapping[str, str]) -> Sy
 def several_launches(
     names: Sequence[SystemName], found: Sequence[SystemName], text: str, option: str = ""
 ) -> UsageError:
-    """Return the error KG003: `text` means all of `found`; the hint has a text for each that means it alone."""
+    """Return the error KG003: `text` matches all of `found`; the hint lists an unambiguous text for each."""
     ways = [f"`{option}{_shortest(names, one)}`  ({one.repository}:{one.path})" for one in found[:_SHOWN]]
     if len(found) > _SHOWN:
         ways.append(f"... and {len(found) - _SHOWN} more")
@@ -45,22 +45,22 @@ def several_launches(
 
 
 def shared_names(names: Sequence[SystemName]) -> dict[SystemName, str]:
-    """Return a text for each launch file whose name others have, too; as a name, it means that file alone."""
+    """Return an unambiguous text for each launch file whose name is shared by others."""
     count = Counter(one.name for one in names)
     return {one: _shortest(names, one) for one in names if count[one.name] > 1}
 
 
 def _shortest(names: Sequence[SystemName], one: SystemName) -> str:
-    """Return the name of a launch file if it is the only one so called, else its path, else that with its source."""
+    """Return the name of a launch file if it is unique, else its path, else that with its source."""
     whole = f"{one.repository}:{one.path}"
     return next((text for text in (one.name, one.path) if matching(names, text) == [one]), whole)
 
 
 def matching(names: Sequence[SystemName], text: str) -> list[SystemName]:
-    """Return those of `names` that `text` may mean, by the first of these ways that fits any.
+    """Return those of `names` that match `text` in the first of these ways that has matches.
 
-    It is `source:path`, a name (`package/launch/x.launch`) or a path in a source, the end of one of the two by whole
-    segments, or `package x.launch` as roslaunch takes it.
+    It is `source:path`, a name (`package/launch/x.launch`) or a path in a source, the end of one of the two in whole
+    segments, or `package x.launch` as for roslaunch.
     """
     words = text.split()
     wanted = "/".join(words)
@@ -73,7 +73,7 @@ def matching(names: Sequence[SystemName], text: str) -> list[SystemName]:
 
 
 def unknown_launch(names: Sequence[SystemName], text: str) -> UnknownNameError:
-    """Return the error KG422: `text` means none of `names`, with the ones that were probably meant."""
+    """Return the error KG422: `text` matches none of `names`, with suggestions."""
     known = [one.name for one in names] + [one.name.rpartition("/")[2] for one in names]
     hint = did_you_mean("/".join(text.split()), known)
     place = Place(text) if Path(text).exists() else None
@@ -84,7 +84,7 @@ def unknown_launch(names: Sequence[SystemName], text: str) -> UnknownNameError:
 
 
 def assignments(texts: Sequence[str], sign: str = ":=") -> dict[str, str]:
-    """Return `x:=y` as names and values; UsageError KG003 for a text with another sign, or none."""
+    """Return `x:=y` as names and values; UsageError KG003 for a text with another separator, or none."""
     found = {}
     for text in texts:
         name, mark, value = text.partition(sign)
@@ -97,7 +97,7 @@ def assignments(texts: Sequence[str], sign: str = ":=") -> dict[str, str]:
 
 
 def check_given(launch: str | None, arguments: Mapping[str, str], environment: Mapping[str, str]) -> None:
-    """Raise UsageError KG003 where arguments or environment variables are given, and no launch file for them."""
+    """Raise UsageError KG003 if arguments or environment variables are given without a launch file."""
     if launch is None and (arguments or environment):
         raise UsageError("KG003", "arguments are for one launch file", hint="Name it with `--launch FILE`.")
 

@@ -1,7 +1,7 @@
-"""Launch configurations evaluated with other arguments than their defaults.
+"""Evaluate launch configurations with arguments other than their defaults.
 
-A store holds every launch file with its default arguments. With others, the file is evaluated again where its source
-stands, and wired with the node types of the store.
+A store contains every launch file with its default arguments. With others, the file is evaluated again from its source,
+and wired with the node types of the store.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def chosen(
     arguments: Mapping[str, str],
     environment: Mapping[str, str],
 ) -> list[System]:
-    """Return the systems of the store, or that of `launch`, evaluated again where anything is given.
+    """Return the systems of the store, or that of `launch`, evaluated again if arguments or variables are given.
 
     Raises as `find` and `check_given` of `kg.pipeline.launch_names`, and as `LaunchFile`.
     """
@@ -65,10 +65,10 @@ def chosen(
 
 
 class LaunchFile:
-    """A launch file at its source, to be evaluated with several arguments and environments.
+    """A launch file in its source, for evaluation with several arguments and environments.
 
     Raises:
-        SourceError: KG101 when its source is not where it was built from.
+        SourceError: KG101 if its source has moved since the build.
     """
 
     def __init__(self, settings: Settings, graph: Queryable, state: State, name: SystemName) -> None:
@@ -95,8 +95,8 @@ class LaunchFile:
         """Return the system.
 
         Raises:
-            SourceError: KG101 when it cannot be read.
-            UsageError: KG003 for an argument that it does not declare.
+            SourceError: KG101 if it cannot be read.
+            UsageError: KG003 for an undeclared argument.
         """
         from kg.launch.files import read_configuration  # noqa: PLC0415 - the readers of code take long to load
 
@@ -117,7 +117,7 @@ class LaunchFile:
 
 
 def unread(settings: Settings, systems: Iterable[System], environment: Iterable[str]) -> list[str]:
-    """Return those of the environment variables that no file which the systems were read from names."""
+    """Return the environment variables that do not occur in the files of the systems."""
     state = load(layout_of(settings).cache)
     roots = {name: Path(source.repository.root) for name, source in state.sources.items()}
     roots[INSTALLED] = Path("/")
@@ -141,9 +141,9 @@ def _owner(sources: Sequence[Source], name: SystemName) -> tuple[Source, Package
 
 @contextmanager
 def trial(settings: Settings, store: EmbeddedStore, system: System) -> Iterator[EmbeddedTransaction]:
-    """Yield the content of the store with this system in place of the stored one; nothing is kept.
+    """Yield a transaction in which this system replaces the stored one; it is rolled back.
 
-    The rules have run over it. Another process that writes waits or is refused meanwhile (KG302).
+    The rules have run over it. Meanwhile other writers wait or are refused (KG302).
     """
     iris, configuration = Iris(settings.base), system.configuration
     packages = {reference.package for one in system.instances for reference in (one.type, *one.plugins) if reference}

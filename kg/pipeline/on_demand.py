@@ -1,4 +1,4 @@
-"""Queries that rules of a family answer on demand: nothing of the family is in the store."""
+"""Queries with rules of a family that are evaluated on demand; the store contains none of their inferences."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _FOLDER: Final = "on-demand"
-"""Below the cache of a store: the columns that the rules of each family read."""
+"""Folder in the cache of a store for the input of the rules of each family."""
 
 
 @contextmanager
@@ -35,7 +35,7 @@ def with_family(
     Raises:
         UnknownNameError: KG001 for an unknown family.
         RuleError: KG2xx for rules that cannot be read or evaluated, KG205 at the deadline for queries.
-        StoreError: KG304, KG306 where the copy of the store cannot be written.
+        StoreError: KG304, KG306 if the copy of the store cannot be written.
     """
     known = known_families(settings)
     if family not in known:

@@ -1,4 +1,4 @@
-"""The packages that a build would read again, and whether rules changed: without reading, fetching or waiting."""
+"""Packages that a build would read again, and whether rules changed: without reading, fetching or waiting."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 
 def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | None]:
-    """Return for each source that builds have read the packages that a build would read again.
+    """Return the packages that a build would read again, for each source of earlier builds.
 
-    None stands for a source that no longer exists. Git addresses are looked at as they were fetched last.
+    The value is None for a source that no longer exists. For git addresses, the last fetched state counts.
     """
     state = load(layout.cache)
     named = [root for root in _roots(state, layout) if Path(root).exists()]
@@ -41,7 +41,7 @@ def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | N
 
 
 def rules_changed(layout: Layout, settings: Settings) -> bool:
-    """Return whether the rules in force are not those that ran last; False where none ran.
+    """Return whether the enabled rules differ from those that ran last; False if none ran.
 
     Raises as `kg.pipeline.reasoning.digest`.
     """

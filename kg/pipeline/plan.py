@@ -1,8 +1,9 @@
-"""Which packages have to be read again: those whose files, or whose look-ups in the build, are not what they were.
+"""Plan a build: packages are read again if their files, or the results of their look-ups in the build, have changed.
 
-Cheap checks come first. Size and time of all files that a result depends on decide for most packages; where these
-differ the digests of the contents do. Most look-ups (which file does this include mean?) depend only on the paths of
-the build, so they are repeated only when some path came or went; those of files that no scan lists are always repeated.
+Cheap checks come first. Sizes and times of all files that a result depends on decide for most packages; if these
+differ, the digests of the contents do. Most look-ups (which file does this include refer to?) depend only on the paths
+of the build, so they are repeated only if paths were added or removed; those of files that no scan lists are always
+repeated.
 """
 
 from __future__ import annotations
@@ -37,21 +38,21 @@ CODE: Final = (
     *("launch", "graph"),
     *("pipeline/cache.py", "pipeline/known.py", "pipeline/recording.py", "pipeline/work.py"),
 )
-"""The code of `kg` that results depend on, with the data that belongs to it."""
+"""Code and data of `kg` that results depend on."""
 LIBRARIES: Final = (
     *("lxml", "msgspec", "numpy", "pathspec", "pyoxigraph", "pyyaml", "rosbags", "spacy"),
     *("thinc", "tree-sitter", "tree-sitter-cpp", "tree-sitter-python"),
 )
-"""The distributions that results depend on."""
+"""Distributions that results depend on."""
 
 _BYTES: Final = 16
 _VERSION: Final = "version"
-"""The file of the cache in which the version of code, data and libraries is kept."""
+"""Cache file with the version of code, data and libraries."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Packages to read, and the earlier results that still hold."""
+    """Packages to read, and the earlier results that are still valid."""
 
     version: str
     shape: str
@@ -62,9 +63,9 @@ class Plan:
 def version(settings: Settings, folder: Path | None = None) -> str:
     """Return a digest of the code and data of `kg`, its libraries, and the settings that results depend on.
 
-    Code and data count by their contents, so that an installation of the same files has the same version. So do the
-    users' descriptions of framework calls. What stands for code, data and libraries is kept in the cache `folder`, as
-    long as no file of them changes. Raises as `kg.pipeline.calls.read_calls`.
+    It contains the contents of code, data and the users' descriptions of framework calls, so installations with the
+    same files have the same version. The part for code, data and libraries is cached in `folder` until one of their
+    files changes. Raises as `kg.pipeline.calls.read_calls`.
     """
     set_to = [settings.base, str(settings.max_file_bytes), *read_calls(call_files(settings)).values()]
     return _digest([code_version(settings.nlp_model, folder), *set_to])
@@ -73,7 +74,7 @@ def version(settings: Settings, folder: Path | None = None) -> str:
 def code_version(model: str, folder: Path | None = None) -> str:
     """Return a digest of the code and data of `kg`, its libraries and the spaCy pipeline `model`, as `version`."""
     package = Path(__file__).resolve().parent.parent
-    knowledge = [path for path in resources.folder("ontology").iterdir() if path.suffix != ".ttl"]  # for rules alone
+    knowledge = [path for path in resources.folder("ontology").iterdir() if path.suffix != ".ttl"]  # only used by rules
     own = [*(package / name for name in CODE), *sorted(knowledge)]
     files = (*(state for root in own for state in states(root)), *installations())
     place = folder and folder / _VERSION
@@ -82,7 +83,7 @@ def code_version(model: str, folder: Path | None = None) -> str:
 
 
 def _libraries() -> list[str]:
-    from importlib.metadata import version as installed_version  # noqa: PLC0415 - a build without changes asks for none
+    from importlib.metadata import version as installed_version  # noqa: PLC0415 - not needed without changes
 
     return [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
 
@@ -121,9 +122,9 @@ def stamp(
 
 
 def make_plan(workspace: Workspace, state: State, folder: Path, now: str, limit_bytes: int) -> Plan:
-    """Return which packages of `workspace` must be read; `folder` is the cache, `now` the `version` in force.
+    """Return the packages of `workspace` to read; `folder` is the cache, `now` the current `version`.
 
-    `limit_bytes` is the size above which files are not read.
+    Files larger than `limit_bytes` are not read.
     """
     current = shape(workspace.sources)
     entries = entries_by_name(workspace.sources)
@@ -161,13 +162,13 @@ def _still_holds(  # noqa: PLR0913, PLR0917 - called in one place
     entries: dict[str, FileEntry],
     limit_bytes: int,
 ) -> PackageState | None:
-    """Return the earlier result, with its stamp brought up to date, if nothing that it was read from differs."""
+    """Return the earlier result, with its stamp updated, if all its inputs are unchanged."""
     if earlier.listing != listing(package) or any(
         answer(workspace, lookup) != before for lookup, before in earlier.outside
     ):
         return None
     now = stamp(workspace, source.repository.name, package, earlier.inputs, entries)
-    # A mark with a space is a problem: whether a file can be read depends on more than its size and time.
+    # A mark with a space is a problem: more than size and time decides whether a file can be read.
     doubtful = (
         earlier.inputs if now != earlier.stamp else [key for key, before in earlier.inputs.items() if " " in before]
     )
@@ -177,13 +178,13 @@ def _still_holds(  # noqa: PLR0913, PLR0917 - called in one place
 
 
 def _mark(workspace: Workspace, key: str, limit_bytes: int) -> str:
-    """Return the mark of a file as it is now."""
+    """Return the current mark of a file."""
     repository, _, path = key.partition(":")
     return mark(load(workspace, FilePath(repository, path), limit_bytes))
 
 
 def _size_and_time(workspace: Workspace, key: str) -> str:
-    """Return size and time of a file that no scan lists: one of another ending, or installed."""
+    """Return size and time of a file that no scan lists: one with another suffix, or an installed one."""
     path = _path(workspace, key)
     try:
         status = path.stat() if path else None
@@ -193,7 +194,7 @@ def _size_and_time(workspace: Workspace, key: str) -> str:
 
 
 def _path(workspace: Workspace, key: str) -> Path | None:
-    """Return where a file that was read is on disk; None where its source is no part of the build."""
+    """Return the path on disk of a file that was read; None if its source is not in the build."""
     repository, _, path = key.partition(":")
     source = workspace.source(repository)
     if source is not None:

@@ -1,9 +1,9 @@
-"""A pool of worker processes. A package that kills its worker, or never ends, fails alone.
+"""A pool of worker processes. A package that kills its worker, or never finishes, fails alone.
 
-Workers are forked where the system can, so that they share the indexes of the workspace. Of several, each is given its
-next package before it has ended the one before, so that it never waits for the writing of the store; a single one
-takes turns with the writing, so that a build with one job keeps one processor busy. A worker whose pipe closes ends,
-so none outlives the build, however that ended.
+Workers are forked if the system supports it, so they share the indexes of the workspace. Of several workers, each
+receives its next package before it has finished the current one, so it never waits while the store is written. A single
+one alternates with the writing, so a build with one job occupies one processor. A worker exits when its pipe closes, so
+none outlives the build.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ if TYPE_CHECKING:
     from typing import Self
 
 PACKAGE_SECONDS: Final = 300.0
-"""How long one package may take; the largest known takes some seconds."""
+"""Time limit of one package; the largest known takes some seconds."""
 
 _AHEAD: Final = 2
-"""How many packages one of several workers is given at a time."""
+"""Number of packages assigned to one of several workers at a time."""
 _DEFECTS: Final = (ArithmeticError, AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError)
-"""What is reported by its message; anything else ends the worker, which is reported too."""
+"""Exceptions reported by their message; any other terminates the worker, which is reported too."""
 _FIRST_OWN_FILE: Final = 3
-"""Files below are the standard streams."""
+"""Lower file descriptors are the standard streams."""
 _MOST_FILES: Final = 1 << 16
-"""Where files are not limited, macOS gives a number that no loop reaches."""
+"""Upper bound for closing files: without a limit, macOS reports a number too large for a loop."""
 _GC_THRESHOLD: Final = 500_000
-"""So many new objects begin a collection; most of them are used until their package ends."""
+"""Number of new objects that triggers a garbage collection; most objects live until their package is done."""
 
 
 class Task(NamedTuple):
-    """A package to read; `earlier` names its last result of the same version, if there is one."""
+    """A package to read; `earlier` is the name of its last result of the same version, if any."""
 
     source: str
     name: str
@@ -53,7 +53,7 @@ class Task(NamedTuple):
 
 @dataclass(slots=True)
 class _Worker:
-    """A process with its pipe and its tasks, oldest first; `since` is when it began the oldest."""
+    """A process with its pipe and its tasks, oldest first; `since` is the start time of the oldest."""
 
     process: BaseProcess
     pipe: Connection
@@ -62,10 +62,10 @@ class _Worker:
 
 
 class Pool:
-    """The workers of one build, for a `with` statement: they start with it and are gone after it.
+    """Workers of one build; a context manager that starts and stops them.
 
-    The first of `tasks` are begun first, by up to `jobs` processes. A task whose worker dies, or that takes more than
-    `deadline` seconds, gives a problem KG121.
+    The first of `tasks` are started first, by up to `jobs` processes. A task whose worker dies, or that takes more than
+    `deadline` seconds, results in a problem KG121.
     """
 
     def __init__(self, job: Job, tasks: Iterable[Task], jobs: int, deadline: float = PACKAGE_SECONDS) -> None:
@@ -95,18 +95,18 @@ class Pool:
 
     @property
     def size(self) -> int:
-        """How many packages are read at a time."""
+        """Number of packages read at a time."""
         return self._size
 
     def outcomes(self) -> Iterator[Outcome]:
-        """Yield the outcome of each task as it comes."""
+        """Yield the outcome of each task as it arrives."""
         while self._queue or self._busy:
             self._hand_out()
             yield from self._collect()
 
     @property
     def _busy(self) -> bool:
-        """Whether any worker has something to do."""
+        """Whether any worker has tasks."""
         return any(worker.given for worker in self._workers)
 
     def _hand_out(self) -> None:
@@ -121,7 +121,10 @@ class Pool:
                     self._give(worker)
 
     def _collect(self) -> Iterator[Outcome]:
-        """Wait for outcomes and yield them; tasks of a worker that ended go back, but for the one that ended it."""
+        """Wait for outcomes and yield them.
+
+        Tasks of an exited worker are queued again, except the one that was running.
+        """
         now = time.monotonic()
         left = [worker.since + self._deadline - now for worker in self._workers if worker.given]
         ready = wait([worker.pipe for worker in self._workers], timeout=max(0.0, min(left, default=0.0)))
@@ -138,7 +141,7 @@ class Pool:
         process = self._context.Process(
             target=_serve, args=(self._job, there, [here, *pipes]), kwargs={"forked": forked}, daemon=True
         )
-        with _interrupts_held():
+        with _deferred_interrupts():
             process.start()
             there.close()
             self._workers.append(_Worker(process, here))
@@ -147,7 +150,7 @@ class Pool:
         if not worker.given:
             worker.since = time.monotonic()
         worker.given.append(self._queue.popleft())
-        with contextlib.suppress(OSError):  # a worker that has died is found by `collect`
+        with contextlib.suppress(OSError):  # `_collect` handles a dead worker
             worker.pipe.send(worker.given[-1])
 
     def _receive(self, worker: _Worker) -> Iterator[Outcome]:
@@ -163,7 +166,7 @@ class Pool:
         yield outcome
 
     def _reap(self, worker: _Worker, message: str) -> Iterator[Outcome]:
-        """Remove a worker and put its tasks back, but for the one it was at, which is yielded as failed."""
+        """Remove a worker and queue its tasks again, except the running one, which is yielded as failed."""
         worker.process.kill()
         worker.process.join()
         worker.pipe.close()
@@ -175,10 +178,10 @@ class Pool:
 
 
 @contextlib.contextmanager
-def _interrupts_held() -> Iterator[None]:
+def _deferred_interrupts() -> Iterator[None]:
     """Defer Ctrl-C: a worker interrupted before `_serve` would clean up the build's work, as the build does.
 
-    A worker starts with the signals held that its parent holds.
+    A worker inherits the blocked signals of its parent.
     """
     earlier = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -188,16 +191,16 @@ def _interrupts_held() -> Iterator[None]:
 
 
 def end_of(code: int) -> str:
-    """Return in words how a process ended, by its exit code, which is negative for a signal."""
+    """Return a description of the exit of a process, by its exit code, which is negative for a signal."""
     return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
 
 
 def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool) -> None:
-    """Read packages until the pipe closes; Ctrl-C is the business of the process that started this one."""
+    """Read packages until the pipe closes; the parent process handles Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    # A copy of another end of a pipe would keep this worker from seeing that the build has ended, and a copy of a
-    # lock would outlive the build.
+    # An inherited copy of another pipe would hide the end of the build from this worker, and an inherited lock would
+    # outlive the build.
     for other in others:
         other.close()
     if forked:
@@ -212,7 +215,7 @@ def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool
 
 
 def attempt(job: Job, task: Task) -> Outcome:
-    """Return the outcome of a task; a defect that raises is the problem of a failed one."""
+    """Return the outcome of a task; an exception becomes the problem of a failed one."""
     try:
         return work(job, task.source, task.path, task.earlier)
     except _DEFECTS as error:

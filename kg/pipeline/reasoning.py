@@ -1,4 +1,4 @@
-"""Rules over a store of RNKG: those in force, and the parts of the graph for them and for explanations."""
+"""The enabled rules, and the parts of a graph, for rules and for explanations."""
 
 from __future__ import annotations
 
@@ -52,21 +52,21 @@ SELECT DISTINCT ?term WHERE {
 
 
 _DIGEST: Final = "rules-digest"
-"""The file of the cache with the digest of the rules; the next two: whether there are packs, digest of ontologies."""
+"""Cache file with the digest of the rules; below: whether packs are installed, digest of ontologies."""
 _PACKS: Final = "packs"
 _ONTOLOGY_DIGEST: Final = "ontologies-digest"
 
 _Found = tuple[RuleSet, tuple[RuleError, ...]]
-"""Rules, and the errors of the files that cannot be used."""
+"""Rules, and the errors of unusable files."""
 
 
 def digest(settings: Settings, cache: Path | None = None) -> str:
-    """Return a digest of all files of rules and ontologies in force.
+    """Return a digest of all files of enabled rules and ontologies.
 
-    It is kept in the folder `cache` for the next process, if given.
+    It is cached in the folder `cache`, if given.
 
     Raises:
-        RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
+        RuleError: KG208 for a pack that cannot be loaded, KG231 for an unreadable folder of rules.
         UsageError: KG002 for a folder or a family of the settings that does not exist.
     """
     folders = (resources.folder("rules"), *(pack.folder for pack in installed_packs(cache)), *user_folders(settings))
@@ -77,7 +77,7 @@ def digest(settings: Settings, cache: Path | None = None) -> str:
 
 
 def ontology_digest(settings: Settings, cache: Path | None) -> str:
-    """Return a digest of the ontologies in force; raises as `ontologies_in_force`."""
+    """Return a digest of the ontologies in the settings; raises as `ontologies_in_force`."""
     files = ontologies_in_force(settings)
     seen = tuple(state for file in files for state in states(file))
     made = _digest_of if settled(seen) else _digest_of.__wrapped__
@@ -94,7 +94,7 @@ def _digest_of(files: tuple[Path, ...], _seen: tuple[State, ...]) -> str:
 
 
 def installed_packs(cache: Path | None = None) -> tuple[Pack, ...]:
-    """Return the installed packs of rules; with a folder `cache`, without a search where the last one found none.
+    """Return the installed rule packs; with a folder `cache`, without a search if the last one found none.
 
     Raises RuleError KG208 for a pack that cannot be loaded.
     """
@@ -106,7 +106,7 @@ def installed_packs(cache: Path | None = None) -> tuple[Pack, ...]:
 
 @lru_cache(maxsize=4)
 def _digest(families: tuple[str, ...], folders: tuple[Path, ...], _seen: tuple[State, ...]) -> str:
-    """Return the digest of the rules, read again only where the state of a file is another."""
+    """Return the digest of the rules, computed again only if the state of a file changes."""
     found = blake2b(repr(families).encode(), digest_size=16)
     for folder in folders:
         for path, name in rule_files(folder, families):
@@ -118,18 +118,18 @@ def _digest(families: tuple[str, ...], folders: tuple[Path, ...], _seen: tuple[S
 def _content(path: Path) -> bytes:
     try:
         return path.read_bytes()
-    except OSError as error:  # reported where the file is read
+    except OSError as error:  # reported when the file is read
         return str(error).encode()
 
 
 def rules_in_force(settings: Settings, broken: list[RuleError] | None = None, *, cache: Path | None = None) -> RuleSet:
-    """Return the rules that `kg` ships, those of installed packs and those of the user's folders.
+    """Return the rules of `kg`, of installed packs and of the user's folders.
 
-    Files that cannot be used are left out and their errors added to `broken`, where it is given. With a folder `cache`
-    rules come without texts and documentation, and are kept there for the next process where it can be written.
+    Unusable files are left out and their errors added to `broken`, if given. With a folder `cache`, rules come without
+    texts and documentation, and are cached there if it is writable.
 
     Raises:
-        RuleError: KG201 and others of KG2xx for a file that cannot be used, without `broken`.
+        RuleError: KG201 and others of KG2xx for an unusable file, without `broken`.
         UsageError: KG002 for a folder or a family of the settings that does not exist.
     """
     made_of = (rule_folders(settings), installed_packs(), families_in_force(settings), digest(settings))
@@ -140,14 +140,14 @@ def rules_in_force(settings: Settings, broken: list[RuleError] | None = None, *,
 def _read_before(
     cache: Path, folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], mark: str
 ) -> _Found:
-    """Return rules as `_read` has them, from the folder `cache` where they are kept there."""
+    """Return rules as `_read`, from the folder `cache` if they are there."""
     whole = f"{_code()} {folders} {installed} {families} {mark}"
     before = compiled.load(cache, whole, cut=False)
     if before is not None:
         return before, ()
     found, broken = _read(folders, installed, families, mark)
     if not broken:
-        with suppress(OSError):  # a store that can only be read
+        with suppress(OSError):  # a read-only store
             found = compiled.save(cache, whole, found, cut=False)
     return found, broken
 
@@ -164,20 +164,20 @@ def _sound(found: _Found, broken: list[RuleError] | None) -> RuleSet:
 
 @lru_cache(maxsize=2)
 def _read(folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], _digest: str) -> _Found:
-    """Return rules that were read before in this process, as long as no file changed."""
+    """Return rules, cached in this process until a file changes."""
     broken: list[RuleError] = []
     rules = discover(folders, installed, families, broken)
     return rules, tuple(broken)
 
 
 def rule_folders(settings: Settings) -> tuple[Path, ...]:
-    """Return the folder of rules that `kg` ships and those of the user."""
+    """Return the folder of the rules of `kg` and those of the user."""
     return (resources.folder("rules"), *user_folders(settings))
 
 
 def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Context:
     """Return the context of checks: the ontologies, the stored queries, and a store if there is one."""
-    # Builds need none of this.
+    # Builds do not need this.
     from kg.query.stored import discover as discover_queries  # noqa: PLC0415 - see above
     from kg.query.terms import iris_of  # noqa: PLC0415 - see above
     from kg.rules.checks.finding import Context  # noqa: PLC0415 - see above
@@ -196,7 +196,7 @@ def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Cont
 
 
 def ontology_schema(settings: Settings) -> tuple[Triple, ...]:
-    """Return the axioms of the ontologies in force, for use of rules without a store."""
+    """Return the axioms of the ontologies in the settings, for rules without a store."""
     return schema_of(_ontologies(settings))
 
 
@@ -207,11 +207,11 @@ def _ontologies(settings: Settings) -> pyoxigraph.Store:
 
 
 def schema_of(graph: Any) -> tuple[Triple, ...]:
-    """Return the axioms of a store or a snapshot, which rules about any schema are cut to before they run."""
+    """Return the axioms of a store or a snapshot, for which rules about any schema are specialized before they run."""
     return tuple(graph.query(schema_query()))
 
 
-def rules_over(  # noqa: PLR0913 - which rules, and where they are kept
+def rules_over(  # noqa: PLR0913 - selects rules and their cache
     settings: Settings,
     source: Tables,
     broken: list[RuleError] | None = None,
@@ -221,11 +221,11 @@ def rules_over(  # noqa: PLR0913 - which rules, and where they are kept
     families: tuple[str, ...] | None = None,
     mark: str | None = None,
 ) -> RuleSet:
-    """Return the rules in force, cut to the axioms of a snapshot or of a transaction; `broken` as `rules_in_force`.
+    """Return the enabled rules, specialized for the axioms of a snapshot or a transaction.
 
-    Without `own` they are those that `kg` and installed packs bring; with `families` those of these families, whether
-    they are in force or not. With a folder `cache` they are what evaluation needs of them, kept there for the next
-    process. `mark` is the digest of the rules, where it is already computed. Raises as `rules_in_force`.
+    `broken` is as in `rules_in_force`. Without `own` the rules are those of `kg` and installed packs; with `families`
+    those of these families, enabled or not. With a folder `cache` they contain only what evaluation needs, and are
+    cached there. `mark` is the digest of the rules, if already computed. Raises as `rules_in_force`.
     """
     names = Names.of(settings.base, RNKG)
     named = f"GRAPH ?graph {schema_pattern()} FILTER(?graph NOT IN ({names.inferred}, {names.builds}))"
@@ -240,7 +240,7 @@ def rules_over(  # noqa: PLR0913 - which rules, and where they are kept
 
 
 @lru_cache(maxsize=2)
-def _kept(  # noqa: PLR0913, PLR0917 - what rules are made of
+def _kept(  # noqa: PLR0913, PLR0917 - the inputs of rules
     cache: Path,
     folders: tuple[Path, ...],
     installed: tuple[Pack, ...],
@@ -248,7 +248,7 @@ def _kept(  # noqa: PLR0913, PLR0917 - what rules are made of
     mark: str,
     axioms: bytes,
 ) -> _Found:
-    """Return what evaluation needs of rules as `_cut` has them, from the folder `cache` where they are kept there."""
+    """Return the rules of `_cut`, reduced to what evaluation needs, from the folder `cache` if they are there."""
     whole = f"{_code()} {folders} {installed} {families} {mark} {axioms!r}"
     before = compiled.load(cache, whole)
     if before is not None:
@@ -265,7 +265,7 @@ def _kept(  # noqa: PLR0913, PLR0917 - what rules are made of
 def _packed(
     folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], mark: str, axioms: bytes
 ) -> compiled.Packed:
-    """Return rules that were put in order before in this process, for another store."""
+    """Return compiled rules, cached in this process for other stores."""
     return compiled.pack(_cut(folders, installed, families, mark, axioms)[0])
 
 
@@ -282,15 +282,15 @@ def _code() -> str:
 def _cut(
     folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], mark: str, axioms: bytes
 ) -> _Found:
-    """Return rules that were cut before in this process, as long as neither a file nor an axiom changed."""
+    """Return specialized rules, cached in this process until a file or an axiom changes."""
     rules, broken = _read(folders, installed, families, mark)
     return specialised(rules, [quad.triple for quad in parse(axioms, RdfFormat.N_TRIPLES)]), broken
 
 
 def division(settings: Settings, snapshot: EmbeddedSnapshot) -> tuple[Parts, Parts]:
-    """Return how the graph of a store divides into sources, each with the systems of its launch files.
+    """Return the division of a store's graph into sources, each with the systems of its launch files.
 
-    The first counts all facts, the second asserted ones alone.
+    The first counts all facts, the second only asserted ones.
     """
     from kg.rules.partitions import parts_of  # noqa: PLC0415 - builds divide nothing
 
@@ -298,7 +298,7 @@ def division(settings: Settings, snapshot: EmbeddedSnapshot) -> tuple[Parts, Par
 
     def part(graph: str, subject: str) -> str | None:
         kind, _, rest = graph.removeprefix(start).partition("/")
-        if kind == "starts":  # of all sources, in one graph
+        if kind == "starts":  # shared by all sources, in one graph
             kind, rest = "launch", subject.removeprefix(f"{settings.base}start/")
         if not graph.startswith(start) or kind not in {"launch", "source", "robot"}:
             return None
@@ -312,7 +312,7 @@ def division(settings: Settings, snapshot: EmbeddedSnapshot) -> tuple[Parts, Par
 
 
 def term_uses(snapshot: EmbeddedSnapshot) -> dict[str, int]:
-    """Return how many triples have each property, and how many things each class has."""
+    """Return the number of triples of each property, and the number of instances of each class."""
     rows: Any = snapshot.query(_USES)
     return {row[0].value: int(row[1].value) for row in rows}
 
@@ -322,7 +322,7 @@ def _terms(rows: Any) -> frozenset[str]:
 
 
 def explained_vocabulary(settings: Settings) -> Vocabulary:
-    """Return the vocabulary of explanations for the graph of these settings."""
+    """Return the vocabulary of explanations for these settings."""
     from kg.rules.explain.view import Vocabulary  # noqa: PLC0415 - builds explain nothing
 
     iris, ontologies = Iris(settings.base), ontologies_in_force(settings)

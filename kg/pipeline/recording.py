@@ -1,4 +1,4 @@
-"""A workspace that records its look-ups. A later build can then check whether the results would differ."""
+"""A workspace that records its look-ups, so a later build can check whether their results would differ."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _BYTES: Final = 16
 
 
 class RecordingWorkspace(Workspace):
-    """A workspace that records look-ups and their answers, as text, since the last `forget`.
+    """A workspace that records look-ups and their results, as text, since the last `forget`.
 
-    `lookups` depend on the paths of the build alone, `outside` on files that no scan lists.
+    `lookups` depend only on the paths of the build, `outside` on files that no scan lists.
     """
 
     def __init__(self, sources: Iterable[Source], installed: Iterable[Path] = ()) -> None:
@@ -30,12 +30,12 @@ class RecordingWorkspace(Workspace):
         self.forget()
 
     def forget(self) -> None:
-        """Begin a new record, for another package."""
+        """Start a new record, for another package."""
         self.lookups: dict[Lookup, str] = {}
         self.outside: dict[Lookup, str] = {}
 
     def prepare(self) -> None:
-        """Make the indexes before processes are forked, which then share them, and begin a new record."""
+        """Build the indexes before forking processes, which then share them, and start a new record."""
         nowhere = FilePath("", "")
         super().package("")
         super().definition("", "", "")
@@ -44,7 +44,7 @@ class RecordingWorkspace(Workspace):
         self.forget()
 
     def _record(self, found: _Found, *lookup: str) -> _Found:
-        if lookup not in self.lookups:  # the sources of a build do not change, so neither does the answer
+        if lookup not in self.lookups:  # the sources are fixed during a build, so the result is too
             self.lookups[lookup] = _text(found)
         return found
 
@@ -61,7 +61,7 @@ class RecordingWorkspace(Workspace):
         return self._record(super().folder(place), "folder", *place)
 
     def files(self, place: Place, kind: FileKind) -> tuple[FileEntry, ...]:
-        """Return the files of one kind of a package."""
+        """Return the files of one kind in a package."""
         return self._record(super().files(place, kind), "files", *place, kind.value)
 
     def is_alone(self, place: Place) -> bool:
@@ -69,11 +69,11 @@ class RecordingWorkspace(Workspace):
         return self._record(super().is_alone(place), "is_alone", *place)
 
     def is_package(self, repository: str, name: str) -> bool:
-        """Return whether a source has a package of such a name."""
+        """Return whether a source has a package with this name."""
         return self._record(super().is_package(repository, name), "is_package", repository, name)
 
     def links(self, repository: str) -> tuple[tuple[str, str], ...]:
-        """Return the folders of a source that are links."""
+        """Return the folders of a source that are symbolic links."""
         return self._record(super().links(repository), "links", repository)
 
     def entry(self, file: FilePath) -> FileEntry | None:
@@ -85,7 +85,7 @@ class RecordingWorkspace(Workspace):
         return self._record(super().owner(file), "owner", *file)
 
     def include(self, path: str, *, near: FilePath) -> FilePath | None:
-        """Return the file that an include directive in the file `near` means."""
+        """Return the file that an include directive in the file `near` refers to."""
         return self._record(super().include(path, near=near), "include", path, *near)
 
     def module(self, dotted: str, *, near: FilePath) -> FilePath | None:
@@ -97,7 +97,7 @@ class RecordingWorkspace(Workspace):
         return self._record(super().definition(package, name, kind), "definition", package, name, kind)
 
     def documents(self, repository: str, package: str) -> tuple[FilePath, ...]:
-        """Return the pages of documentation of a package and of the folders around it."""
+        """Return the documentation pages of a package and of the folders around it."""
         return self._record(super().documents(repository, package), "documents", repository, package)
 
     def installed_package(self, name: str) -> FilePath | None:
@@ -115,7 +115,7 @@ class RecordingWorkspace(Workspace):
 
 
 def answer(workspace: Workspace, lookup: Lookup) -> str:
-    """Return the answer of a workspace, as text, to a look-up that was recorded in another."""
+    """Return the result, as text, of a recorded look-up in another workspace."""
     kind, *arguments = lookup
     if kind in {"folder", "files", "is_alone"}:
         place = Place(*arguments[:3])
@@ -133,7 +133,7 @@ def answer(workspace: Workspace, lookup: Lookup) -> str:
 
 
 def _text(found: object) -> str:
-    """Return an answer as text: names as they are, the files of a package by their digest."""
+    """Return a result as text: names as they are, the files of a package by their digest."""
     match found:
         case None:
             return ""

@@ -33,7 +33,7 @@ class PackageResult:
 class SourceReport:
     """Result of one source: how many of its packages were read, reused from the last build, or removed.
 
-    `problems` are those that belong to none of its packages.
+    `problems` contains those outside its packages.
     """
 
     repository: Repository
@@ -50,10 +50,10 @@ class SourceReport:
 
 @dataclass(frozen=True, slots=True)
 class Inferred:
-    """Result of rules: how many triples are inferred now, how many were added and removed.
+    """Result of rules: the number of inferred triples, and how many were added and removed.
 
-    `mode` is full or incremental, or none where the rules could not run, so that nothing is inferred. `problems` are
-    the errors of the rules and ontologies that were left out.
+    `mode` is full or incremental, or none if the rules could not run and nothing is inferred. `problems` contains the
+    errors of the rules and ontologies that were left out.
     """
 
     triples: int
@@ -66,9 +66,9 @@ class Inferred:
 
 @dataclass(frozen=True, slots=True)
 class SystemsReport:
-    """How many launch configurations a store has, how many instances they start, and how many graphs changed.
+    """Number of launch configurations of a store, of the instances they start, and of changed graphs.
 
-    `failed` are those of this build that could not be wired, as `path: message`: a defect of `kg` (KG121).
+    `failed` contains those of this build that could not be wired, as `path: message`: a defect of `kg` (KG121).
     """
 
     configurations: int = 0
@@ -87,10 +87,10 @@ def totals(systems: Systems) -> SystemsReport:
 
 @dataclass(frozen=True, slots=True)
 class BuildReport:
-    """Result of a build; `generation` is the snapshot it made, None if nothing had changed. Times in seconds.
+    """Result of a build; `generation` is the snapshot it created, None if nothing changed. Times are in seconds.
 
-    `gone` are the sources no longer in the folders built; they were removed from the store.
-    `inferred` is None when no rules ran.
+    `gone` contains the sources no longer in the folders built; they were removed from the store.
+    `inferred` is None if no rules ran.
     """
 
     sources: tuple[SourceReport, ...]
@@ -103,12 +103,12 @@ class BuildReport:
 
     @property
     def read(self) -> int:
-        """How many packages were read."""
+        """Number of packages that were read."""
         return sum(source.read for source in self.sources)
 
     @property
     def reused(self) -> int:
-        """How many packages were as the last build left them."""
+        """Number of packages reused from the last build."""
         return sum(source.reused for source in self.sources)
 
     @property
@@ -125,7 +125,7 @@ class BuildReport:
         return sum(source.total(what) for source in self.sources)
 
     def unresolved(self) -> dict[str, int]:
-        """Return how many names are not known by the reason why, the most frequent first."""
+        """Return the number of unresolved names by reason, the most frequent first."""
         found: dict[str, int] = {}
         for source in self.sources:
             for package in source.packages:
@@ -142,7 +142,7 @@ class Report(Protocol):
         ...
 
     def source(self, repository: Repository, packages: int, problems: tuple[Problem, ...]) -> None:
-        """Report a source that was found, with how many packages."""
+        """Report a source that was found, with its number of packages."""
         ...
 
     def planned(self, read: int, reused: int, jobs: int) -> None:
@@ -153,7 +153,7 @@ class Report(Protocol):
         ...
 
     def placed(self, worker: str, source: str) -> None:
-        """Report that a worker of a cluster, by its address, begins to read packages of a source."""
+        """Report that a worker of a cluster, by its address, starts to read packages of a source."""
         ...
 
     def done(self, result: PackageResult) -> None:
@@ -169,7 +169,7 @@ class Report(Protocol):
         ...
 
     def finished(self, report: BuildReport) -> None:
-        """Report that the build has ended and is in force."""
+        """Report that the build is complete and committed."""
         ...
 
 
@@ -180,22 +180,22 @@ class Silent:
         """Ignore the state of a git address."""
 
     def source(self, repository: Repository, packages: int, problems: tuple[Problem, ...]) -> None:
-        """Take note of a source."""
+        """Ignore it."""
 
     def planned(self, read: int, reused: int, jobs: int) -> None:
-        """Take note of the plan."""
+        """Ignore it."""
 
     def placed(self, worker: str, source: str) -> None:
         """Ignore what a worker of a cluster reads."""
 
     def done(self, result: PackageResult) -> None:
-        """Take note of a package that was read."""
+        """Ignore it."""
 
     def writing(self, triples: int) -> None:
-        """Take note of the writing."""
+        """Ignore it."""
 
     def inferring(self) -> None:
-        """Take note of the rules."""
+        """Ignore it."""
 
     def finished(self, report: BuildReport) -> None:
-        """Take note of the end."""
+        """Ignore it."""

@@ -1,8 +1,7 @@
-"""Stores of commits: a repository at a commit, read once and kept in the user's cache.
+"""Stores of commits: a repository at a commit, read once and cached in the user's cache.
 
-The commit is checked out into a folder of its own that borrows the objects of the repository, so that neither its work
-tree nor anything in it is touched; the folder goes when it was read, the store stays for the next time. Nothing is
-fetched.
+The commit is checked out into a separate folder that borrows the objects of the repository, so the repository and its
+work tree are not modified. The folder is deleted after reading; the store remains for the next use. Nothing is fetched.
 """
 
 from __future__ import annotations
@@ -63,7 +62,7 @@ def resolve(folder: Path, name: str) -> Revision:
 
 
 def merge_base(folder: Path, one: Revision, other: Revision) -> Revision:
-    """Return the commit where the ways to two commits parted; SourceError KG104 where they have none in common."""
+    """Return the merge base of two commits; SourceError KG104 if they have none."""
     try:
         return run_git(("merge-base", one, other), folder=folder).strip()
     except subprocess.SubprocessError:
@@ -72,10 +71,10 @@ def merge_base(folder: Path, one: Revision, other: Revision) -> Revision:
 
 
 def revision_store(folder: Path, revision: Revision, settings: Settings, report: Report | None = None) -> EmbeddedStore:
-    """Return the store of a commit of the repository of `folder`, from the cache where it was read before.
+    """Return the store of a commit of the repository of `folder`, from the cache if available.
 
     Raises:
-        SourceError: KG103 where the commit cannot be checked out (objects that a partial clone lacks, a full disk).
+        SourceError: KG103 if the commit cannot be checked out (objects missing from a partial clone, a full disk).
         StoreError: as a build.
     """
     top = _top(folder)
@@ -99,11 +98,11 @@ def beside(
 ) -> Iterator[tuple[EmbeddedStore, EmbeddedStore]]:
     """Yield the stores of a commit and of the work tree of the repository of `folder`, both with all other sources.
 
-    Both begin as copies of `store`, so only what differs from it is read; `store` stays as it is. They are removed at
-    the end. Nothing is fetched.
+    Both begin as copies of `store`, so only differences are read; `store` is unchanged. They are deleted at the end.
+    Nothing is fetched.
 
     Raises:
-        SourceError: KG103 where the commit cannot be checked out.
+        SourceError: KG103 if the commit cannot be checked out.
         StoreError: as a build.
     """
     top = _top(folder)
@@ -121,7 +120,7 @@ def beside(
 
 
 def _copied(store: EmbeddedStore | None, root: Path) -> EmbeddedStore:
-    """Return a copy of a store that shares its files, which are replaced and never edited; an empty one of None."""
+    """Return a copy of a store that shares its files, which are replaced and never edited; an empty store for None."""
     if store is None or store.layout.current() is None:
         return EmbeddedStore.create(root)
     back_up(store.layout, root)
@@ -140,7 +139,7 @@ def _share(source: str, target: str) -> None:
 
 
 def _read_again(store: EmbeddedStore, top: Path, tree: Path, settings: Settings, report: Report | None) -> None:
-    """Build the sources of a store again, with `tree` in the place of the checkout `top`."""
+    """Build the sources of a store again, with `tree` in place of the checkout `top`."""
     roots: dict[str, None] = {}
     state = load(store.layout.cache)
     for root in state.roots:
@@ -155,7 +154,7 @@ def _read_again(store: EmbeddedStore, top: Path, tree: Path, settings: Settings,
 
 
 def _keep(made: Path, root: Path) -> None:
-    """Move a finished store to its place, where another process may have put the same one meanwhile."""
+    """Move a finished store to its place, unless another process has done so already."""
     with translated(str(root)):
         try:
             made.rename(root)
@@ -165,7 +164,7 @@ def _keep(made: Path, root: Path) -> None:
 
 
 def _key(top: Path, revision: Revision, settings: Settings) -> str:
-    """Return a name for all that the content of a store depends on."""
+    """Return a name from everything that the content of a store depends on."""
     read = version(settings)
     parts = str(top), read, digest(settings) or ""
     short = blake2b("\0".join(parts).encode(errors="surrogateescape"), digest_size=8).hexdigest()
@@ -189,7 +188,7 @@ def _rev_parse(folder: Path, question: str) -> str:
 def _check_out(top: Path, revision: Revision, tree: Path) -> None:
     """Write the files of a commit into a new folder, a repository with the name and remote of the one at `top`."""
     try:
-        _borrow(top, tree)
+        _borrow_objects(top, tree)
         run_git(("checkout", "--quiet", "--detach", revision), folder=tree, timeout=_CHECKOUT_SECONDS)
     except subprocess.SubprocessError as error:
         words = (getattr(error, "stderr", None) or b"").decode(errors="replace").strip() or str(error)
@@ -198,8 +197,8 @@ def _check_out(top: Path, revision: Revision, tree: Path) -> None:
         raise SourceError("KG103", message, place=Place(str(top)), hint=hint) from error
 
 
-def _borrow(top: Path, tree: Path) -> None:
-    """Make `tree` a repository that takes its objects from the one at `top`, and calls itself after the same remote."""
+def _borrow_objects(top: Path, tree: Path) -> None:
+    """Make `tree` a repository that borrows the objects of the one at `top`, with the same remote."""
     tree.mkdir()
     run_git(("init", "--quiet"), folder=tree)
     common = (top / _rev_parse(top, "--git-common-dir")).resolve()

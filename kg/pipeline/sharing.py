@@ -1,4 +1,4 @@
-"""The graphs shared by sources (`kg.graph.shared`) and systems (`kg.graph.starts`), kept consistent with these."""
+"""Graphs shared by sources (`kg.graph.shared`) and systems (`kg.graph.starts`), kept consistent with these."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
     from kg.store.transaction import EmbeddedTransaction
 
 _FEW: Final = 20
-"""Triples are taken out one by one when they are less than one in so many; else the graph is written anew."""
+"""Triples are removed one by one up to this fraction of the graph (1/n); else it is written again."""
 _HELD_BYTES: Final = 4 << 20
-"""Descriptions of starts beyond this size wait in a file."""
+"""Descriptions of starts beyond this size are moved to a file."""
 _PIECE_BYTES: Final = 1 << 20
 _STARTED: Final = f"SELECT DISTINCT ?start WHERE {{ ?instance {v.STARTED_WITH} ?start }}"
 _START: Final = re.compile(f" {re.escape(v.STARTED_WITH)} <([^>]*)> ".encode())
 
 
 class Described:
-    """Lines of N-Triples about starts, those of each start once; many of them are in a file of the folder `cache`."""
+    """N-Triples lines about starts, each start once; if there are many, they are in a file of the folder `cache`."""
 
     def __init__(self, cache: Path) -> None:
         self._cache = str(cache)
@@ -38,9 +38,9 @@ class Described:
         self._file = tempfile.SpooledTemporaryFile(max_size=_HELD_BYTES, dir=str(cache))  # noqa: SIM115 - `close` closes it
 
     def add(self, lines: Iterable[bytes]) -> None:
-        """Add lines that describe starts as a whole; the name of a start says all about it, so one is enough.
+        """Add lines that fully describe starts; equal names imply equal descriptions, so one is enough.
 
-        Raises StoreError KG304 when the disk is full.
+        Raises StoreError KG304 if the disk is full.
         """
         new = {line: start for line in lines if (start := start_of(line)) not in self._known}
         self._known.update(new.values())
@@ -53,22 +53,22 @@ class Described:
         yield from self._file
 
     def chunks(self) -> Iterator[bytes]:
-        """Yield the lines in larger pieces."""
+        """Yield the lines in larger chunks."""
         self._file.seek(0)
         while piece := self._file.read(_PIECE_BYTES):
             yield piece + self._file.readline()
 
     def close(self) -> None:
-        """Forget the lines."""
+        """Discard the lines."""
         self._file.close()
 
 
 def patch_shared(
     transaction: EmbeddedTransaction, iris: Iris, gone: Iterable[bytes], came: Iterable[bytes], kept: Iterable[bytes]
 ) -> None:
-    """Change the graph, which holds just the triples of `gone` and `kept`, into one of those of `came` and `kept`.
+    """Change the graph from exactly the triples of `gone` and `kept` to those of `came` and `kept`.
 
-    `kept` is taken only where something changes.
+    `kept` is only read if something changes.
     """
     before = {line for content in gone for line in content.splitlines(keepends=True)}
     after = {line for content in came for line in content.splitlines(keepends=True)}
@@ -84,9 +84,9 @@ def patch_shared(
 def keep_shared(
     transaction: EmbeddedTransaction, iris: Iris, contents: Iterable[bytes], sources: Iterable[str]
 ) -> None:
-    """Give the graph the triples in `contents`, each once; `sources` are those that the contents come from.
+    """Replace the graph by the triples in `contents`, without duplicates; `sources` are the sources of the contents.
 
-    Where the store has a source besides these, whose contents are therefore not known, nothing is taken out.
+    If the store has other sources, whose contents are unknown, nothing is removed.
     """
     graph = NamedNode(iris.graph(SHARED))
     wanted = {line for content in contents for line in content.splitlines(keepends=True)}
@@ -105,9 +105,9 @@ def keep_starts(
     described: Described,
     changed: tuple[Iterable[bytes], Iterable[bytes]] | None = None,
 ) -> None:
-    """Give the graph of starts those that instances of the store have; `described` are lines about new ones.
+    """Update the graph of starts to the instances of the store; `described` contains lines about new ones.
 
-    `changed` are the lines of systems that went and that came, None where that is not known.
+    `changed` contains the lines of systems removed and added, None if unknown.
     """
     graph = NamedNode(iris.graph(STARTS))
     if changed is not None:
@@ -149,7 +149,7 @@ def _change(
 
 
 def _patch(transaction: EmbeddedTransaction, graph: NamedNode, removed: bytes, added: bytes) -> None:
-    """Patch a graph; one that is empty then goes, since a build from nothing does not make it."""
+    """Patch a graph, and remove it if it becomes empty, as a build from scratch does not create it."""
     transaction.patch_graph(graph, removed, added)
     if removed and not added and not transaction.query(f"ASK {{ GRAPH {graph} {{ ?s ?p ?o }} }}"):
         transaction.drop_graph(graph)

@@ -1,13 +1,13 @@
-"""Published graphs: a folder, local or on a web server, from which `kg pull` makes a store.
+"""Published graphs: a folder, local or on a web server, from which `kg pull` creates a store.
 
-    manifest.json            what the snapshot holds, with sizes and digests; written last
+    manifest.json            content of the snapshot, with sizes and digests; written last
     graph-DIGEST.nq.gz       all quads, sorted (`kg.store.backups.canonical`)
-    index-DIGEST             the search index, where one was built
-    rules/FAMILY/NAME.rq     rules of the publisher's own
+    index-DIGEST             the search index, if one was built
+    rules/FAMILY/NAME.rq     the publisher's own rules
 
-A snapshot is data from a stranger. Its files are fetched into a temporary folder, up to the sizes that the manifest
-names and the limit of the caller, and compared with their digests before anything is read. The graph is parsed as
-N-Quads; nothing is run. Rules are kept where no command looks for them.
+A snapshot is untrusted. Its files are fetched into a temporary folder, up to the sizes in the manifest and the limit of
+the caller, and their digests are checked before anything is read. The graph is parsed as N-Quads; nothing is executed.
+Rules are stored where no command searches for them.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ if TYPE_CHECKING:
 _FORM: Final = 1
 _MANIFEST: Final = "manifest.json"
 _KEPT: Final = "published"
-"""The folder of a store that holds the manifest and the rules of the snapshot that it was made of."""
+"""Folder in a store for the manifest and the rules of the snapshot that it was created from."""
 _MANIFEST_BYTES: Final = 4 << 20
 _CHUNK: Final = 1 << 20
 _RULE_ENDINGS: Final = (".rq", ".srl", ".ttl")
 _SAFE: Final = re.compile(r"(?:graph-[0-9a-f]{32}\.nq\.gz|index-[0-9a-f]{32}|rules(?:/\w[\w.-]*){1,8})", re.ASCII)
-"""The only names of files that are fetched: none is absolute, hidden, or leads out of the folder."""
+"""Allowed names of files: none is absolute, hidden, or outside the folder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +63,8 @@ class Part:
 class Manifest:
     """Content of a snapshot.
 
-    `snapshot` is the generation of the publisher's store, `made` a time (ISO 8601), `unpacked` the bytes of the graph
-    as N-Quads, `digest` that of these bytes: equal graphs have equal digests.
+    `snapshot` is the generation of the publisher's store, `made` a time (ISO 8601), `unpacked` the size of the graph as
+    N-Quads in bytes, `digest` its digest: equal graphs have equal digests.
     """
 
     form: int
@@ -81,20 +81,20 @@ class Manifest:
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """All files."""
+        """Return all files."""
         return (self.graph, *((self.index,) if self.index else ()), *self.rules)
 
 
 def publish(
     snapshot: EmbeddedSnapshot, address: str, base: str, rules: Sequence[Path] = (), index: Path | None = None
 ) -> Manifest:
-    """Write a snapshot with the rules in folders and a search index to a folder, or to a web server that takes PUT.
+    """Write a snapshot with the rules in folders and a search index to a folder, or to a web server by PUT.
 
-    An earlier snapshot there is replaced; a client fetching meanwhile gets the one or the other.
+    An earlier snapshot there is replaced; a client that fetches during the replacement gets either one.
 
     Raises:
-        StoreError: KG225 when the server refuses, KG304, KG306 when the folder cannot be written, KG566 for a folder
-            that holds something else.
+        StoreError: KG225 if the server refuses, KG304, KG306 if the folder cannot be written, KG566 for a folder
+            with other content.
     """
     place = _place(address)
     if isinstance(place, Path) and place.exists() and any(place.iterdir()) and not (place / _MANIFEST).exists():
@@ -134,19 +134,19 @@ def publish(
         (folder / "manifest").write_bytes(_encoded(manifest))
         _send(place, _MANIFEST, folder / "manifest")
     if isinstance(place, Path):
-        _tidy(place, manifest)
+        _delete_old_parts(place, manifest)
     return manifest
 
 
 def pull(address: str, store: EmbeddedStore, max_bytes: int, *, with_index: bool = False) -> Manifest:
     """Replace the content of a store by a published snapshot, as a new generation; on errors the store is unchanged.
 
-    At most `max_bytes` bytes are fetched, and unpacked. `with_index` takes the search index too, which nothing compares
-    with the graph. Rules go to the folder `published/rules` of the store.
+    At most `max_bytes` bytes are fetched, and unpacked. `with_index` also fetches the search index, which is not
+    checked against the graph. Rules are written to the folder `published/rules` of the store.
 
     Raises:
-        StoreError: KG225 when the server does not answer, KG307 for what is not a snapshot, or not whole, KG308 for one
-            that is too large, KG566 for a store that was not pulled; and as writing a store does.
+        StoreError: KG225 if the server does not respond, KG307 if it is not a snapshot, or incomplete, KG308 if it is
+            too large, KG566 for a store that was not pulled; and as writing a store does.
         GraphError: KG601 for a graph that is not valid N-Quads.
     """
     kept = store.layout.root / _KEPT
@@ -154,7 +154,7 @@ def pull(address: str, store: EmbeddedStore, max_bytes: int, *, with_index: bool
         hint = "Name a new folder with `--store`."
         raise StoreError("KG566", "the store was built here", place=Place(str(store.layout.root)), hint=hint)
     place = _place(address)
-    with _beside(store.layout.root) as folder:
+    with _temporary_folder(store.layout.root) as folder:
         (folder / _MANIFEST).write_bytes(b"")
         _receive(place, _MANIFEST, folder / _MANIFEST, _MANIFEST_BYTES)
         manifest = _decoded((folder / _MANIFEST).read_bytes(), address)
@@ -179,7 +179,7 @@ def pull(address: str, store: EmbeddedStore, max_bytes: int, *, with_index: bool
 
 
 def _keep(folder: Path, kept: Path) -> None:
-    """Put manifest and rules into the store, in the place of those of the snapshot before."""
+    """Move manifest and rules into the store, in place of those of the previous snapshot."""
     shutil.rmtree(kept, ignore_errors=True)
     kept.mkdir(parents=True)
     if (folder / "rules").is_dir():
@@ -188,7 +188,7 @@ def _keep(folder: Path, kept: Path) -> None:
 
 
 def _unpack(folder: Path, manifest: Manifest, address: str) -> None:
-    """Write the graph as N-Quads, of which no more is unpacked than the manifest says."""
+    """Write the graph as N-Quads, unpacking at most the size in the manifest."""
     digest, left = hashlib.blake2b(digest_size=16), manifest.unpacked
     try:
         with gzip.open(folder / manifest.graph.path) as file, (folder / "graph.nq").open("wb") as output:
@@ -205,7 +205,7 @@ def _unpack(folder: Path, manifest: Manifest, address: str) -> None:
 
 
 @contextmanager
-def _beside(root: Path) -> Iterator[Path]:
+def _temporary_folder(root: Path) -> Iterator[Path]:
     """Yield a temporary folder on the same disk as the store."""
     with translated(str(root)):
         root.mkdir(parents=True, exist_ok=True)
@@ -214,7 +214,7 @@ def _beside(root: Path) -> Iterator[Path]:
 
 
 def _rules(folders: Sequence[Path]) -> dict[str, Path]:
-    """Return the files of rules in folders by their path in the snapshot; those in later folders count."""
+    """Return the files of rules in folders by their path in the snapshot; later folders take precedence."""
     found = {}
     for folder in folders:
         for path in folder.rglob("*"):
@@ -225,7 +225,7 @@ def _rules(folders: Sequence[Path]) -> dict[str, Path]:
 
 
 def _place(address: str) -> Path | str:
-    """Return where a snapshot is: a folder, or an address of http or https without a slash at the end."""
+    """Return the location of a snapshot: a folder, or an HTTP address without trailing slash."""
     parts = urlsplit(address)
     if parts.scheme in {"http", "https"}:
         if parts.username is not None:
@@ -274,8 +274,8 @@ def _copy(source: IO[bytes], target: IO[bytes], limit: int, place: Path) -> None
         target.write(chunk)
 
 
-def _tidy(folder: Path, manifest: Manifest) -> None:
-    """Remove the files of snapshots that were published before."""
+def _delete_old_parts(folder: Path, manifest: Manifest) -> None:
+    """Delete the files of earlier snapshots."""
     current = {part.path for part in manifest.parts}
     for path in folder.rglob("*"):
         name = path.relative_to(folder).as_posix()

@@ -1,4 +1,4 @@
-"""Resolves names of users (folders, git addresses, lists of both) to scanned sources."""
+"""Resolve names of users (folders, git addresses, lists of both) to scanned sources."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from kg.settings import Settings
 
 _ROS_VARIABLES = (("ROS_PACKAGE_PATH", ""), ("AMENT_PREFIX_PATH", "share"))
-"""Where ROS 1 and ROS 2 look for packages, and the folder below that has one folder a package."""
+"""Search paths of ROS 1 and ROS 2, and the folder in each that contains a folder per package."""
 
 
 def installed_folders(settings: Settings) -> tuple[Path, ...]:
-    """Return the folders of installed packages: those of the settings, else those that a ROS environment names."""
+    """Return the folders of installed packages: those of the settings, else those of the ROS environment."""
     if settings.installed:
         return settings.installed
     named = (
@@ -37,13 +37,13 @@ def installed_folders(settings: Settings) -> tuple[Path, ...]:
 
 
 def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool = False) -> tuple[Source, ...]:
-    """Return the sources that `named` stands for, each once; a workspace with several checkouts gives one each.
+    """Return the sources for `named`, each once; a workspace with several checkouts gives one for each.
 
-    Git addresses (`URL`, `URL@ref`) are cloned below the folder `checkouts`. With `again` they were not named now
-    but earlier: when one cannot be fetched, the clone is taken as it is.
+    Git addresses (`URL`, `URL@ref`) are cloned into the folder `checkouts`. With `again` the names come from earlier
+    builds: if one cannot be fetched, the existing clone is used.
 
     Raises:
-        SourceError: KG101 for a missing folder, KG102 if none has a package, KG103 when git fails.
+        SourceError: KG101 for a missing folder, KG102 if none has a package, KG103 if git fails.
     """
     found: dict[str, Source] = {}
     texts = tuple(named)
@@ -59,13 +59,13 @@ def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool
 
 
 def folders(named: Iterable[str]) -> tuple[str, ...]:
-    """Return the folders among `named`: sources that were once in them and are not now are gone."""
+    """Return the folders among `named`; earlier sources in them that no longer exist are removed."""
     listed = (one.address for text in named for one in _listed(text))
     return tuple(address for address in listed if not is_address(address))
 
 
 def _listed(text: str) -> Iterator[ListedSource]:
-    """Yield what `text` names: an address, a folder, or what a file lists."""
+    """Yield the sources of `text`: an address, a folder, or the entries of a list file."""
     if is_address(text):
         yield parse_source(text)
         return
@@ -95,7 +95,7 @@ def _folder(listed: ListedSource, checkouts: Path, report: Report, *, again: boo
 
 
 def _add(found: dict[str, Source], source: Source) -> None:
-    """Add a source: two folders of one checkout are one source, two checkouts of one repository are kept apart."""
+    """Add a source: two folders of one checkout are one source, two checkouts of one repository are different ones."""
     name, number = source.repository.name, 1
     while name in found and found[name].root != source.root:
         number += 1

@@ -1,7 +1,6 @@
 """State of a build for the next one: results of packages, with the files they depend on.
 
-It is in `.kg/cache/state.json`. It is never needed to answer queries; when it is lost or not readable,
-everything is read again.
+It is in `.kg/cache/state.json`. Queries do not need it; if it is missing or unreadable, everything is read again.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ __all__ = [
 ]
 
 Question: TypeAlias = tuple[str, ...]
-"""What wiring asks about node types: the name of a method of `NodeTypes`, or `record`, and its arguments."""
+"""A look-up of node types by wiring: the name of a method of `NodeTypes`, or `record`, and its arguments."""
 
 _FORM: Final = 4
 _NAME: Final = "state.json"
@@ -43,11 +42,11 @@ _NAME: Final = "state.json"
 
 @dataclass(frozen=True, slots=True)
 class PackageState:
-    """A package as it was read last.
+    """State of a package when it was last read.
 
-    `listing` is a digest of the paths of its files, `stamp` one of size and time of all that was read, `inputs`
-    the mark of each file read (`repository:path`), `outside` the look-ups, with their answers, of files that no scan
-    lists, `result` the name of its result in the cache, `known` what other packages can start of it.
+    `listing` is a digest of the paths of its files, `stamp` one of size and time of all files that were read. `inputs`
+    maps each of these (`repository:path`) to its mark, `outside` contains look-ups, with results, of files that no scan
+    lists. `result` is the name of its result in the cache, `known` what other packages can start from it.
     """
 
     name: str
@@ -69,10 +68,10 @@ class PackageState:
 
 @dataclass(frozen=True, slots=True)
 class WiredSystem:
-    """A system as it was wired last.
+    """State of a system when it was last wired.
 
-    `configuration` is a digest of what its launch file starts, `graph` one of its triples, `instances` counts what it
-    starts, `asked` lists those of the `answers` of all systems that it depends on.
+    `configuration` is a digest of the starts of its launch file, `graph` one of its triples. `instances` is the number
+    of its starts, `asked` the indices of its look-ups in the `answers` of all systems.
     """
 
     configuration: str
@@ -83,7 +82,10 @@ class WiredSystem:
 
 @dataclass(frozen=True, slots=True)
 class PackageSystems:
-    """The systems of one package, by the paths of their launch files; `result` is what these were read from."""
+    """The systems of one package, by the paths of their launch files.
+
+    `result` is the result that they were read from.
+    """
 
     result: str
     graphs: dict[str, WiredSystem] = field(default_factory=dict)
@@ -91,10 +93,10 @@ class PackageSystems:
 
 @dataclass(frozen=True, slots=True)
 class Systems:
-    """The systems of a store: of each package that has launch files, by source and path of the package.
+    """The systems of a store: for each package with launch files, by source and path of the package.
 
-    `version` stands for the code that wired them, `answers` are the questions about node types that they depend on,
-    each with a digest of the answer.
+    `version` identifies the code that wired them. `answers` contains the look-ups of node types that they depend on,
+    each with a digest of the result.
     """
 
     version: str = ""
@@ -104,7 +106,10 @@ class Systems:
 
 @dataclass(frozen=True, slots=True)
 class SourceState:
-    """A source as it was read last: `head` are the triples about itself, `quads` is the size of its graph."""
+    """State of a source when it was last read.
+
+    `head` contains the triples about itself, `quads` is the size of its graph.
+    """
 
     repository: Repository
     problems: tuple[Problem, ...]
@@ -117,9 +122,9 @@ class SourceState:
 class State:
     """All sources of a store.
 
-    `version` stands for everything in `kg` that results depend on, `shape` for the paths of all files of the build,
-    `generation` is the snapshot of the store that the sources are in, `roots` what the user named, `rules` the digest
-    of the rules that ran last.
+    `version` identifies everything in `kg` that results depend on, `shape` the paths of all files of the build,
+    `generation` is the snapshot of the store with these sources, `roots` contains the names given by the user, `rules`
+    is the digest of the rules that ran last.
     """
 
     version: str = ""
@@ -132,7 +137,7 @@ class State:
 
 
 def load(cache: Path) -> State:
-    """Return the state that the last build left in the folder `cache`; an empty one if none can be read."""
+    """Return the state saved by the last build in the folder `cache`; an empty one if it is missing or unreadable."""
     try:
         return _state(json.loads((cache / _NAME).read_bytes()))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
@@ -140,14 +145,14 @@ def load(cache: Path) -> State:
 
 
 def save(cache: Path, state: State) -> None:
-    """Leave `state` for the next build; OSError when it cannot be written."""
+    """Save `state` for the next build; OSError if it cannot be written."""
     content = {"form": _FORM, **_fields(state)}
     written = json.dumps(content, separators=(",", ":"), default=_fields)
     write_atomically(cache / _NAME, written.encode())
 
 
 def _fields(value: Any) -> dict[str, Any]:
-    """Return the fields of a dataclass; `asdict` would copy all that is in them."""
+    """Return the fields of a dataclass, without the deep copy that `asdict` makes."""
     return {one.name: getattr(value, one.name) for one in fields(value)}
 
 

@@ -1,9 +1,8 @@
-"""The graphs of launch configurations, kept consistent with a store's sources in the transaction of a build.
+"""Graphs of launch configurations, kept consistent with a store's sources in the transaction of a build.
 
-What launch files start is read with their packages (`kg.launch.files`); which node types that are, and what names
-they get, depends on other packages too. So each system remembers which questions its wiring asked about node types
-(`kg.pipeline.catalogue`), and is wired again when an answer is another, or when its launch file starts something else.
-Its graph is patched by the triples that differ.
+The starts of launch files are read with their packages (`kg.launch.files`). Their node types and names depend on other
+packages too. So each system records the look-ups of node types by its wiring (`kg.pipeline.catalogue`). It is wired
+again if a result changes, or if its launch file starts something else. Its graph is patched by the triples that differ.
 """
 
 from __future__ import annotations
@@ -40,9 +39,9 @@ if TYPE_CHECKING:
     from kg.store.transaction import EmbeddedTransaction
 
 _SMALL: Final = 2
-"""A graph is patched when less than one in so many of its triples change."""
+"""A graph is patched if less than this fraction of its triples change (1/n)."""
 _BATCH_BYTES: Final = 16 << 20
-"""Graphs are written together as soon as they have so much content."""
+"""Size of content after which graphs are written together."""
 _STARTED_WITH: Final = f" {v.STARTED_WITH} ".encode()
 
 
@@ -56,10 +55,10 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     *,
     touched: frozenset[str] | None = frozenset(),
 ) -> tuple[Systems, SystemsReport]:
-    """Write the systems of all `packages` of the store, and take out those of packages that are gone.
+    """Write the systems of all `packages` of the store, and remove those of packages that no longer exist.
 
-    `folder` is the cache, `last` what the last build left, `version` stands for the code in force, `touched` are the
-    graphs that others wrote since then, None where that is not known. Returns what the next one compares with.
+    `folder` is the cache, `last` the state of the last build, `version` identifies the current code. `touched` contains
+    the graphs that others have written since then, None if unknown. Returns the state for the next build.
     """
     present = {graph.value for graph in transaction.graphs()}
     intact = set[str]() if touched is None or iris.graph(STARTS) in touched else present - touched
@@ -86,7 +85,7 @@ def _catalogue(
     packages: Mapping[Key, PackageState],
     present: set[str],
 ) -> Catalogue:
-    """Return the node types of the store; those of sources of which only the graph is known are read from there."""
+    """Return the node types of the store; those of sources without cached results are read from their graphs."""
     strangers = (iris.source_graph(source) for source, _ in packages)
     if not any(graph.startswith(iris.source_graph("")) for graph in present.difference(strangers)):
         return Catalogue(folder, packages)
@@ -97,7 +96,7 @@ def _catalogue(
 
 
 class _Writing:
-    """Writes graphs of systems in batches, which bounds the content held at a time; `changed` counts them."""
+    """Writes graphs of systems in batches to limit memory; `changed` counts them."""
 
     def __init__(self, transaction: EmbeddedTransaction, iris: Iris, present: set[str], intact: set[str]) -> None:
         self.changed = 0
@@ -106,7 +105,7 @@ class _Writing:
         self._present = present
         self._intact = intact
         self._read = bool(intact)
-        """Whether all graphs that were written held what the last build left."""
+        """Whether all replaced graphs had the content of the last build."""
         self._waiting: dict[NamedNode, bytes] = {}
         self._bytes = 0
         self._starts = Described(transaction.layout.cache)
@@ -114,9 +113,9 @@ class _Writing:
         self._came: list[bytes] = []
 
     def take(self, contents: Mapping[str, bytes]) -> None:
-        """Give graphs the N-Triples that they are to have, and take those out that are to have none.
+        """Replace the content of graphs by N-Triples, and remove graphs with empty content.
 
-        Those of `intact` are there and hold most of them; what others hold is not known, and counts as nothing.
+        Graphs in `intact` have most of their new content already; the content of others is unknown and counts as empty.
         """
         for name, content in contents.items():
             own, described = starts_apart(content, self._iris)
@@ -161,7 +160,7 @@ def _starts_something(line: bytes) -> bool:
 
 
 def used_packages(configurations: Iterable[LaunchConfiguration]) -> set[str]:
-    """Return the names of the packages that launch files start nodes of."""
+    """Return the names of the packages whose nodes launch files start."""
     names: set[str] = set()
     for configuration in configurations:
         for node in configuration.nodes:
@@ -171,7 +170,7 @@ def used_packages(configurations: Iterable[LaunchConfiguration]) -> set[str]:
 
 
 def node_types(graph: Queryable, packages: Iterable[str]) -> tuple[NodeTypes, dict[NodeReference, NodeRecord]]:
-    """Return the node types of some packages, with their records by reference, and what else all packages install."""
+    """Return the node types of some packages, their records by reference, and other programs of all packages."""
     records = node_records(graph, packages=packages)
     pairs = [(record.reference, record.node) for record in records]
     found = NodeTypes(pairs, programs=programs(graph), data=data_files(graph))
@@ -179,13 +178,13 @@ def node_types(graph: Queryable, packages: Iterable[str]) -> tuple[NodeTypes, di
 
 
 class _Work:
-    """The systems of one build; `graphs` are those that stay, `contents` what some of them are to hold."""
+    """The systems of one build; `graphs` contains the remaining ones, `contents` the new content of some."""
 
     def __init__(self, catalogue: Catalogue, iris: Iris, last: Systems, version: str, intact: set[str]) -> None:
         self.graphs: set[str] = set()
         self.contents: dict[str, bytes] = {}
         self.failed: list[str] = []
-        """The launch files that could not be wired, with the reason."""
+        """Launch files that could not be wired, with the reason."""
         self._catalogue = catalogue
         self._iris = iris
         self._last = last
@@ -195,11 +194,11 @@ class _Work:
         self._changed = {at for at, (question, mark) in enumerate(last.answers) if catalogue.mark(question) != mark}
         self._found: dict[Key, dict[str, WiredSystem]] = {}
         self._asked: dict[Question, int] = {}
-        """The questions of the systems of `_found`, each with its number there."""
+        """Look-ups of the systems in `_found`, each with its index there."""
         self._results: dict[Key, str] = {}
 
     def package(self, folder: Path, key: Key, result: str) -> None:
-        """Wire those systems of a package that are not what they were; `result` is its name in the cache `folder`."""
+        """Wire the changed systems of a package; `result` is the name of its result in the cache `folder`."""
         earlier = self._last.packages.get(key[0], {}).get(key[1])
         held = {path: one for path, one in earlier.graphs.items() if self._holds(key, path, one)} if earlier else {}
         found = {path: self._numbered(one, (self._questions[at] for at in one.asked)) for path, one in held.items()}
@@ -220,7 +219,7 @@ class _Work:
         return held if held is not None and held.configuration == _mark(configuration) else None
 
     def _numbered(self, system: WiredSystem, asked: Iterable[Question]) -> WiredSystem:
-        """Return a system with the numbers of the questions that its wiring asked."""
+        """Return a system with the indices of the look-ups of its wiring."""
         return replace(system, asked=tuple(self._asked.setdefault(one, len(self._asked)) for one in asked))
 
     def _wired(self, key: Key, configuration: LaunchConfiguration, earlier: PackageSystems | None) -> WiredSystem:
@@ -235,7 +234,10 @@ class _Work:
         return self._numbered(made, self._catalogue.asked)
 
     def _wire(self, configuration: LaunchConfiguration) -> System:
-        """Wire a configuration. One that `kg` trips over has a problem and starts nothing; the others are wired."""
+        """Wire a configuration.
+
+        One that triggers a defect of `kg` gets a problem and no instances; the others are wired.
+        """
 
         def failed(words: str) -> System:
             message = f"its nodes could not be wired: {words}"
@@ -246,7 +248,7 @@ class _Work:
         return guarded(partial(wire, configuration, self._catalogue), failed)
 
     def systems(self) -> Systems:
-        """Return the state that the next build compares with."""
+        """Return the state for the next build."""
         questions, places = list(self._asked), dict[int, int]()
         packages: dict[str, dict[str, PackageSystems]] = {}
         for key, found in sorted(self._found.items()):

@@ -1,6 +1,6 @@
-"""Launch files with each boolean argument the other way, and with environment variables that turn branches on.
+"""Variants of launch files: each boolean argument inverted, and environment variables that enable branches.
 
-One argument or variable changes at a time: what exists only together with two of them is not found.
+One argument or variable changes at a time: nodes that require two changes are not found.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
 
 MOST_VARIANTS: Final = 32
-"""How many variants of one launch file are evaluated."""
+"""Largest number of evaluated variants of a launch file."""
 _OTHER: Final = {"true": "false", "false": "true", "True": "False", "False": "True"}
 _VARIABLE: Final = re.compile(
     r"""(?x)
@@ -36,15 +36,15 @@ _VARIABLE: Final = re.compile(
     | ['"](?P<tested>\w+)['"] \s+ in \s+ (?:os\.)?environ
     """
 )
-"""An environment variable that a launch file reads, with what it is if nobody sets it."""
+"""An environment variable in a launch file, with its default."""
 _SET: Final = "1"
 
 
 @dataclass(frozen=True, slots=True)
 class Variants:
-    """The system of a launch file, and those of its variants by what differs (`use_rviz:=True`, `CAMERA=1`).
+    """The system of a launch file, and those of its variants by their difference (`use_rviz:=True`, `CAMERA=1`).
 
-    `left_out` are variants that were not evaluated, since there are too many.
+    `left_out` contains variants that were not evaluated, because there are too many.
     """
 
     system: System
@@ -59,7 +59,7 @@ def variants(
     arguments: Mapping[str, str],
     environment: Mapping[str, str],
 ) -> Variants:
-    """Return a launch file with the given arguments and variables, and with each further one changed.
+    """Return the systems of a launch file with the given arguments and variables, and with each other one changed.
 
     Raises as `kg.pipeline.launching.chosen`.
     """
@@ -81,7 +81,7 @@ def variants(
 
 
 def _flipped(system: System, given: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield the boolean arguments that are not given, each with its other value."""
+    """Yield the boolean arguments that are not given, each with its opposite value."""
     for one in system.configuration.arguments:
         other = _OTHER.get(_value(one))
         if one.name not in given and not one.fixed and other is not None:
@@ -93,7 +93,7 @@ def _value(argument: LaunchArgument) -> str:
 
 
 def _unset(system: System, file: LaunchFile, given: Mapping[str, str]) -> dict[str, str]:
-    """Return the variables that the files of a system read and that are not given, with a value that differs."""
+    """Return the variables that the files of a system read and that are not given, with another value."""
     found: dict[str, str] = {}
     for place in sorted(system.configuration.files):
         text = (file.reader.read(FilePath(*place)) or b"").decode("utf-8", "replace")
@@ -108,7 +108,7 @@ def _unset(system: System, file: LaunchFile, given: Mapping[str, str]) -> dict[s
 
 
 def united(found: Variants) -> System:
-    """Return the system with what only variants have: each such node and end says in which it is."""
+    """Return the system with the additions of its variants: each such node and end has its variants as condition."""
     instances = {_key(one): one for one in found.system.instances}
     labels: dict[object, list[str]] = {}
     for label, system in found.others:
@@ -136,7 +136,7 @@ def united(found: Variants) -> System:
 def _marked(
     one: NodeInstance, ends: Iterable[InstanceInterface], labels: Mapping[object, list[str]], key: object
 ) -> NodeInstance:
-    """Return an instance whose conditions, and those of its ends, are the variants that have them."""
+    """Return an instance whose conditions, and those of its ends, are the variants that contain them."""
     started = one.started
     if key in labels:
         started = replace(started, condition=" and ".join(filter(None, (started.condition, _only(labels[key])))))

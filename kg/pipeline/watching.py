@@ -1,4 +1,4 @@
-"""Rules looked at whenever they are saved: checked, tried by their examples, compared with the store."""
+"""Watch rules: when one is saved, check it, test its examples, and compare its effect with the store."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
     from kg.settings import Settings
 
 _INTERVAL: Final = 0.2
-"""Seconds between two looks at the files."""
+"""Interval of the checks for changed files, in seconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Glance:
     """Status of some rules: findings, results of their examples, changes they would make in the store.
 
-    `problem` says why there is no difference to be had; `view` names things as the store does.
+    `problem` explains a missing difference; `view` names things as in the store.
     """
 
     names: tuple[str, ...]
@@ -51,30 +51,30 @@ class Glance:
 def glances(
     settings: Settings, named: Sequence[str] = (), wait: Callable[[float], object] = time.sleep
 ) -> Iterator[Glance]:
-    """Yield a glance at the rules named, or at all of one's own, and then at each that is saved, without end.
+    """Yield the status of the rules named, or of all the user's, and then of each one that is saved, without end.
 
-    `wait` is called between two looks. Raises UnknownNameError KG001 for an unknown rule.
+    `wait` is called between two checks. Raises UnknownNameError KG001 for an unknown rule.
     """
-    with _Desk(settings) as desk:
-        wanted = {entry.name for entry in choose(desk.library, named)} if named else None
-        first = [entry for entry in desk.library.entries.values() if _shown_first(entry, wanted)]
-        watched = Watched(desk.library)
-        yield desk.look(first, [])
+    with _RuleStatus(settings) as status:
+        wanted = {entry.name for entry in choose(status.library, named)} if named else None
+        first = [entry for entry in status.library.entries.values() if _shown_first(entry, wanted)]
+        watched = Watched(status.library)
+        yield status.look(first, [])
         while True:
             wait(_INTERVAL)
             saved = watched.saved()
             entries = [entry for entry in saved.entries if wanted is None or entry.name in wanted]
             gone = [name for name in saved.gone if wanted is None or name in wanted]
             if entries or gone:
-                yield desk.look(entries, gone)
+                yield status.look(entries, gone)
 
 
 def _shown_first(entry: Entry, wanted: set[str] | None) -> bool:
     return entry.own if wanted is None else entry.name in wanted
 
 
-class _Desk:
-    """The rules at hand and the store, both kept open while they are the same."""
+class _RuleStatus:
+    """The current rules and the open store, both reused until they change."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
@@ -94,7 +94,7 @@ class _Desk:
         self._bench = self._context = None
 
     def _open(self) -> Workbench | None:
-        """Return the store in force; None when there is none."""
+        """Return the current store; None if there is none."""
         try:
             store = existing(self._settings)
             if self._bench is not None and self._bench.snapshot.generation == store.layout.current():

@@ -1,4 +1,4 @@
-"""What a worker process does with one package: files to facts, facts to triples, triples to bytes."""
+"""Process one package in a worker: files to facts, facts to triples, triples to bytes."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ _NO_REASON: Final = "no reason was noted"
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What all workers share: the build, the base of IRIs, the limit of the size of a file in bytes.
+    """State shared by all workers: the build, the base of IRIs, the size limit of files in bytes.
 
-    `calls` are the users' descriptions of framework calls. `model` names the spaCy pipeline that tags descriptions;
-    empty is the shipped one. `cache` is the folder of earlier results, None where there are none.
+    `calls` contains the users' descriptions of framework calls. `model` is the spaCy pipeline that tags descriptions,
+    empty for the shipped one. `cache` is the folder of earlier results, None if there are none.
     """
 
     workspace: RecordingWorkspace
@@ -49,9 +49,9 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What comes back of one package: the result packed for the cache, and what the report and the next build need.
+    """Outcome of one package: the result packed for the cache, and the data for the report and the next build.
 
-    `outside` are the look-ups of files that no scan lists, with their answers; `known` is what can be started.
+    `outside` contains look-ups of files that no scan lists, with results; `known` what can be started.
     """
 
     result: PackageResult
@@ -63,9 +63,9 @@ class Outcome:
 
 
 def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
-    """Extract the package in the folder `path` of a source; what goes wrong in the sources is in the problems.
+    """Extract the package in the folder `path` of a source; errors in the sources become problems.
 
-    `earlier` names its last result of the same version, whose descriptions need no tagging where they are the same.
+    `earlier` is the name of its last result of the same version, whose tagged descriptions are reused.
     """
     began = time.perf_counter()
     found = job.workspace.source(source)
@@ -104,14 +104,14 @@ def read_package(
     max_file_bytes: int = DEFAULT_LIMIT_BYTES,
     calls: tuple[str, ...] = (),
 ) -> PackageFacts:
-    """Return what the files of a package declare and what its launch files start; errors are in `problems`.
+    """Return the declarations in the files of a package and the starts of its launch files; errors are in `problems`.
 
-    Files of more than `max_file_bytes` bytes are reported and not read. `calls` are as `extract_package` takes them.
+    Files larger than `max_file_bytes` are reported and not read. `calls` is as in `extract_package`.
     """
     reader = Reader(workspace, source, package, max_file_bytes)
     facts = extract_package(reader, calls)
     if any(entry.kind is FileKind.LAUNCH for entry in package.files):
-        from kg.launch.files import reading  # noqa: PLC0415 - a quarter of all modules, and few packages need it
+        from kg.launch.files import reading  # noqa: PLC0415 - a quarter of all modules, needed by few packages
 
         nothing: tuple[LaunchConfiguration, ...] = ()
         known = facts.package
@@ -121,7 +121,7 @@ def read_package(
 
 
 def failed(source: str, name: str, path: str, message: str) -> Outcome:
-    """Return the outcome of a package whose worker gave none; it is read again by the next build."""
+    """Return the outcome of a package whose worker failed; the next build reads it again."""
     problem = Problem("KG121", message, path)
     result = PackageResult(source, name, path, {"problems": 1}, {}, (problem,))
     return Outcome(result, {}, {}, cache.pack(b"", {}), reusable=False)

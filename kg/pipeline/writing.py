@@ -1,8 +1,7 @@
-"""The graphs of a build on their way into the store.
+"""Write the graphs of a build into the store.
 
-A source of which little changed is patched: the triples that only its changed packages stated are taken out, the new
-ones put in. Otherwise its graph is written again, from the cache and, while packages are still being read, from
-what is ready.
+If little of a source has changed, its graph is patched: triples only in its changed packages are removed, new ones
+added. Otherwise it is written again, from the cache and, while packages are still being read, from finished results.
 """
 
 from __future__ import annotations
@@ -35,24 +34,24 @@ if TYPE_CHECKING:
 
 _FLUSH_BYTES: Final = 16 << 20
 _MOST_BYTES: Final = 64 << 20
-"""Bytes of all sources together that wait to be written; a build of many small ones would hold all of them."""
+"""Limit of waiting content of all sources in bytes; a build of many small ones would otherwise hold all of them."""
 _OWN: Final = re.compile(f" (?:{re.escape(v.BYTES)}|{re.escape(v.DIGEST)}) ".encode())
-"""What is said of a file only by the package that it is of."""
+"""Properties of a file stated only by its own package."""
 _SMALL: Final = 10
-"""A source is patched when less than one in so many of its packages and of its triples change."""
+"""A source is patched if less than this fraction of its packages and of its triples change (1/n)."""
 
 
 class Written(NamedTuple):
-    """What is in the store about a source itself, as N-Triples, and how many triples its graph has."""
+    """N-Triples about a source itself in the store, and the number of triples of its graph."""
 
     head: str
     quads: int
 
 
 class Writing:
-    """Writes the graphs of the sources that changed; `triples` is how many were written."""
+    """Writes the graphs of changed sources; `triples` is the number of triples written."""
 
-    def __init__(  # noqa: PLR0913, PLR0917 - made in one place, of all that a build knows
+    def __init__(  # noqa: PLR0913, PLR0917 - created in one place, from all results of a build
         self,
         transaction: EmbeddedTransaction,
         folder: Path,
@@ -77,13 +76,13 @@ class Writing:
         self.triples = 0
 
     def begin(self, changed: list[Source]) -> None:
-        """Decide how each source is written, and empty the graphs of those that are written again."""
+        """Decide how to write each source, and clear the graphs of those that are written again."""
         self._patched = {source.repository.name for source in changed if self._is_small(source)}
-        anew = [source for source in changed if source.repository.name not in self._patched]
-        if not anew and self._state.version == self._plan.version:
+        rewritten = [source for source in changed if source.repository.name not in self._patched]
+        if not rewritten and self._state.version == self._plan.version:
             return
-        self._transaction.replace_graphs({self._graph(source.repository.name): () for source in anew})
-        for source in anew:
+        self._transaction.replace_graphs({self._graph(source.repository.name): () for source in rewritten})
+        for source in rewritten:
             name = source.repository.name
             for package in source.packages:
                 reused = self._plan.reused.get((name, package.path))
@@ -91,13 +90,13 @@ class Writing:
                     self._take(name, self._content(reused))
 
     def drop(self, names: tuple[str, ...]) -> None:
-        """Take out the graphs of sources that are gone."""
+        """Remove the graphs of sources that no longer exist."""
         self._dropped.update(names)
         for name in names:
             self._transaction.drop_graph(self._graph(name))
 
     def add(self, source: Source, package: PackageState) -> None:
-        """Take a package that was read; those of a source that is patched wait for `finish`."""
+        """Add a package that was read; those of patched sources wait for `finish`."""
         name = source.repository.name
         if name not in self._patched:
             self._take(name, self._content(package))
@@ -105,7 +104,7 @@ class Writing:
     def finish(
         self, changed: list[Source], results: Mapping[Key, PackageState], started: datetime
     ) -> dict[str, Written]:
-        """Write what is left of each source, and the record of its build; return what is in the store then."""
+        """Write the rest of each source, and the record of its build; return the resulting content."""
         written = {}
         for source in changed:
             name = source.repository.name
@@ -123,7 +122,7 @@ class Writing:
         return written
 
     def _share(self, changed: list[Source], results: Mapping[Key, PackageState]) -> None:
-        """Keep what sources share: that of this build, and of the sources of earlier builds that are still there."""
+        """Update the shared content of sources: of this build, and of the remaining sources of earlier builds."""
         built = {*(name for name, _ in results), *(source.repository.name for source in changed)}
         earlier = self._state.sources if self._state.version == self._plan.version else {}
         others = {name: one for name, one in earlier.items() if name not in built and name not in self._dropped}
@@ -151,12 +150,12 @@ class Writing:
         return max(len(gone), number) * _SMALL < len(source.packages) and triples * _SMALL < earlier.quads
 
     def _stale_results(self, source: Source, earlier: SourceState) -> list[PackageState]:
-        """Return the earlier results that do not hold any more."""
+        """Return the outdated earlier results."""
         name = source.repository.name
         return [package for path, package in earlier.packages.items() if (name, path) not in self._plan.reused]
 
     def _patch(self, source: Source, head: bytes, results: Mapping[Key, PackageState]) -> int:
-        """Change the graph of a source by the triples that differ; return by how many it grows."""
+        """Patch the graph of a source by the triples that differ; return by how many it grows."""
         name = source.repository.name
         earlier = self._state.sources[name]
         before = set(earlier.head.encode().splitlines(keepends=True))
@@ -178,7 +177,7 @@ class Writing:
         return len(added) - len(removed)
 
     def _own(self, source: Source) -> tuple[bytes, ...]:
-        """Return what triples of the packages that are read begin with and those of no other package do."""
+        """Return the beginnings of triples that only the packages being read can state."""
         repository, names = source.repository.name, Counter(package.name for package in source.packages)
         starts: list[str] = []
         for _, package in self._plan.read:
@@ -210,7 +209,7 @@ class Writing:
         return NamedNode(self._iris.source_graph(name))
 
     def _record(self, source: Source, packages: list[PackageState], quads: int, started: datetime) -> None:
-        """Add the record of the reading of one source to the graph `builds`."""
+        """Add the record of reading one source to the graph `builds`."""
         keys = Counts.__dataclass_fields__
         totals = {key: sum(package.counts.get(key, 0) for package in packages) for key in keys}
         totals |= {"packages": len(packages), "triples": quads}
@@ -222,7 +221,7 @@ class Writing:
 
 
 def shared_of(folder: Path, package: PackageState) -> bytes:
-    """Return the N-Triples of a package that sources share; StoreError KG303 when its cached result is damaged."""
+    """Return the N-Triples of a package that sources share; StoreError KG303 if its cached result is damaged."""
     return _sound(folder, package, cache.shared(folder, package.result))
 
 
@@ -235,7 +234,7 @@ def _sound(folder: Path, package: PackageState, content: bytes | None) -> bytes:
 
 
 def untouched(store: EmbeddedStore, base: str, sources: Mapping[str, SourceState]) -> set[str]:
-    """Return those of `sources` whose graphs have the size that the last build gave them."""
+    """Return those of `sources` whose graphs have the same size as after the last build."""
     iris = Iris(base)
     with store.read() as snapshot:
         sizes = {name: snapshot.count(NamedNode(iris.source_graph(name))) for name in sources}

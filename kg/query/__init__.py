@@ -1,1 +1,1 @@
-"""The one way a query is run: guards, limits, formats, stored queries."""
+"""Evaluation of queries: guards, limits, formats, stored queries, reader processes."""

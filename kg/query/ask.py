@@ -1,4 +1,4 @@
-"""Running stored queries by name, with parameters as text, for their answer or a row of it, and what was meant."""
+"""Run stored queries by name, with parameters as text; select a row of the result; suggest values."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kg.store.terms import Term
 
 _PATIENCE: Final = 3.0
-"""Seconds: so long a suggestion is looked for."""
+"""Time limit of the search for a suggestion, in seconds."""
 
 
 def ask(
@@ -32,7 +32,7 @@ def ask(
     timeout: float | None = None,
     limit: int | None = None,
 ) -> Result:
-    """Run a stored query with `values` for its parameters; see `kg.query.core.run` for the rest."""
+    """Run a stored query with `values` for its parameters; see `kg.query.core.run` for the other arguments."""
     terms = query.bind(values)
     return run(snapshot, query.text, parameters=terms, timeout=timeout, limit=limit, path=str(query.path))
 
@@ -40,12 +40,12 @@ def ask(
 def row(
     snapshot: Snapshot, query: StoredQuery, values: Mapping[str, str], number: int, *, timeout: float | None = None
 ) -> tuple[str, dict[str, Term]]:
-    """Return the text of a query with `values` in it, and what its variables are in one row of the answer.
+    """Return the text of a query with its parameters bound to `values`, and the bindings of one row of its result.
 
-    Rows are counted from one; variables without a value are left out.
+    Rows are counted from one; unbound variables are left out.
 
     Raises:
-        UsageError: KG003 when the answer has no such row, or no rows; else as `kg.query.core.run`.
+        UsageError: KG003 if the result has no such row, or no rows; else as `kg.query.core.run`.
     """
     text = bind(query.text, query.bind(values))
     answer = run(snapshot, text, timeout=timeout, limit=number, path=str(query.path))
@@ -60,10 +60,10 @@ def row(
 def suggestion(
     snapshot: Snapshot, query: StoredQuery, values: Mapping[str, str], *, timeout: float | None = None
 ) -> str | None:
-    """Return what was probably meant when a query with `values` found nothing.
+    """Return a suggestion for a query with `values` that found nothing, or None.
 
-    The query is asked again without each value in turn; when its column of that name does not have the value, the
-    values alike that it has are suggested. A query that takes long without the value gives no suggestion.
+    The query runs again without each value in turn. If its column of that name lacks the value, similar values of the
+    column are suggested. Queries that take long without the value give no suggestion.
     """
     for name in values:
         terms = query.bind({key: value for key, value in values.items() if key != name})

@@ -1,13 +1,12 @@
-"""Values for the parameters of a query.
+"""Parameters of a query.
 
-A parameter is a variable with a block of data, so that the query also runs as it stands, in any editor:
+A parameter is a variable with a VALUES block. So the query also runs unchanged in any editor:
 
     VALUES ?topic { "/scan" }        the value between the braces is the default
     VALUES ?package { UNDEF }        not bound unless a value is given
 
-Binding replaces what stands between the braces by a term that the engine itself has written, so nothing in a
-value can be read as a part of the query. A variable without such a block gets one at the beginning of the
-outermost group.
+Binding replaces the text between the braces by a term serialized by the engine, so a value cannot inject query text. A
+variable without such a block gets one at the beginning of the outermost group.
 """
 
 from __future__ import annotations
@@ -24,10 +23,10 @@ if TYPE_CHECKING:
 
 
 def bind(text: str, values: Mapping[str, NamedNode | Literal]) -> str:
-    """Return the query `text` with `values` (name of variable to term) in their blocks of data.
+    """Return the query `text` with `values` (name of variable to term) in their VALUES blocks.
 
     Raises:
-        QueryError: KG505 for a name that is no variable of the query.
+        QueryError: KG505 for a name that is not a variable of the query.
     """
     if not values:
         return text
@@ -48,12 +47,12 @@ def bind(text: str, values: Mapping[str, NamedNode | Literal]) -> str:
 
 
 def defaults(text: str) -> dict[str, str]:
-    """Return what stands between the braces of each parameter's first block, by name of the variable."""
+    """Return the text between the braces of each parameter's first block, by name of the variable."""
     return {name: text[slice(*spans[0])].strip() for name, spans in _blocks(list(tokens(text))).items()}
 
 
 def _blocks(found: list[Token]) -> dict[str, list[tuple[int, int]]]:
-    """Return where the braces of `VALUES ?name { ... }` open and close, by name."""
+    """Return the offsets between the braces of each `VALUES ?name { ... }`, by name."""
     blocks: dict[str, list[tuple[int, int]]] = {}
     for index in range(len(found) - 3):
         keyword, variable, opening = found[index : index + 3]
@@ -65,7 +64,7 @@ def _blocks(found: list[Token]) -> dict[str, list[tuple[int, int]]]:
 
 
 def _first_group(found: list[Token]) -> int:
-    """Return the offset behind the brace that opens the WHERE clause."""
+    """Return the offset after the opening brace of the WHERE clause."""
     template = bool(found) and any(token.text.lower() == "construct" for token in found[:1])
     for index, token in enumerate(found):
         if token.text.lower() == "construct" and found[index + 1].text == "{":

@@ -19,20 +19,20 @@ if TYPE_CHECKING:
     Numbers = NDArray[np.int64]
 
 _SAMPLE: Final = 400
-"""From how many entities paths are followed in a graph with more: the error of the mean stays below a few percent."""
+"""Number of sources for shortest paths in larger graphs; the error of the mean is at most a few percent."""
 _BITS: Final = 64
 
 
 @dataclass(frozen=True, slots=True)
 class Neighbours:
-    """The neighbours of vertices 0, 1, ...: those of a vertex are `others[starts[vertex] : starts[vertex + 1]]`."""
+    """Adjacency of vertices 0, 1, ...: the neighbours of one are `others[starts[vertex] : starts[vertex + 1]]`."""
 
     starts: Numbers
     others: Numbers
 
     @classmethod
     def of(cls, count: int, edges: Sequence[tuple[int, int]] | Numbers) -> Self:
-        """Return the neighbours that edges between `count` vertices make, each once; loops are left out."""
+        """Return the adjacency of `count` vertices from edges; duplicates and loops are dropped."""
         pairs = np.array(edges, np.int64).reshape(-1, 2)
         pairs = pairs[pairs[:, 0] != pairs[:, 1]]
         ones, others = np.divmod(np.unique(np.concatenate([pairs, pairs[:, ::-1]]) @ np.array([count, 1])), count or 1)
@@ -40,23 +40,23 @@ class Neighbours:
 
     @property
     def degrees(self) -> Numbers:
-        """How many neighbours each vertex has."""
+        """Number of neighbours of each vertex."""
         return np.diff(self.starts)
 
     def of_each(self, vertices: Numbers) -> tuple[Numbers, Numbers]:
-        """Return the neighbours of several vertices one after the other, and how many each has."""
+        """Return the concatenated neighbours of several vertices, and the number of neighbours of each."""
         sizes = self.degrees[vertices]
         places = np.repeat(self.starts[vertices] - np.cumsum(sizes) + sizes, sizes)
         return self.others[places + np.arange(places.size)], sizes
 
 
 def connectivity(neighbours: Neighbours) -> Connectivity:
-    """Return how a graph hangs together."""
+    """Return the figures of a graph."""
     degrees = neighbours.degrees
     count = degrees.size
     parts = _parts(neighbours)
     exact = count <= _SAMPLE
-    sources = range(count) if exact else random.Random(0).sample(range(count), _SAMPLE)  # noqa: S311 - no secret
+    sources = range(count) if exact else random.Random(0).sample(range(count), _SAMPLE)  # noqa: S311 - not a secret
     lengths = _lengths(neighbours, np.array(sources, np.int64))
     pairs = lengths.total()
     return Connectivity(
@@ -76,7 +76,7 @@ def connectivity(neighbours: Neighbours) -> Connectivity:
 
 
 def _median(lengths: Counter[int]) -> float:
-    """Return the median of lengths that are given with their numbers; 0 without any."""
+    """Return the median of lengths with their numbers; 0 if empty."""
     pairs = lengths.total()
     reached, middle = 0, []
     for length in sorted(lengths):
@@ -86,9 +86,9 @@ def _median(lengths: Counter[int]) -> float:
 
 
 def _lengths(neighbours: Neighbours, sources: Numbers) -> Counter[int]:
-    """Return how many pairs of a source and a vertex are how far apart, by breadth-first search.
+    """Return the number of pairs of a source and a vertex at each distance, by breadth-first search.
 
-    All sources are followed at once: each has a bit in the row of a vertex that it has reached.
+    All sources run at once: each has a bit in the rows of the vertices that it has reached.
     """
     bits = np.zeros((sources.size, -(-sources.size // _BITS)), np.uint64)
     places = np.arange(sources.size)
@@ -115,7 +115,8 @@ def _lengths(neighbours: Neighbours, sources: Numbers) -> Counter[int]:
 def _parts(neighbours: Neighbours) -> Numbers:
     """Return the sizes of the connected parts of a graph.
 
-    Each vertex takes the smallest label around it, and the label of that label, until nothing changes.
+    Each vertex repeatedly takes the smallest label of its neighbours, and the label of that label, until nothing
+    changes.
     """
     labels, before = np.arange(neighbours.degrees.size), np.empty(0, np.int64)
     joined = np.flatnonzero(neighbours.degrees)

@@ -1,4 +1,4 @@
-"""The one way a query is run: guards, deadline, cap of rows; whatever its face."""
+"""Run a query in this process: guards, deadline, limit of rows."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ def run(  # noqa: PLR0913 - the settings of one query, all by name
     path: str = "query",
     runner: Runner = in_thread,
 ) -> Result:
-    """Run the SPARQL query `text` and return its whole answer.
+    """Run the SPARQL query `text` and return its whole result.
 
-    `parameters` are terms for variables (see `kg.query.binding`); `timeout` is in seconds; `limit` caps rows or
-    triples, and the answer says whether there were more; with `union` the default graph is the union of all
-    graphs, unless the query names others; `path` is what errors name as the place of the text.
+    `parameters` binds variables to terms (see `kg.query.binding`). `timeout` is in seconds. `limit` limits rows or
+    triples; the result records whether there were more. With `union` the default graph is the union of all graphs,
+    unless the query names others. `path` is the path of the text in errors.
 
     Raises:
-        QueryError: KG501 not SPARQL, KG502 refused, KG503 deadline (a `DeadlineError`), KG505 parameter, KG516
-            too deep.
+        QueryError: KG501 syntax error, KG502 refused, KG503 deadline (a `DeadlineError`), KG505 parameter, KG516
+            nested too deeply.
     """
     prepared = prepare(text, parameters or {}, path)
     began = time.perf_counter()
@@ -45,7 +45,7 @@ def run(  # noqa: PLR0913 - the settings of one query, all by name
 
 
 def _collect(evaluation: Evaluation, limit: int | None, began: float) -> Result:
-    """Take the rows out of the engine."""
+    """Collect the rows."""
     if isinstance(evaluation.found, bool):
         return Boolean(evaluation.found, time.perf_counter() - began, evaluation.snapshot)
     window: Window[Any] = Window(evaluation.found, most=limit)

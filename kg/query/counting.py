@@ -1,6 +1,6 @@
-"""The figures of a graph as RNKG counts it: its kinds of entities, the relations between these, and nothing else.
+"""Figures of a graph in the terms of RNKG: its kinds of entities and the relations between them only.
 
-Which kinds and relations these are stands in the stored query `internal/rnkg-relations`.
+The stored query `internal/rnkg-relations` defines these kinds and relations.
 """
 
 from __future__ import annotations
@@ -20,11 +20,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Counted:
-    """Figures as RNKG has them.
+    """Figures in the terms of RNKG.
 
-    `entities` and `triples` in all, `by_kind` the entities from the most; `entities_per_node` the mean number of
-    entities that a node is related to; `path_to_hardware` and `path_to_function` the mean number of relations from a
-    node to the nearest hardware and function, over the nodes that are connected to one (None without any).
+    `entities` and `triples` are totals; `by_kind` is the number of entities of each kind, the largest first.
+    `entities_per_node` is the mean number of entities related to a node. `path_to_hardware` and `path_to_function` are
+    the mean number of relations from a node to the nearest hardware and function, over connected nodes (None without
+    any).
     """
 
     entities: int
@@ -36,7 +37,7 @@ class Counted:
 
 
 def counted(graph: Asked) -> Counted:
-    """Return the figures of a store as RNKG counts them."""
+    """Return the figures of a store in the terms of RNKG."""
     triples = 0
     numbers: dict[str, int] = {}
     kinds: list[str] = []

@@ -1,4 +1,4 @@
-"""A query on its way: checked, bound to its values and data set, and given to the engine, which finds rows as asked."""
+"""Evaluation of a query: check it, bind its parameters and dataset, and start it in the engine, which streams rows."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
     from kg.store.interface import Snapshot
 
 _FRESH: Final = re.compile("now|rand|uuid|bnode")
-"""Functions, STRUUID among them, that give another value at each call, or at each query."""
+"""Functions whose value differs at each call or each query; STRUUID contains one of these."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dataset:
-    """What a query is asked of.
+    """Dataset of a query.
 
-    Without graphs named here the query's own FROM and FROM NAMED hold; without these, with `union`, the default graph
-    is the union of all graphs, else the unnamed one. `default_graphs` or `named_graphs`, as IRIs, replace all of that
-    (SPARQL 1.1 Protocol, section 2.1.4): what of the two is not given is empty. The embedded store alone knows them.
+    If no graphs are given, FROM and FROM NAMED of the query apply. Without these, the default graph is the union of all
+    graphs with `union`, else the unnamed graph. If `default_graphs` or `named_graphs` are given as IRIs, they replace
+    the dataset (SPARQL 1.1 Protocol, section 2.1.4); the other is then empty. Only the embedded store supports them.
     """
 
     union: bool = True
@@ -42,16 +42,16 @@ class Dataset:
 
     @property
     def given(self) -> bool:
-        """Whether graphs are named."""
+        """Whether graphs are given."""
         return self.default_graphs is not None or self.named_graphs is not None
 
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """What the engine finds: `kind` is `rows`, `graph` or `boolean`.
+    """Result stream of the engine: `kind` is `rows`, `graph` or `boolean`.
 
-    `found` yields rows or triples as they are found, and is true or false for `boolean`; what goes wrong underway
-    it raises as `Prepared.evaluate`.
+    `found` yields rows or triples as the engine finds them, or is a bool. Errors while iterating are those of
+    `Prepared.evaluate`.
     """
 
     kind: str
@@ -62,10 +62,10 @@ class Evaluation:
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A query that the guard let through, bound to its values.
+    """A query that passed the guard, with its parameters bound.
 
-    `repeatable` tells whether the same data gives the same answer whenever it is asked, up to the order of rows where
-    the query gives none and the labels of blank nodes; `names_data` whether it has a FROM of its own.
+    `repeatable` is whether the same data always gives the same result, except for the order of rows without ORDER BY
+    and the labels of blank nodes. `names_data` is whether it has a FROM clause.
     """
 
     typed: str
@@ -75,11 +75,11 @@ class Prepared:
     path: str
 
     def evaluate(self, snapshot: Snapshot, dataset: Dataset, base: str | None = None) -> Evaluation:
-        """Give the query to the engine; relative IRIs are relative to `base`, and an error without one.
+        """Start the query in the engine; relative IRIs are resolved against `base`, and are errors without one.
 
         Raises:
-            QueryError: KG501 not SPARQL, KG506 the engine cannot evaluate it.
-            StoreError: KG303 what the store has cannot be read.
+            QueryError: KG501 syntax error, KG506 the engine cannot evaluate it.
+            StoreError: KG303 the data cannot be read.
         """
         further = _graphs(dataset)
         if base is not None:
@@ -94,7 +94,7 @@ class Prepared:
         return evaluation_of(answer, snapshot.identity)
 
     def _explained(self, error: SyntaxError, base: str | None) -> QueryError:
-        """Return the error about the text as typed: binding parameters moves what stands behind them."""
+        """Return the syntax error at its place in the original text; binding parameters shifts the text after them."""
         try:
             pyoxigraph.Store().query(self.typed, prefixes=dict(PREFIXES), base_iri=base)
         except SyntaxError as typed:
@@ -103,10 +103,10 @@ class Prepared:
 
 
 def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str = "query") -> Prepared:
-    """Check the SPARQL query `text` and give its parameters their values (see `kg.query.binding`).
+    """Check the SPARQL query `text` and bind its parameters (see `kg.query.binding`).
 
     Raises:
-        QueryError: KG502 refused, KG505 parameter, KG516 too deep.
+        QueryError: KG502 refused, KG505 parameter, KG516 nested too deeply.
     """
     text = normalise(text)
     found = list(tokens(text))
@@ -115,7 +115,7 @@ def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str 
     return Prepared(
         typed=text,
         bound=bind(text, parameters),
-        # Where the engine needs no blank between two words, the lexer takes them for one.
+        # The engine does not require whitespace between all words; the lexer returns such words as one.
         repeatable=not any(map(_FRESH.search, words)),
         names_data=any(word.startswith("from") for word in words),
         path=path,
@@ -127,7 +127,7 @@ def _words(found: Iterable[Token]) -> set[str]:
 
 
 def prefixes_in(text: str) -> Mapping[str, str]:
-    """Return the prefixes that `text` may use, because the engine parses every namespace it is given."""
+    """Return the known prefixes that `text` may use; the engine parses every namespace it receives."""
     if "\\" in text:  # an escape may be part of a prefix
         return PREFIXES
     return {prefix: namespace for prefix, namespace in PREFIXES.items() if f"{prefix}:" in text}
@@ -148,7 +148,7 @@ def _graphs(dataset: Dataset) -> dict[str, Any]:
 def evaluation_of(
     answer: pyoxigraph.QuerySolutions | pyoxigraph.QueryBoolean | pyoxigraph.QueryTriples, snapshot: str
 ) -> Evaluation:
-    """Return what the engine found in the data of an identity; its rows and triples raise as `Prepared.evaluate`."""
+    """Return the result of the engine on data of the identity `snapshot`; iterating raises as `Prepared.evaluate`."""
     if isinstance(answer, pyoxigraph.QueryBoolean):
         return Evaluation("boolean", (), bool(answer), snapshot)
     if isinstance(answer, pyoxigraph.QueryTriples):
@@ -158,7 +158,7 @@ def evaluation_of(
 
 
 def _guarded(answer: Iterable[Any]) -> Iterator[Any]:
-    """Yield what the engine finds; raises as `Prepared.evaluate`."""
+    """Yield the results of the engine; raises as `Prepared.evaluate`."""
     try:
         yield from answer
     except (RuntimeError, OSError, ValueError) as error:
@@ -166,5 +166,5 @@ def _guarded(answer: Iterable[Any]) -> Iterator[Any]:
 
 
 def _failure(error: RuntimeError | OSError | ValueError) -> KgError:
-    """Return what the engine reports: of the store, or of the query."""
+    """Return the error of the engine as one of the store or of the query."""
     return store_error(error, "the store") if is_of_store(error) else QueryError("KG506", str(error))

@@ -1,7 +1,7 @@
-"""Answers as text: the W3C formats of results and graphs, and those for people and line-wise tools, by name.
+"""Serialization of results by name of format: the W3C formats of results and graphs, tables, and line-based formats.
 
-An answer is written while it is found, part by part (`write_rows`, `write_graph`), or whole (`write`), by the same
-writers (`kg.query.writing`).
+Results are written as a stream (`write_rows`, `write_graph`) or whole (`write`), by the same writers
+(`kg.query.writing`).
 """
 
 from __future__ import annotations
@@ -36,23 +36,23 @@ __all__ = [
 ]
 
 SOLUTION_FORMATS: Final = ROWS
-"""What rows can be written as."""
+"""Formats of rows."""
 
 BOOLEAN_FORMATS: Final = BOOLEANS
-"""What yes or no can be written as."""
+"""Formats of booleans."""
 
 GRAPH_FORMATS: Final = GRAPHS
-"""What a graph can be written as."""
+"""Formats of graphs."""
 
 _AT_A_TIME: Final = 64
-"""How many rows are written at a time; more save nothing."""
+"""Number of rows written together; larger batches are not faster."""
 
 
 def write(result: Result, name: str) -> bytes:
     """Return `result` in the format `name`.
 
     Raises:
-        QueryError: KG504 naming the formats that this kind of answer has.
+        QueryError: KG504 with the formats of this kind of result.
     """
     parts: list[bytes] = []
     if isinstance(result, Graph):
@@ -65,10 +65,10 @@ def write(result: Result, name: str) -> bytes:
 
 
 def write_rows(name: str, variables: tuple[str, ...], rows: Iterable[Row], output: Callable[[bytes], object]) -> None:
-    """Give rows to `output` in the format `name`, some at a time, as they are found; as Parquet all at the end.
+    """Write rows to `output` in the format `name`, in batches as they arrive; Parquet is written at the end.
 
     Raises:
-        QueryError: KG504 when the format is none of rows, cannot hold one of them, or is Parquet without pyarrow.
+        QueryError: KG504 if the format is not one of rows, cannot represent one of them, or is Parquet without pyarrow.
     """
     if name == parquet.NAME:
         output(parquet.written(variables, rows))
@@ -86,10 +86,10 @@ def write_rows(name: str, variables: tuple[str, ...], rows: Iterable[Row], outpu
 
 
 def write_graph(name: str, triples: Iterable[Triple], output: Callable[[bytes], object]) -> None:
-    """Give triples to `output` in the format `name`, some kilobytes at a time, as they are found.
+    """Write triples to `output` in the format `name`, in parts of some kilobytes as they arrive.
 
     Raises:
-        QueryError: KG504 when the format is none of graphs, or cannot hold one of them.
+        QueryError: KG504 if the format is not one of graphs, or cannot represent one of them.
     """
     if name not in GRAPHS:
         raise _wrong(name, "a graph", list(GRAPHS))
@@ -97,7 +97,7 @@ def write_graph(name: str, triples: Iterable[Triple], output: Callable[[bytes], 
 
 
 def write_boolean(name: str, output: Callable[[bytes], object], *, value: bool) -> None:
-    """Give yes or no to `output` in the format `name`; QueryError KG504 when it is none of these."""
+    """Write a boolean to `output` in the format `name`; QueryError KG504 if it is not a format of booleans."""
     if name not in BOOLEANS:
         raise _wrong(name, "yes or no", list(BOOLEANS))
     output(BOOLEANS[name]("true" if value else "false"))

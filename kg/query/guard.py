@@ -1,7 +1,7 @@
-"""What a query must not do to the engine, checked on its tokens before the engine sees it.
+"""Reject queries that would harm the engine or other servers, by their tokens.
 
-The engine parses and plans by recursion: nested some thousand deep a query overflows the stack, which ends the
-process. `SERVICE` and `LOAD` make it call other servers, which it does without asking or time limit.
+The engine parses and plans recursively: a query nested some thousand levels deep overflows the stack and aborts the
+process. `SERVICE` and `LOAD` make it call other servers, without permission or time limit.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 MAX_DEPTH: Final = 500
-"""How deep brackets and unary operators may nest."""
+"""Maximum nesting of brackets and unary operators."""
 
 MAX_CHAIN: Final = 5000
-"""How many operators and graph patterns a query may have: the engine chains them into a tree as deep."""
+"""Maximum number of operators and graph patterns; the engine chains them into a tree of that depth."""
 
 _OPENING: Final = frozenset({"(", "[", "{", "<<", "<<(", "{|"})
 _CLOSING: Final = frozenset({")", "]", "}", ">>", ")>>", "|}"})
@@ -31,10 +31,10 @@ _SERVER: Final = "the query asks the store to call another server"
 
 
 def check(tokens: Iterable[Token], text: str, path: str = "query") -> None:
-    """Refuse a query that nests too deep, chains too much or would call another server.
+    """Reject a query that nests too deeply, chains too much or would call another server.
 
     Raises:
-        QueryError: KG502 for a call, KG516 for what is too deep or too long, with the place of the first such thing.
+        QueryError: KG502 for a call, KG516 for depth or length, at the place of the first cause.
     """
     depth = unary = chain = 0
     previous: Token | None = None
@@ -57,7 +57,7 @@ def check(tokens: Iterable[Token], text: str, path: str = "query") -> None:
 
 
 def _is_call(previous: Token | None, token: Token, depth: int) -> bool:
-    """Tell whether the engine may read SERVICE or LOAD here; it needs no blank on either side of a keyword."""
+    """Return whether the engine may read SERVICE or LOAD here; it needs no whitespace around a keyword."""
     if token.kind is Kind.WORD:
         word = token.text.lower()
         return "service" in word or "load" in word

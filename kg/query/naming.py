@@ -1,4 +1,4 @@
-"""Terms as people type them: IRIs, prefixed names, literals, or what a thing is called in the store."""
+"""Resolve terms typed by users: IRIs, prefixed names, literals, and names in the store."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ _PREFIXED: Final = re.compile(r"([A-Za-z][\w.-]*):([\w.-]*)")
 _WRITTEN: Final = re.compile(r"""["'].*|[+-]?\d[\d.eE+-]*|true|false|<<.*""", re.DOTALL)
 _TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
 _CALLED: Final = "SELECT DISTINCT ?t WHERE { VALUES ?name { %s } ?t rdfs:label|rnkg:name ?name } ORDER BY ?t"
-"""What has a name, exactly, or with the leading slash of ROS names."""
+"""Things with exactly this name, or with the leading slash of ROS names."""
 _ENDING: Final = """SELECT DISTINCT ?t WHERE {
   %s ?t rdfs:label ?label
   FILTER(STRENDS(STR(?t), %s) && ISIRI(?t) && (STRENDS(STR(?t), %s) || STRENDS(STR(?t), %s)))
 } ORDER BY ?t"""
-"""What has an IRI that ends in a name. The first test fails for nearly all, and each test reads the IRI again."""
+"""Things whose IRI ends in a name. The first filter excludes nearly all, as each filter decodes the IRI again."""
 _PLACES: Final = (
     ("?t {0} ?any", "?other {0} ?any . ?other a ?kind . ?t a ?kind"),
     ("?any {0} ?t", "?any {0} ?other . ?other a ?kind . ?t a ?kind"),
 )
-"""For the subject and the object of a property: what is used there, and what is of a kind that is."""
+"""For the subject and the object of a property: things used there, and things of the same classes."""
 _NAMES: Final = "SELECT DISTINCT ?name WHERE { ?t rdfs:label ?name }"
 _PROPERTIES: Final = "SELECT DISTINCT ?name WHERE { ?s ?name ?o }"
 _ALL_PROPERTIES: Final = "`kg query 'SELECT DISTINCT ?p { ?s ?p ?o }'` lists the properties that the store has."
 
 
 class Askable(Protocol):
-    """The part of a snapshot that names are looked up in."""
+    """The methods of a snapshot used to look up names."""
 
     def query(
         self, text: str, *, prefixes: Mapping[str, str] | None = None
@@ -60,20 +60,20 @@ class Askable(Protocol):
 def facts(
     snapshot: Askable, subject: str, predicate: str, value: str, *, prefixes: Mapping[str, str] = PREFIXES
 ) -> tuple[list[Triple], bool]:
-    """Return the facts that three typed words may mean, and whether the store holds them.
+    """Return the possible facts for three typed words, and whether the store contains them.
 
-    A name that several things have means the ones of which the store holds the fact, and of these the ones that
-    have exactly this name before those whose name only ends in it; where it holds none, those that the property is used
-    with.
+    If several things have a name, the store decides: those that occur in such a fact are returned. Of these, exact
+    names take precedence over IRIs that end in the name. If the store has none, things used with the property are
+    returned.
 
     Raises:
-        UnknownNameError: KG001 with suggestions for a word that names nothing.
-        UsageError: KG003 when the store holds no such fact and the words name several things.
+        UnknownNameError: KG001 with suggestions, for a word that names nothing.
+        UsageError: KG003 if the store has no such fact and the words are ambiguous.
     """
     predicates = terms(snapshot, predicate, property_=True, prefixes=prefixes)
     words = (subject, value)
     used = [" UNION ".join(f"{{ {use.format(one)} }}" for one in predicates) for use, _ in _PLACES]
-    # What has the names is found at once. Of what only ends in them, the property tells what can be meant.
+    # Exact names are looked up quickly. IRIs that only end in the name are then restricted by the property.
     for among in ([None, None], used):
         subjects, values = (
             terms(snapshot, word, among=use, prefixes=prefixes) for word, use in zip(words, among, strict=True)
@@ -103,13 +103,13 @@ def facts(
 
 
 def _exactly(snapshot: Askable, word: str, found: list[_Term]) -> list[_Term]:
-    """Return those of several things that have exactly this name, or all where none has."""
+    """Return the things with exactly this name, or all if none has it."""
     named = _named(snapshot, word) if len(found) > 1 else []
     return [term for term in found if term in named] or found
 
 
 def _check_used(snapshot: Askable, predicate: _Term, prefixes: Mapping[str, str]) -> None:
-    """Raise KG001 for a property that nothing has: it cannot tell things of one name apart, and is often misspelt."""
+    """Raise KG001 for a property without triples: it cannot resolve ambiguous names, and is often misspelt."""
     if isinstance(predicate, NamedNode) and not snapshot.query(f"ASK {{ ?s {predicate} ?o }}"):
         rows: Any = snapshot.query(_PROPERTIES)
         known = [shorten(row[0].value, prefixes) for row in rows]
@@ -128,10 +128,10 @@ def _triples(subjects: list[_Term], predicates: list[_Term], values: list[_Term]
 def _meant(
     snapshot: Askable, word: str, found: list[_Term], tests: list[str], prefixes: Mapping[str, str]
 ) -> list[_Term]:
-    """Return the things called `word` that pass the first test of a property that any passes, or all.
+    """Return the things called `word` that pass the first test that any of them passes, or all.
 
-    `found` are those that have the name, and those whose IRI ends in it and that pass the first test. Where what has
-    exactly the name passes the second, nothing else is meant, and not all that is named has to be read.
+    `found` contains things with the name, and things whose IRI ends in it and that pass the first test. If one with
+    exactly the name passes the second test, only those are returned, without reading all names.
     """
     for test, ones in ((tests[0], found), (tests[1], [one for one in found if one in _named(snapshot, word)])):
         if passed := _passing(snapshot, ones, test):
@@ -141,7 +141,7 @@ def _meant(
 
 
 def _passing(snapshot: Askable, found: list[_Term], test: str) -> list[_Term]:
-    """Return those IRIs of which the store has a match of a pattern of `?t`."""
+    """Return the IRIs for which a pattern of `?t` has a match in the store."""
     iris = [one for one in found if isinstance(one, NamedNode)]
     return [one for one in iris if snapshot.query(f"ASK {{ {test.replace('?t', str(one))} }}")]
 
@@ -154,13 +154,13 @@ def terms(
     among: str | None = "",
     prefixes: Mapping[str, str] = PREFIXES,
 ) -> list[_Term]:
-    """Return the terms that a word may mean: `<iri>`, `ros:Node`, `"text"`, `5`, `a`, or a name in the store.
+    """Return the possible terms for a word: `<iri>`, `ros:Node`, `"text"`, `5`, `a`, or a name in the store.
 
-    A name means what has it, and what has an IRI that ends in it, of all that matches the pattern `among` (of `?t`).
-    With a pattern, or with None for nothing that only ends in it, it may mean nothing.
+    A name resolves to things with that name, and to things whose IRI ends in it if they match the pattern `among` (of
+    `?t`). With a pattern, or with None for exact names only, the result may be empty.
 
     Raises:
-        UnknownNameError: KG001 with suggestions when it means nothing.
+        UnknownNameError: KG001 with suggestions if nothing is found.
     """
     if property_ and word == "a":
         return [_TYPE]
@@ -191,7 +191,7 @@ def _literal(word: str) -> Literal:
 
 
 def _property(snapshot: Askable, word: str) -> list[NamedNode]:
-    """Return the properties that end in `word`: those of known prefixes, or else of all that the store has."""
+    """Return the properties that end in `word`: with a known prefix, or else all in the store."""
     if re.fullmatch(r"[\w.-]+", word):
         prefixed = [NamedNode(namespace + word) for namespace in PREFIXES.values()]
         if used := [iri for iri in prefixed if snapshot.query(f"ASK {{ ?s {iri} ?o }}")]:
@@ -206,20 +206,20 @@ def _property(snapshot: Askable, word: str) -> list[NamedNode]:
 
 
 def _named(snapshot: Askable, word: str) -> list[NamedNode]:
-    """Return what has a name, exactly."""
+    """Return the things with exactly this name."""
     rows: Any = snapshot.query(_CALLED % f"{Literal(word)} {Literal(word, language='en')}", prefixes=PREFIXES)
     return [row[0] for row in rows if isinstance(row[0], NamedNode)]
 
 
 def _having(snapshot: Askable, word: str) -> list[NamedNode]:
-    """Return what is called `word`; the leading slash of a ROS name may be left out."""
+    """Return the things called `word`, with or without the leading slash of a ROS name."""
     names = f"{Literal(word)} {Literal('/' + word)} {Literal(word, language='en')}"
     rows: Any = snapshot.query(_CALLED % names, prefixes=PREFIXES)
     return [row[0] for row in rows if isinstance(row[0], NamedNode)]
 
 
 def _called(snapshot: Askable, word: str, among: str | None) -> list[_Term]:
-    """Return what is called `word`, or whose IRI ends in it; see `terms`."""
+    """Return the things called `word`, or whose IRI ends in it; see `terms`."""
     found = _having(snapshot, word)
     if among is not None:
         ends = (Literal(word), Literal("#" + word), Literal("/" + word))

@@ -1,4 +1,4 @@
-"""What a query answers: rows, yes or no, or a graph."""
+"""Results of queries: rows, booleans and graphs."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 Row: TypeAlias = "tuple[Term | None, ...]"
 
 _SHOWN: Final = 100
-"""How many rows a notebook shows."""
+"""Number of rows shown in a notebook."""
 
 
 @dataclass(frozen=True, slots=True)
 class Solutions:
-    """The answer of SELECT: a row has a term, or None where it is unbound, for each of the `variables`.
+    """Result of SELECT: a row contains a term, or None if unbound, for each of the `variables`.
 
-    Iteration yields plain values instead of terms, as named tuples: `row.name`. Notebooks show a table.
+    Iteration yields named tuples of plain values instead of terms: `row.name`. Notebooks show a table.
 
-    `limit` is set when more rows were there than it allowed. `seconds` is the time of the query, `snapshot` the
-    identity of the data that it was asked of; both for the other answers too.
+    `limit` is set if it cut the rows. `seconds` is the time of the query, `snapshot` the identity of its data; the
+    other results have them too.
     """
 
     variables: tuple[str, ...]
@@ -44,9 +44,9 @@ class Solutions:
         return len(self.rows)
 
     def __iter__(self) -> Iterator[Any]:
-        """Yield each row as a named tuple of strings, numbers and booleans; an IRI is its text, None is unbound.
+        """Yield each row as a named tuple of strings, numbers and booleans; IRIs are strings, unbound variables None.
 
-        A variable whose name is a word of Python, or begins with `_`, is called by its position: `_0`.
+        A variable whose name is a keyword of Python or begins with `_` is named by its position: `_0`.
         """
         make = namedtuple("Row", self.variables, rename=True)  # type: ignore[misc]  # noqa: PYI024 - names of a query
         return (make(*map(plain, row)) for row in self.rows)
@@ -58,7 +58,7 @@ class Solutions:
     def dataframe(self) -> DataFrame:
         """Return the rows as a pandas DataFrame with a column for each variable.
 
-        Raises ModuleNotFoundError where pandas is not installed.
+        Raises ModuleNotFoundError if pandas is not installed.
         """
         from pandas import DataFrame as Frame  # noqa: PLC0415 - optional
 
@@ -70,7 +70,7 @@ class Solutions:
 
 @dataclass(frozen=True, slots=True)
 class Boolean:
-    """The answer of ASK; true or false as a condition."""
+    """Result of ASK; usable as a condition."""
 
     value: bool
     seconds: float
@@ -83,7 +83,7 @@ class Boolean:
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """The answer of CONSTRUCT and DESCRIBE, each triple once."""
+    """Result of CONSTRUCT and DESCRIBE, without duplicates."""
 
     triples: tuple[Triple, ...]
     seconds: float
@@ -94,7 +94,7 @@ class Graph:
         return len(self.triples)
 
     def __iter__(self) -> Iterator[Triple]:
-        """Yield the triples, as terms of pyoxigraph."""
+        """Yield the triples as pyoxigraph terms."""
         return iter(self.triples)
 
     def _repr_html_(self) -> str:
@@ -103,7 +103,7 @@ class Graph:
 
 
 def _table(head: Sequence[str], rows: Iterable[Iterable[str]], number: int) -> str:
-    """Return the first rows as a table in HTML, and how many more there are."""
+    """Return the first rows as an HTML table, with the number of further rows."""
 
     def line(tag: str, cells: Iterable[str]) -> str:
         return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"

@@ -1,8 +1,7 @@
-"""Where the work of a query happens, and how it is ended.
+"""Run a query and enforce its deadline.
 
-The engine cannot be interrupted. For the owner's own queries the work runs in a thread that is left behind when
-its deadline passes or Ctrl-C comes; it ends with the process. A runner for queries of others starts a process that
-it can kill; it takes the same calls.
+The engine cannot be interrupted. So queries of the owner run in a thread, which is abandoned at the deadline or on
+Ctrl-C and ends with the process. Queries of others run in a process that can be killed (`kg.query.readers`).
 """
 
 from __future__ import annotations
@@ -20,40 +19,40 @@ if TYPE_CHECKING:
 Answer = TypeVar("Answer")
 
 _STACK_BYTES: Final = 256 << 20
-"""The engine recurses over the query; what `kg.query.guard` lets through needs less than this (reserved, not used)."""
+"""The engine recurses over the query. Queries that pass `kg.query.guard` need less stack (reserved, not used)."""
 _ROOM_SECONDS: Final = 5.0
 _ROOM_PAUSE: Final = 0.005
-"""Seconds: how long room for a stack is waited for, and how often is looked."""
+"""Seconds: total wait for address space for a stack, and the interval of the attempts."""
 _STARTING: Final = threading.Lock()
-"""How large stacks are is one setting of the whole process: it is changed for one thread at a time."""
+"""The size of stacks is a setting of the process, so threads are started one at a time."""
 
 
 class DeadlineError(QueryError):
-    """A query ran longer than it may (KG503)."""
+    """The query exceeded its deadline (KG503)."""
 
     exit_code = Exit.TIMEOUT
 
 
 class Runner(Protocol):
-    """Runs `work` and returns what it returns, or raises what it raises."""
+    """Runs `work` and returns its result, or raises its exception."""
 
     def __call__(self, work: Callable[[], Answer], timeout: float | None) -> Answer:
-        """Run `work`; DeadlineError KG503 when it takes more than `timeout` seconds (None: no limit)."""
+        """Run `work`; DeadlineError KG503 if it takes more than `timeout` seconds (None: no limit)."""
         ...
 
 
 def in_thread(work: Callable[[], Answer], timeout: float | None) -> Answer:
-    """Run `work` in a thread of this process, so that deadlines and Ctrl-C are noticed at once.
+    """Run `work` in a thread, so deadlines and Ctrl-C take effect at once.
 
     Raises:
-        DeadlineError: KG503; the thread goes on until the process ends.
+        DeadlineError: KG503; the thread runs on until the process exits.
     """
     answer: Future[Answer] = Future()
 
     def run() -> None:
         try:
             answer.set_result(work())
-        except BaseException as error:  # noqa: BLE001 - it is raised where the answer is waited for
+        except BaseException as error:  # noqa: BLE001 - raised again by the waiting thread
             answer.set_exception(error)
 
     thread = threading.Thread(target=run, daemon=True)
@@ -61,16 +60,15 @@ def in_thread(work: Callable[[], Answer], timeout: float | None) -> Answer:
     if not wait([answer], timeout).done:
         message = f"the query ran longer than {timeout:g} s"
         raise DeadlineError("KG503", message, hint="Raise `--timeout` or ask less.")
-    # Its stack is given back before long, which matters where address space is bounded.
+    # Join to release the stack, which matters if address space is limited.
     thread.join()
     return answer.result()
 
 
 def _start(thread: threading.Thread) -> None:
-    """Start a thread with a large stack; raises RuntimeError where there is no room for that.
+    """Start a thread with a large stack; raises RuntimeError if there is no address space for it.
 
-    A thread that was joined may not have left the processor yet, on a machine that is busy, and holds its stack till
-    then: there is room a moment later.
+    On a busy machine, a joined thread may hold its stack for a moment longer, so another attempt can succeed.
     """
     end = time.monotonic() + _ROOM_SECONDS
     while True:

@@ -1,7 +1,8 @@
-"""Several queries in one text, as editors hold them: where each begins and ends.
+"""Split a text with several queries, as in editors.
 
-SPARQL has no sign between queries. A new one begins outside of all brackets at the first word of a prologue (`PREFIX`,
-`BASE`) or of a form (`SELECT`, ...) once the one before has a form; comments and blanks before it belong to it.
+SPARQL has no separator between queries. After the form of a query, a new one begins outside of all brackets at the
+first word of a prologue (`PREFIX`, `BASE`) or of a form (`SELECT`, ...). Comments and whitespace before that belong to
+the previous query.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ _FORMS: Final = frozenset({"select", "construct", "ask", "describe"})
 
 
 class Statement(NamedTuple):
-    """A query with the offsets of its first character and of the one behind its last."""
+    """A query with its start and end offsets."""
 
     text: str
     start: int
@@ -46,7 +47,7 @@ def statements(text: str) -> Iterator[Statement]:
 
 
 def statement_at(text: str, offset: int) -> Statement | None:
-    """Return the query that `offset` stands in or behind; the first one when it stands before all, None without any."""
+    """Return the query that contains or precedes `offset`; the first one if it precedes all, None if there is none."""
     found = None
     for one in statements(text):
         if found is not None and one.start > offset:
@@ -56,7 +57,7 @@ def statement_at(text: str, offset: int) -> Statement | None:
 
 
 def segment_at(text: str, offset: int) -> Statement:
-    """Return the query that `offset` stands in with the blanks and comments behind it, up to where the next begins."""
+    """Return the query at `offset` with the whitespace and comments after it, up to the next query."""
     starts = [one.start for one in statements(text)]
     begin = max((start for start in starts[1:] if start <= offset), default=0)
     end = next((start for start in starts[1:] if start > offset), len(text))

@@ -1,7 +1,7 @@
-"""The figures of RNKG about a graph: entities and triples by kind, degrees, path lengths, entities per node.
+"""Figures of a graph as published for RNKG: entities and triples by kind, degrees, path lengths, entities per node.
 
-Entities are vertices; two are neighbours when any property relates them, whichever way round, and `degree` counts
-neighbours. Path lengths are shortest paths in numbers of relations, between all pairs that are connected.
+Entities are vertices. Two are neighbours if any property relates them in either direction; `degree` counts neighbours.
+Path lengths are shortest paths in numbers of relations, between all connected pairs.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Connectivity:
-    """How entities hang together.
+    """Connectivity of the entities.
 
-    `degree` is the mean number of neighbours, `largest` how many entities the largest connected part has, `path` the
-    mean length of shortest paths, `path_median` their median and `longest` the longest of those followed; `sources`
-    tells from how many entities they were followed, `exact` whether that was all.
+    `degree` is the mean number of neighbours, `largest` the number of entities of the largest connected part. `path` is
+    the mean length of shortest paths, `path_median` their median and `longest` the longest one found. `sources` is the
+    number of entities from which paths were followed, `exact` whether that was all of them.
     """
 
     entities: int
@@ -43,7 +43,7 @@ class Connectivity:
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
-    """All figures; pairs of kind and number are sorted from the largest."""
+    """All figures; pairs of kind and number are sorted, the largest first."""
 
     quads: int
     entities: tuple[tuple[str, int], ...]
@@ -57,20 +57,20 @@ _OF_NODES: Final = ("topics", "services", "actions", "types", "parameters")
 
 
 class Asked(Protocol):
-    """What answers queries about the whole store: a snapshot, or its columns."""
+    """A data source for queries over the whole store: a snapshot, or its columns."""
 
     def query(self, text: str, /) -> Any:
         """Return the rows of a SELECT over the union of all graphs."""
         ...
 
     def count(self) -> int:
-        """Return how many quads there are."""
+        """Return the number of quads."""
         ...
 
 
 def statistics(snapshot: Asked) -> Statistics:
     """Return the figures of a store, from a snapshot or its columns."""
-    from kg.query.connectivity import Neighbours, connectivity  # noqa: PLC0415 - numbers are loaded here
+    from kg.query.connectivity import Neighbours, connectivity  # noqa: PLC0415 - loads numpy
 
     kinds = {_text(row[0]): _text(row[1]) for row in snapshot.query(stored.internal("entities"))}
     numbers = {iri: number for number, iri in enumerate(sorted(kinds))}
@@ -93,15 +93,15 @@ def statistics(snapshot: Asked) -> Statistics:
 
 
 def _edges(snapshot: Asked, numbers: Mapping[str, int]) -> Sequence[tuple[int, int]]:
-    """Return the pairs of entities that a property relates, by their numbers."""
-    # What a launch file has for itself is named below its configuration.
+    """Return the pairs of entities related by a property, as numbers."""
+    # The entities of a launch file are named below its configuration.
     rows = ((_text(row[0]), _text(row[1])) for row in snapshot.query(stored.internal("relations")))
     places = ((numbers.get(one), numbers.get(other)) for one, other in rows if "/configuration/" not in one)
     return [(one, other) for one, other in places if one is not None and other is not None]
 
 
 def _per_node(graph: Asked) -> tuple[tuple[str, float], ...]:
-    """Return how many entities of each kind a node is related to, on average."""
+    """Return the mean number of entities of each kind that are related to a node."""
     nodes: set[tuple[str, str]] = set()
     found: Counter[str] = Counter()
     for row in graph.query(stored.internal("entities-per-node")):

@@ -1,19 +1,19 @@
-"""Queries kept as files: `queries/**/*.rq` of `kg` and of folders that users name.
+"""Stored queries in files: `queries/**/*.rq` of `kg` and of the user's folders.
 
-A file is SPARQL that runs as it stands, under a header of comments:
+A file is valid SPARQL with a header of comments:
 
     # Publishers of a topic                                     the title
     #
     # Nodes that publish a topic, with the line of code.        the description, any number of lines
     #
-    # @param topic name "/cmd_vel" the topic                    name, type, example, what it is
+    # @param topic name "/cmd_vel" the topic                    name, type, example, description
 
-A parameter is a variable of the query with a block of data, `VALUES ?topic { UNDEF }`: what stands between the
-braces is its default, `UNDEF` means that it may be left out (see `kg.query.binding`). Types are `string`, `name` (a
-ROS name; its leading slash may be left out), `integer`, `boolean` and `iri`.
+A parameter is a variable of the query with a VALUES block, `VALUES ?topic { UNDEF }`. The text between the braces is
+its default; `UNDEF` makes it optional (see `kg.query.binding`). Types are `string`, `name` (a ROS name, with or without
+its leading slash), `integer`, `boolean` and `iri`.
 
-The name of a query is its path below the folder without the ending, `explore/who-publishes`; its last part is
-enough where no other query has it. A folder `internal` holds queries that `kg` itself uses.
+The name of a query is its path in the folder without the suffix, `explore/who-publishes`. The last part is enough if it
+is unique. The folder `internal` contains queries of `kg` itself.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _HINT: Final = "Check the path."
 
 @dataclass(frozen=True, slots=True)
 class QueryParameter:
-    """A parameter of a stored query; `default` is SPARQL, None when the parameter may be left out."""
+    """A parameter of a stored query; `default` is SPARQL, None if the parameter is optional."""
 
     name: str
     type: str
@@ -50,7 +50,7 @@ class QueryParameter:
     default: str | None
 
     def term(self, value: str) -> NamedNode | Literal:
-        """Return the term that a text stands for; QueryError KG505 when it is none of the parameter's type."""
+        """Return the term for a text; QueryError KG505 if the text is not of the parameter's type."""
         try:
             return _TERMS[self.type](value)
         except ValueError as error:
@@ -84,7 +84,7 @@ _TERMS: Final[dict[str, Callable[[str], NamedNode | Literal]]] = {
 
 @dataclass(frozen=True, slots=True)
 class StoredQuery:
-    """A query with its documentation; `text` is the whole file, so that lines in errors are those of the file."""
+    """A query with its documentation; `text` is the whole file, so line numbers in errors are those of the file."""
 
     name: str
     path: Path
@@ -94,7 +94,7 @@ class StoredQuery:
     text: str
 
     def bind(self, values: Mapping[str, str]) -> dict[str, NamedNode | Literal]:
-        """Return the terms of parameters given as text; QueryError KG505 for a name that the query does not have."""
+        """Return the terms of parameters given as text; QueryError KG505 for an unknown parameter."""
         known = {parameter.name: parameter for parameter in self.parameters}
         for name in values:
             if name not in known:
@@ -108,8 +108,8 @@ def read(path: Path, name: str) -> StoredQuery:
     """Return the query in a file.
 
     Raises:
-        QueryError: KG505 when the header describes a parameter that the query does not have, or not as it should.
-        UsageError: KG001 when the file cannot be read.
+        QueryError: KG505 if the header describes an unknown parameter or is malformed.
+        UsageError: KG001 if the file cannot be read.
     """
     try:
         text = path.read_text("utf-8")
@@ -127,7 +127,7 @@ def read(path: Path, name: str) -> StoredQuery:
 
 
 def _header(text: str) -> Iterator[str]:
-    """Yield the comments at the beginning of a query, without their marks."""
+    """Yield the comment lines at the beginning of a query, without their marks."""
     for line in text.splitlines():
         if not line.startswith("#"):
             return
@@ -149,12 +149,12 @@ def _parameter(path: Path, number: int, line: str, blocks: Mapping[str, str]) ->
 
 
 def discover(folders: Iterable[Path] = ()) -> dict[str, StoredQuery]:
-    """Return the queries of `kg` and of `folders` by name, sorted; those of later folders win."""
+    """Return the queries of `kg` and of `folders` by name, sorted; later folders take precedence."""
     return {name: read(path, name) for name, path in _files(folders).items()}
 
 
 def _files(folders: Iterable[Path]) -> dict[str, Path]:
-    """Return the files of queries by name, sorted; those of later folders win."""
+    """Return the files of queries by name, sorted; later folders take precedence."""
     found: dict[str, Path] = {}
     for folder in (resources.folder("queries"), *folders):
         for path in folder.rglob("*.rq"):
@@ -165,10 +165,10 @@ def _files(folders: Iterable[Path]) -> dict[str, Path]:
 
 
 def find(name: str, folders: Iterable[Path] = ()) -> StoredQuery:
-    """Return the query called `name`, whole or by its last part.
+    """Return the query with this name, or this last part of its name.
 
     Raises:
-        UsageError: KG001 with what was probably meant, or with the queries that share the last part.
+        UsageError: KG001 with suggestions, or with the queries that share the last part.
     """
     known = _files(folders)
     same = [name] if name in known else [path for path in known if path.rpartition("/")[2] == name]
@@ -182,5 +182,5 @@ def find(name: str, folders: Iterable[Path] = ()) -> StoredQuery:
 
 
 def internal(name: str) -> str:
-    """Return the text of a query that `kg` itself uses."""
+    """Return the text of an internal query."""
     return (resources.folder("queries") / _INTERNAL / f"{name}.rq").read_text("utf-8")

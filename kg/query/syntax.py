@@ -1,4 +1,4 @@
-"""The engine's complaints about a query or an update, told with place, line and what was probably meant."""
+"""Syntax errors of the engine in queries and updates, with place, excerpt and suggestions."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ if TYPE_CHECKING:
 _POSITION = re.compile(r"error at (\d+):(\d+): expected (.*)", re.DOTALL)
 _SENTENCE = re.compile(r"(?:^|one of |, )([A-Z][a-z]+ [A-Za-z][^\[\]\"']*?)(?=, |$)")
 _BLANKS = 64
-"""More than the longest keyword."""
+"""Longer than any keyword."""
 _FORMS = ("SELECT", "CONSTRUCT", "ASK", "DESCRIBE")
 _WORDS = tuple(dict.fromkeys(word for name in (*KEYWORDS, *AGGREGATES, *FUNCTIONS) for word in name.split()))
 _ALIKE = 0.75
 _SHORTEST = 4
-"""Of shorter words nearly any other is a misspelling."""
+"""Most words look like misspellings of shorter ones."""
 _UPDATES = ("INSERT", "DELETE", "WITH", "CLEAR", "DROP", "CREATE", "ADD", "MOVE", "COPY", "LOAD")
 
 
 def syntax_error(error: SyntaxError, text: str, path: str, parse_update: Parse | None = None) -> QueryError:
-    """Return KG501 for the engine's `error` about `text`, at the place of the first token that does not fit.
+    """Return KG501 for the engine's `error` about `text`, at the place of the first unexpected token.
 
-    Of what the engine says only the sentences are kept, not what its grammar would have allowed. Two frequent
-    mistakes are told by name: undeclared prefixes and updates. For an update `parse_update` has the engine parse one
-    and raises what it raises.
+    Of the engine's message only the sentences are used, without its list of expected tokens. Two frequent mistakes have
+    messages of their own: undeclared prefixes, and updates in place of queries. For an update, `parse_update` parses it
+    with the engine and raises its errors.
     """
     found = list(tokens(text))
     special = _open_quote(found, text, path) or _undeclared(found, text, path)
@@ -72,13 +72,13 @@ def syntax_error(error: SyntaxError, text: str, path: str, parse_update: Parse |
 
 
 def keywords_meant(word: str) -> list[str]:
-    """Return the keywords and functions that a word is a misspelling of; none for one that is spelled right."""
+    """Return the keywords and functions that a word may be a misspelling of; empty if it is one."""
     typed = word.upper()
     return [] if typed in _WORDS or len(typed) < _SHORTEST else get_close_matches(typed, _WORDS, n=2, cutoff=_ALIKE)
 
 
 def _ungrouped(found: list[Token]) -> Token | None:
-    """Return the first variable of a SELECT that its GROUP BY does not have."""
+    """Return the first variable of a SELECT that is missing from its GROUP BY."""
     uses = outline(found).uses
     grouped = {use.name for use in uses if use.slot is Slot.ORDER}
     projected = (use.token for use in uses if use.slot is Slot.PROJECTION and use.name not in grouped)
@@ -90,11 +90,11 @@ def _parse_query(text: str) -> object:
 
 
 def _first_misfit(found: list[Token], text: str, reported: int, parse: Parse) -> Token | None:
-    """Return the first token that cannot stand where it stands; None when only more text is missing.
+    """Return the first unexpected token; None if the text only ends too early.
 
-    The engine compares keywords by their length and reports where a keyword that did not match would have ended, so
-    its place lies up to a keyword behind the misfit. A beginning of the query is good when the engine, given that
-    beginning, blanks longer than any keyword and a character that fits nowhere, gets as far as that character.
+    The engine compares keywords by their length and reports the place where an unmatched keyword would have ended, up
+    to a keyword after the unexpected token. So beginnings of the query are tested: one is valid if the engine, given it
+    with whitespace longer than any keyword and an invalid character, reports that character.
     """
     misfit = None
     for token in reversed([token for token in found if token.start <= reported]):
@@ -105,7 +105,7 @@ def _first_misfit(found: list[Token], text: str, reported: int, parse: Parse) ->
 
 
 def _reaches_end(beginning: str, parse: Parse) -> bool:
-    """Tell whether the engine can parse all of the `beginning` of a query or an update."""
+    """Return whether the engine can parse the whole `beginning` of a query or an update."""
     try:
         parse(beginning + " " * _BLANKS + "\0")
     except SyntaxError as error:
@@ -122,7 +122,7 @@ def _open_quote(found: list[Token], text: str, path: str) -> QueryError | None:
 
 
 def _undeclared(found: list[Token], text: str, path: str) -> QueryError | None:
-    """Return the error about the first prefix that nothing declares."""
+    """Return the error about the first undeclared prefix."""
     declared = set(PREFIXES)
     for before, token in itertools.pairwise(found):
         if before.text.lower() == "prefix" and token.kind is Kind.NAME:
@@ -139,8 +139,8 @@ def _undeclared(found: list[Token], text: str, path: str) -> QueryError | None:
 
 
 def _no_query(found: list[Token], text: str, path: str) -> QueryError | None:
-    """Return the error about a text that begins with no form of query."""
-    token = _behind_prologue(found)
+    """Return the error about a text that does not begin with a query form."""
+    token = _after_prologue(found)
     if token is None:
         return QueryError("KG501", "the query is empty", place=_behind(text, path), hint=_forms())
     if token.text.upper() in _FORMS:
@@ -153,8 +153,8 @@ def _no_query(found: list[Token], text: str, path: str) -> QueryError | None:
 
 
 def _no_update(found: list[Token], text: str, path: str) -> QueryError | None:
-    """Return the error about a text that begins with no operation of updates."""
-    token = _behind_prologue(found)
+    """Return the error about a text that does not begin with an update operation."""
+    token = _after_prologue(found)
     if token is None or token.text.upper() in _UPDATES:
         return None
     place = place_at(text, token.start, path, token.end)
@@ -169,7 +169,7 @@ def _no_update(found: list[Token], text: str, path: str) -> QueryError | None:
     return QueryError("KG501", f"an update does not begin with `{token.text}`", place=place, hint=hint)
 
 
-def _behind_prologue(found: list[Token]) -> Token | None:
+def _after_prologue(found: list[Token]) -> Token | None:
     position = 0
     while position < len(found) and found[position].text.lower() in {"prefix", "base"}:
         position += 3 if found[position].text.lower() == "prefix" else 2

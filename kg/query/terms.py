@@ -1,4 +1,4 @@
-"""Terms of a query that the store does not know: the usual reason why a query that parses finds nothing."""
+"""Terms of a query that are missing from the store: the usual reason why a valid query finds nothing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kg.store.interface import Snapshot
 
 _NOT_LOOKED_UP: Final = frozenset({"xsd", "sh"})
-"""Prefixes whose terms stand in queries but seldom in data: data types of literals, shapes."""
+"""Prefixes of terms that occur in queries but rarely in data: datatypes of literals, shapes."""
 
 _FEW: Final = 3
 _DEFINED: Final = """
@@ -25,22 +25,22 @@ SELECT DISTINCT ?term WHERE {
 
 
 class Unknown(NamedTuple):
-    """A prefixed name that occurs nowhere in the store, and the names that may have been meant."""
+    """A prefixed name that does not occur in the store, with suggestions."""
 
     token: Token
     meant: list[str]
 
 
 def unknown_terms(snapshot: Snapshot, text: str) -> list[str]:
-    """Return a sentence for each prefixed name of the query `text` that occurs nowhere in the store."""
+    """Return a sentence for each prefixed name of the query `text` that does not occur in the store."""
     found = unknown(snapshot, text)
     return [f"`{each.token.text}` is not in the store. {asked(each.meant) or ''}".strip() for each in found]
 
 
 def unknown(snapshot: Snapshot, text: str, further: Iterable[str] = ()) -> Iterator[Unknown]:
-    """Yield each prefixed name of the query `text` that occurs nowhere in the store, where it stands first.
+    """Yield each prefixed name of the query `text` that does not occur in the store, at its first occurrence.
 
-    The names suggested are those that the store defines, and those of the IRIs `further`.
+    Suggestions are names that the store defines, and those of the IRIs `further`.
     """
     known: list[str] | None = None
     for token, iri in _names(text):
@@ -53,7 +53,7 @@ def unknown(snapshot: Snapshot, text: str, further: Iterable[str] = ()) -> Itera
 
 
 def _meant(name: str, known: list[str]) -> list[str]:
-    """Return the names that one may stand for: the same behind another prefix, or alike behind the same."""
+    """Return suggestions for a name: the same local name with another prefix, or a similar one with the same prefix."""
     prefix, _, local = name.partition(":")
     elsewhere = sorted(term for term in known if term.partition(":")[2].lower() == local.lower())
     alike = similar(local, (term.partition(":")[2] for term in known if term.startswith(f"{prefix}:")))
@@ -61,7 +61,7 @@ def _meant(name: str, known: list[str]) -> list[str]:
 
 
 def _names(text: str) -> Iterator[tuple[Token, str]]:
-    """Yield each prefixed name of a known prefix once, with its IRI; names with escapes are left out."""
+    """Yield each prefixed name with a known prefix once, with its IRI; names with escapes are skipped."""
     seen = set()
     for token in tokens(text):
         prefix, _, local = token.text.partition(":")
@@ -72,7 +72,7 @@ def _names(text: str) -> Iterator[tuple[Token, str]]:
 
 
 def iris_of(text: str) -> set[str]:
-    """Return the IRIs that a query mentions, written out or as names of prefixes that it declares or that are known."""
+    """Return the IRIs in a query, in full or as names with declared or known prefixes."""
     prefixes = dict(PREFIXES)
     found = set()
     declared: str | None = None

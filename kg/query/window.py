@@ -1,4 +1,4 @@
-"""The part of an answer that is asked for, out of what is found one by one."""
+"""OFFSET and LIMIT for a stream of results."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ Item = TypeVar("Item")
 
 
 class Window(Generic[Item]):
-    """What is found behind the first `offset`, `most` of it at most, to be taken once.
+    """The items after the first `offset`, at most `most`; can be iterated once.
 
-    `count` is how many were given out so far; `more` tells, at the end, whether there were more than `most`. `tick` is
-    called at each, before it is given out, and may raise to end it.
+    `count` is the number of items yielded so far. At the end, `more` is whether there were more than `most`. `tick` is
+    called before each item is yielded, and may raise to stop.
     """
 
     def __init__(
@@ -34,7 +34,7 @@ class Window(Generic[Item]):
         self.more = False
 
     def __iter__(self) -> Iterator[Item]:
-        """Yield them; one more than `most` is looked for, to know whether there are more."""
+        """Yield the items; reads one more than `most` to detect whether there are more."""
         for item in islice(self._found, self._offset, None):
             if self.count == self._most:
                 self.more = True

@@ -1,1 +1,1 @@
-"""Finding nodes by function, inputs and outputs, and hardware; with the reasons of each hit."""
+"""Search for nodes by function, inputs and outputs, and hardware, with reasons for each hit."""

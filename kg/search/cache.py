@@ -1,7 +1,7 @@
-"""The index on disk: one file a generation, `.kg/cache/search/{generation}` (`kg.search.kept`).
+"""The index on disk: one file per generation, `.kg/cache/search/{generation}` (`kg.search.kept`).
 
-A file holds a line of JSON that describes the parts, and the parts themselves: JSON and arrays. Documents are decoded
-one by one, when a hit shows them.
+A file contains a line of JSON that describes the parts, and the parts themselves: JSON and arrays. Documents are
+decoded one by one, when a hit shows them.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ class Documents:
 
 @contextmanager
 def alone(cache: Path) -> Iterator[None]:
-    """Hold the right to build an index below the folder `cache`, which is built once, however many wait for it.
+    """Lock the right to build an index in the folder `cache`, so it is built once for all waiting processes.
 
-    In a store that one may only read everybody builds alone.
+    In a read-only store there is no lock, and each process builds its own.
     """
     try:
         (cache / _FOLDER).mkdir(parents=True, exist_ok=True)
@@ -65,7 +65,7 @@ def alone(cache: Path) -> Iterator[None]:
 
 
 def save(cache: Path, generation: str, index: Index) -> None:
-    """Write an index below the folder `cache` and remove those of other generations; OSError when it cannot be."""
+    """Write an index to the folder `cache` and delete those of other generations; OSError if it cannot be written."""
     parts = dict(_parts(index))
     names = {one: sorted(getattr(index, one).names, key=getattr(index, one).names.get) for one in _COLUMNS}
     header = _Header(names, {name: len(content) for name, content in parts.items()})
@@ -73,7 +73,7 @@ def save(cache: Path, generation: str, index: Index) -> None:
 
 
 def load(cache: Path, generation: str) -> Index | None:
-    """Return the index of a generation below the folder `cache`; None if none is usable."""
+    """Return the index of a generation from the folder `cache`; None if there is no usable one."""
     content = kept(cache / _FOLDER, generation)
     if content is None:
         return None

@@ -1,6 +1,6 @@
-"""The document of a node type: all data by which its hits are ranked and explained.
+"""Document of a node type: the data that ranks and explains its hits.
 
-The structures are msgspec's, since they are kept as JSON in the store's cache and read back at each start.
+The structures are msgspec's, because they are stored as JSON in the store's cache and decoded at each start.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import msgspec
 
 
 class Text(msgspec.Struct, array_like=True, frozen=True, gc=False):
-    """A paragraph about a node or package, and where it is; `kind` is that of `kg.facts.DescriptionKind`."""
+    """A paragraph about a node or package, with its place; `kind` is that of `kg.facts.DescriptionKind`."""
 
     text: str
     kind: str
@@ -19,7 +19,7 @@ class Text(msgspec.Struct, array_like=True, frozen=True, gc=False):
 
 
 class End(msgspec.Struct, array_like=True, frozen=True, gc=False):
-    """An interface: `role` is a key of `kg nodes --json`, `name` as the node gives it to ROS, `type` `package/Type`."""
+    """An interface: `role` is a key of `kg nodes --json`, `name` the name passed to ROS, `type` is `package/Type`."""
 
     role: str
     name: str | None
@@ -29,7 +29,7 @@ class End(msgspec.Struct, array_like=True, frozen=True, gc=False):
 
 
 class PackageDocument(msgspec.Struct, frozen=True, gc=False):
-    """A package: what its nodes share. `licenses` are names as written and those of SPDX."""
+    """A package: the data shared by its nodes. `licenses` contains names as written and SPDX names."""
 
     iri: str
     repository: str
@@ -45,9 +45,9 @@ class PackageDocument(msgspec.Struct, frozen=True, gc=False):
 
 
 class Document(msgspec.Struct, frozen=True, gc=False):
-    """A node type; `package` is the place of its package in the list of packages.
+    """A node type; `package` is the index of its package in the list of packages.
 
-    `hardware`, `functions` and `capabilities` are labels; `starts` is how often launch files start it.
+    `hardware`, `functions` and `capabilities` are labels; `starts` is the number of its starts in launch files.
     """
 
     iri: str

@@ -1,8 +1,8 @@
-"""The fields of a document, and the weight of each term in them (weights: `ontology/search.toml`).
+"""Fields of a document, and the weight of each term in them (weights: `ontology/search.toml`).
 
-Fields are combined before they are scored, as a weighted sum of how often a term is in each (Robertson, Zaragoza
-and Taylor 2004, "Simple BM25 extension to multiple weighted fields"): a term in the name counts as often as the
-weight of the name, and a long page about the whole package does not drown the one sentence about the node.
+Fields are combined before scoring, as a weighted sum of term frequencies (Robertson, Zaragoza and Taylor 2004, "Simple
+BM25 extension to multiple weighted fields"). So a term in the name counts with the weight of the name, and a long page
+about the whole package does not outweigh a single sentence about the node.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from kg.search.reading import Content
 
 _COMMON: Final = ("name", "plugin", "text", "interface", "type", "parameter", "class")
-"""What variants of a node have in common."""
+"""Fields that variants of a node share."""
 _PROSE: Final = ("manifest", "readme")
 _OFTEN: Final = 2.0
-"""However often a term stands in a field, it counts less than so many times."""
+"""Upper bound of the effect of repetitions: a term in a field counts less than this many times."""
 _SHORTEST: Final = 0.2
-"""A field counts as at least so long, beside the mean of all nodes."""
+"""Least length of a field for normalization, relative to the mean of all nodes."""
 
 
 def own_words(node: Document) -> Iterator[tuple[str, str]]:
@@ -63,7 +63,7 @@ def shared_words(package: PackageDocument) -> Iterator[tuple[str, str]]:
 
 
 def counted(texts: Iterable[tuple[str, str]]) -> dict[str, Counter[str]]:
-    """Return how often each term is in each field."""
+    """Return the frequency of each term in each field."""
     found: dict[str, Counter[str]] = {}
     for field, text in texts:
         once = {*name_terms(text), *joined(text)} if field == "name" else terms(text)
@@ -72,9 +72,9 @@ def counted(texts: Iterable[tuple[str, str]]) -> dict[str, Counter[str]]:
 
 
 def documents(content: Content, groups: Sequence[int]) -> list[dict[str, Counter[str]]]:
-    """Return the fields of each node, with how much each term counts in them.
+    """Return the fields of each node, with the weight of each term in them.
 
-    Variants of one node have each other's texts, for texts about one mean both.
+    Variants of a node share their texts, as a text about one describes both.
     """
     shared = [counted(shared_words(package)) for package in content.packages]
     own = [counted(own_words(node)) for node in content.nodes]
@@ -92,7 +92,7 @@ def documents(content: Content, groups: Sequence[int]) -> list[dict[str, Counter
 
 
 def mains(content: Content, groups: Sequence[int]) -> list[bool]:
-    """Return for each node whether what is said of its package is said of it (`kg.search.folding.is_main`)."""
+    """Return whether the texts about its package describe each node (`kg.search.folding.is_main`)."""
     members = Counter((group, node.package) for node, group in zip(content.nodes, groups, strict=True))
     sizes = Counter(node.package for node in content.nodes)
     return [
@@ -104,7 +104,7 @@ def mains(content: Content, groups: Sequence[int]) -> list[bool]:
 def worths(content: Content, groups: Sequence[int]) -> list[dict[str, float]]:
     """Return the score of each node for each term, from 0 to less than 1.
 
-    That is BM25 over fields: occurrences are weighted by field and by how long the field is, summed, then saturated.
+    This is BM25 over fields: frequencies are weighted by field and by its length, summed, then saturated.
     """
     weights, rank = lexicon().weights["fields"], lexicon().weights["rank"]
     fields = documents(content, groups)

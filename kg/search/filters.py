@@ -22,22 +22,22 @@ _TYPED: Final = {
     "calls": ("clients", "action_clients"),
 }
 _MOST: Final = 8
-"""So many values are named in an error; they fit a line."""
+"""Number of values listed in an error, to fit a line."""
 _NONE: Final = "No node has any; `kg nodes` lists the nodes."
 
 
 def wishes(filters: Mapping[str, Sequence[str]], names: Names) -> tuple[Wish, ...]:
-    """Return the wishes of filters, a kind with its values each.
+    """Return filters, values by kind, as wishes.
 
     Raises:
-        UsageError: KG701 for a type of messages or services that no node has so, KG702 for hardware, a function or a
-            capability, KG703 for a licence, a package, a kind or a version of ROS.
+        UsageError: KG701 for a type of messages or services that no node has in that role, KG702 for hardware, a
+            function or a capability, KG703 for a licence, a package, a kind or a version of ROS.
     """
     return tuple(_wish(kind, value, names) for kind, values in filters.items() for value in values)
 
 
 def known(kind: str, names: Names) -> list[str]:
-    """Return the values that a filter can have, sorted."""
+    """Return the possible values of a filter, sorted."""
     kinds = _TYPED.get(kind, (kind,))
     return sorted({name.partition(":")[2] for name in names.features if name.partition(":")[0] in kinds})
 

@@ -1,7 +1,7 @@
-"""Nodes that are the same to a user: variants of a node in its package, and copies of it in other packages.
+"""Group nodes that are equivalent to a user: variants of a node in its package, and copies of it in other packages.
 
-Variants are the program, the nodelet and the component of one thing: their names are the same without the words
-that tell the form (`EkfNodelet`, `ekf_node`), or they have the same interfaces from the same lines.
+Variants are the program, the nodelet and the component of one node. Their names are equal without the words for the
+form (`EkfNodelet`, `ekf_node`), or they have the same interfaces from the same lines.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ _FORMS: Final = frozenset({"node", "nodelet", "component", "nodes", "main", "ros
 _STARTED: Final = ("executable", "script")
 _LOADED: Final = ("nodelet", "component", "plugin")
 _LEAST: Final = 2
-"""So many interfaces in common are no chance."""
+"""Least number of shared interfaces that is not a coincidence."""
 _KINDS: Final = {"executable": 0, "script": 1, "component": 2, "nodelet": 3, "plugin": 4}
 
 
 def bare_name(name: str) -> str:
-    """Return a name without its namespace and the words that tell its form."""
+    """Return a name without its namespace and the words for its form."""
     last = name.rpartition("::")[2].rpartition("/")[2].removesuffix(".py")
     kept = [word for word in words(last) if word not in _FORMS]
     return " ".join(kept or words(last))
 
 
 def groups(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> NDArray[np.int32]:
-    """Return for each node the place of the first of its group."""
+    """Return the index of the first node of each node's group."""
     family = _families(packages)
     first: dict[tuple[object, ...], int] = {}
     found = list(range(len(nodes)))
@@ -53,10 +53,10 @@ def groups(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> ND
 
 
 def _join_wrappers(nodes: Sequence[Document], found: list[int]) -> None:
-    """Put a program that only starts a nodelet or component into its group.
+    """Add programs that only start a nodelet or component to its group.
 
-    Such a program has all interfaces of the other, from the same lines. Where several might be meant, as those that
-    have one base class are, a word that is in no rival's name has to tell which.
+    Such a program has all interfaces of the other, from the same lines. If there are several candidates, such as nodes
+    with the same base class, the right one shares a word of its name that is in no rival's name.
     """
     packages: defaultdict[int, tuple[list[int], list[int]]] = defaultdict(lambda: ([], []))
     for place, node in enumerate(nodes):
@@ -87,7 +87,7 @@ def _partner(nodes: Sequence[Document], program: int, rivals: Sequence[int], oth
 
 
 def order(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> NDArray[np.int32]:
-    """Return where each node is among nodes of the same worth: the maintained first, then what is started."""
+    """Return the rank of each node among nodes with equal scores: maintained packages first, then programs."""
 
     def key(place: int) -> tuple[object, ...]:
         node, package = nodes[place], packages[nodes[place].package]
@@ -101,16 +101,16 @@ def order(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> NDA
 
 
 def is_main(node: Document, package: PackageDocument, variants: int, others: int) -> bool:
-    """Return whether texts about a package are about this node: it is the only one, or has the package's name.
+    """Return whether texts about a package describe this node: it is the only one, or has the package's name.
 
-    `variants` nodes are one with it, itself counted, of `others` in the package.
+    `variants` is the number of its variants including itself, `others` the number of nodes in the package.
     """
     names = {bare_name(name).replace(" ", "") for name in (node.name, *node.aliases)}
     return variants == others or bare_name(package.name).replace(" ", "") in names
 
 
 def _families(packages: Sequence[PackageDocument]) -> list[int]:
-    """Return for each package the place of the first of its copies."""
+    """Return the index of the first copy of each package."""
     places = {package.iri: place for place, package in enumerate(packages)}
     found = list(range(len(packages)))
     for place, package in enumerate(packages):

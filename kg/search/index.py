@@ -1,6 +1,6 @@
-"""The index: the score of each term of a need for each node, and the nodes of each feature.
+"""The index: the score of each term for each node, and the nodes of each feature.
 
-BM25 over fields gives the worth of a term (`kg.search.fields`); a feature is what a filter asks for, such as
+BM25 over fields gives the score of a term (`kg.search.fields`). A feature is the target of a filter, such as
 `subscribes:sensor_msgs/LaserScan` or `hardware:camera`. Both are sparse columns over the nodes.
 """
 
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
     Places: TypeAlias = NDArray[np.int32]
 
 _MUCH: Final = 5.0
-"""The logarithm of as many starts as a node has that is used everywhere."""
+"""Logarithm of the number of starts of a node that is used everywhere."""
 _ENOUGH: Final = 1000
 
 
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """Sparse columns over nodes: column `i` has the nodes `rows[starts[i]:starts[i+1]]`, and values next to them."""
+    """Sparse columns over nodes: column `i` has the nodes `rows[starts[i]:starts[i+1]]`, and values in parallel."""
 
     names: Mapping[str, int]
     starts: NDArray[np.int64]
@@ -45,12 +45,12 @@ class Columns:
     values: Floats
 
     def rows_of(self, name: str) -> Places:
-        """Return the nodes of a column, none for a missing column."""
+        """Return the nodes of a column, empty for a missing column."""
         place = self.names.get(name)
         return self.rows[:0] if place is None else self.rows[self.starts[place] : self.starts[place + 1]]
 
     def value(self, name: str, row: int) -> float:
-        """Return the value of one node in a column, zero where it has none."""
+        """Return the value of one node in a column, zero if absent."""
         rows = self.rows_of(name)
         at = int(np.searchsorted(rows, row))
         if at == len(rows) or rows[at] != row:
@@ -68,22 +68,22 @@ class Columns:
 
 
 class Nodes(Protocol):
-    """The documents of nodes, in the order of their places."""
+    """The documents of nodes, in order."""
 
     def __len__(self) -> int: ...
 
     def __getitem__(self, place: int) -> Document:
-        """Return the document at a place."""
+        """Return the document at an index."""
         ...
 
 
 @dataclass(slots=True)
 class Index:
-    """Everything a search reads.
+    """All data of a search.
 
-    `names` has for each term its share of the name of a node: the shares of all terms of a name sum up to one.
-    `group` has for each node the place of the first of those that are one to a user, `order` where it is among
-    hits of the same worth, `started` how much launch files use it.
+    `names` contains the share of each term in the name of a node; the shares of a name sum up to one. `group` contains
+    the index of the first node of each node's group, `order` its rank among hits with equal scores, `started` its use
+    in launch files.
     """
 
     packages: Sequence[PackageDocument]
@@ -102,9 +102,9 @@ class Index:
         return len(self.nodes)
 
     def information(self, term: str) -> float:
-        """Return the information of a term (inverse document frequency): the fewer nodes have it, the more.
+        """Return the information of a term (inverse document frequency): rare terms have more.
 
-        A small store counts as one of `_ENOUGH` nodes, for few nodes do not show which words are rare.
+        A small store is treated as one with `_ENOUGH` nodes, because few nodes do not show which words are rare.
         """
         count = len(self.text.rows_of(term))
         return math.log(1 + (max(self.size, _ENOUGH) - count + 0.5) / (count + 0.5))
@@ -135,7 +135,7 @@ def _text(worths: Sequence[Mapping[str, float]]) -> Columns:
 
 
 def _started(nodes: Sequence[Document], group: Places) -> Floats:
-    """Return how much each node is started by launch files, from 0 for never; variants count together."""
+    """Return the use of each node in launch files, from 0 for never; variants count together."""
     total: Counter[int] = Counter()
     for node, first in zip(nodes, group.tolist(), strict=True):
         total[first] = max(total[first], node.starts)
@@ -173,7 +173,7 @@ def _features_of(
 
 
 def _shares(nodes: Sequence[Document]) -> Columns:
-    """Return what share of a node's name each term has, by how rare the term is in names."""
+    """Return the share of each term in a node's name, by its rarity in names."""
     named = [set(name_terms(bare_name(node.name))) for node in nodes]
     common: Counter[str] = Counter(term for terms in named for term in terms)
     found: defaultdict[str, dict[int, float]] = defaultdict(dict)

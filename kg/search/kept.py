@@ -1,4 +1,4 @@
-"""Files of the search in the store's cache (`kg.store.kept`), for the code and the data that write them."""
+"""Cache files of the search (`kg.store.kept`), valid for the code and the data that write them."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 _VERSION_BYTES: Final = 4
 _DATA: Final = ("search.toml", "composing.toml")
-"""Files in the folder `ontology` that what is kept depends on."""
+"""Files in the folder `ontology` that the cached content depends on."""
 
 
 def keep(folder: Path, generation: str, parts: Iterable[bytes]) -> None:
-    """Write the content of a generation to a folder, and remove that of others.
+    """Write the content of a generation to a folder, and delete that of others.
 
     Raises:
-        OSError: it could not be written; what was kept before is as it was.
+        OSError: it could not be written; the previous files are unchanged.
     """
     files.keep(folder, generation, _version(), parts)
 
@@ -34,7 +34,7 @@ def kept(folder: Path, generation: str) -> bytes | None:
 
 @cache
 def _version() -> int:
-    """Return a number for the code of this room and the data that it reads."""
+    """Return a checksum of the code of this package and its data files."""
     code = sorted(Path(__file__).resolve().parent.rglob("*.py"))
     digest = blake2b(digest_size=_VERSION_BYTES)
     for path in (*code, *(resources.folder("ontology") / name for name in _DATA)):

@@ -1,4 +1,4 @@
-"""What words mean to the search (`ontology/search.toml`): compounds, families, synonyms, words for message types."""
+"""Lexicon of the search (`ontology/search.toml`): compounds, families, synonyms, words for message types."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ FILE: Final = "search.toml"
 
 @dataclass(frozen=True, slots=True)
 class Lexicon:
-    """The tables of `ontology/search.toml`, as they are written there.
+    """The tables of `ontology/search.toml`.
 
-    `stop_words` tell nothing; `compounds` has the words of a word written as one; `families` the word that stands for
-    another; `synonyms` are groups of phrases; `types` the last parts of message types by phrase; `directions` the
-    phrases before them; `asides` the phrases that begin and end asides; `weights` those of the ranking (`fields`,
-    `rank`, `wishes`, `down`).
+    `stop_words` are insignificant; `compounds` maps closed compounds to their words, `families` words to the one that
+    represents them; `synonyms` contains groups of phrases, `types` the last parts of message types by phrase,
+    `directions` the phrases before them, `asides` the phrases that begin and end asides, and `weights` those of the
+    ranking (`fields`, `rank`, `wishes`, `down`).
     """
 
     stop_words: frozenset[str]
@@ -38,7 +38,7 @@ class Lexicon:
 
 @lru_cache(maxsize=1)
 def lexicon() -> Lexicon:
-    """Return the lexicon that `kg` ships."""
+    """Return the lexicon shipped with `kg`."""
     content = tomllib.loads((resources.folder("ontology") / FILE).read_text("utf-8"))
     return Lexicon(
         frozenset(content["stop_words"].split()),

@@ -1,4 +1,4 @@
-"""Nodes rarely meant unless named: tests, examples, demonstrations, old versions."""
+"""Nodes rarely wanted unless named: tests, examples, demonstrations, old versions."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ MARKS: Final = frozenset(
         *("legaci", "old", "debug", "benchmark"),
     )
 )
-"""Stems of words of names and folders of nodes that are rarely meant by who does not say so."""
+"""Stems of words in names and folders of nodes that are rarely wanted unless requested."""
 
 
 def marks(node: Document, package: PackageDocument) -> set[str]:
-    """Return the stems that mark a node down, of its name, its package and the folders of its file."""
+    """Return the stems that lower the rank of a node, from its name, its package and the folders of its file."""
     folders = node.path.rpartition("/")[0]
     return {term for term in terms(f"{node.name} {package.name} {folders}") if term in MARKS}

@@ -1,4 +1,4 @@
-"""What a need can be about: message types, licences, labels of hardware, functions and capabilities, and all words."""
+"""Known names for a search: message types, licences, labels of hardware, functions and capabilities, and all words."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ ROLES: Final = ("subscribes", "publishes", "services", "clients", "action_server
 
 _PIECE: Final = 2
 _LEAST_LETTERS: Final = 4
-"""A shorter word is like too many others."""
+"""Shorter words resemble too many others."""
 _ALIKE: Final = 0.75
-"""Words of which so many pieces of two letters are the same are spellings of one."""
+"""Least share of common bigrams for two spellings of one word."""
 _ENDING: Final = 2
-"""A word with so many letters more at its end may be a newer version of the other: yolox."""
+"""A word with this many extra letters at its end may be a newer version: yolox."""
 _FEW: Final = 4
 
 
 class Names:
-    """The names of the features of an index, the words of its nodes, and what they mean.
+    """Names of the features of an index, the words of its nodes, and their synonyms.
 
-    `synonyms` has for each phrase, as stems, the other phrases for the same: those of the lexicon and the labels of
+    `synonyms` maps each phrase, as stems, to other phrases for the same thing: those of the lexicon and the labels of
     each concept.
     """
 
@@ -57,16 +57,16 @@ class Names:
         return tuple(self._types[kind].get(f"{package}/{last}" if package else last, ()))
 
     def licenses(self, name: str) -> tuple[str, ...]:
-        """Return the licences whose name begins with `name`, whatever its case: BSD is any of the BSD licences."""
+        """Return the licences whose name begins with `name`, ignoring case: BSD is any of the BSD licences."""
         start = name.lower()
         return tuple(feature for known, feature in self._licenses.items() if _begins(known, start))
 
     def known(self, term: str) -> bool:
-        """Return whether a node has a term."""
+        """Return whether a node contains a term."""
         return term in self._terms
 
     def spellings(self, term: str) -> tuple[tuple[str, float], ...]:
-        """Return terms of nodes that are spelled nearly like one that none has, with how alike each is, best first."""
+        """Return terms of nodes spelled like a term that no node has, with their similarity, best first."""
         if term not in self._spellings:
             found = self._alike(term) if len(term) >= _LEAST_LETTERS else ()
             self._spellings[term] = tuple(sorted(found, key=lambda one: (-one[1], one[0]))[:_FEW])
@@ -99,7 +99,7 @@ class Names:
 
 
 def _cut(term: str) -> frozenset[str]:
-    """Return the pieces of two letters of a term, with marks at its ends."""
+    """Return the bigrams of a term, with marks at its ends."""
     marked = f"^{term}$"
     return frozenset(marked[at : at + _PIECE] for at in range(len(marked) - _PIECE + 1))
 

@@ -1,6 +1,6 @@
-"""Which question narrows hits best: the property whose values split them most evenly.
+"""Select the question that narrows the hits best: the property whose values split them most evenly.
 
-Each value that a question offers is one of a filter (`kg.search.options`), so an answer is a filter more.
+Each possible answer is the value of a filter (`kg.search.options`), so answering adds a filter.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ QUESTIONS: Final = {
     "license": "Which licence?",
     "package": "Which package?",
 }
-"""The questions by the filter that an answer sets, those first that a user can answer best."""
+"""Questions by the filter of their answers; those that are easy for users come first."""
 _MOST: Final = 6
-"""So many answers are offered, the most frequent ones."""
+"""Number of answers offered, the most frequent ones."""
 _OTHER: Final = frozenset(
     ("rosgraph_msgs/Log", "tf2_msgs/TFMessage", "tf/tfMessage", "diagnostic_msgs/DiagnosticArray")
 )
-"""Types that nodes have whatever they do."""
+"""Types that nodes have regardless of their function."""
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A question, and its answers with how many of the hits each leaves; an answer is a value of the filter `kind`."""
+    """A question, and its answers with the number of remaining hits; an answer is a value of the filter `kind`."""
 
     kind: str
     text: str
@@ -44,7 +44,7 @@ class Question:
 
 
 def question(hits: Sequence[Hit], asked: Mapping[str, object]) -> Question | None:
-    """Return the question that splits hits best; None when no question that was not `asked` yet splits them."""
+    """Return the question that splits the hits best; None if no question other than those `asked` splits them."""
     best, most = None, 0.0
     for kind, text in QUESTIONS.items():
         counts = Counter(value for hit in hits for value in set(_values(kind, hit))) if kind not in asked else Counter()
@@ -56,7 +56,7 @@ def question(hits: Sequence[Hit], asked: Mapping[str, object]) -> Question | Non
 
 
 def _split(share: float) -> float:
-    """Return the information in bits of whether a hit is of a share."""
+    """Return the information of a split into this share and the rest, in bits."""
     return -share * math.log2(share) - (1 - share) * math.log2(1 - share)
 
 

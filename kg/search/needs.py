@@ -1,6 +1,6 @@
-"""What a person asks for: words to look for, and wishes that the words of the text express.
+"""Parse a request: words to search for, and wishes expressed by the words.
 
-A wish is a preference unless the text says it as a filter does: `subscribes LaserScan`, `for ROS 2`, `BSD licensed`.
+A wish is a preference, unless the text uses the form of a filter: `subscribes LaserScan`, `for ROS 2`, `BSD licensed`.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _DISTRIBUTIONS: Final = {
     **dict.fromkeys(("foxy", "galactic", "humble", "iron", "jazzy", "kilted", "rolling"), "2"),
 }
 _NAMES: Final = "|".join(_DISTRIBUTIONS)
-# Names of distributions are words of English too: `a rolling window` and `an iron bar` name no version.
+# Names of distributions are English words too: `a rolling window` and `an iron bar` name no version.
 _DISTRIBUTION: Final = re.compile(
     rf"\bros\s?[12]?\s+(?P<behind>{_NAMES})\b"
     rf"|\b(?:for|in|on|under|with)\s+(?P<last>{_NAMES})\b(?=\s*(?:$|[,;:.!?)]|and\b|or\b))"
@@ -51,19 +51,19 @@ _LICENSED: Final = re.compile(
 _IN, _OUT, _BOTH = "in", "out", "both"
 _SIDES: Final = {_IN: ("subscribes",), _OUT: ("publishes",), _BOTH: ("subscribes", "publishes")}
 _MOST: Final = 2000
-"""So many characters of a text are read: a need is a sentence or two, and longer texts cost with their square."""
+"""Number of characters that are read: a request is a sentence or two, and the time is quadratic in the length."""
 _LONGEST: Final = 6
-"""So many words has the longest phrase of the lexicon."""
+"""Number of words of the longest phrase in the lexicon."""
 _TOLD: Final = 3
-"""Behind so many significant words, `for` begins an aside."""
+"""After this many significant words, `for` begins an aside."""
 _SHORT_NAME: Final = 2
 _OF_EVERY: Final = ("ros", "msg", "msgs")
-"""Names that tell nothing of a node."""
+"""Names that apply to every node."""
 
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
-    """Terms that are together for what was said, and how much that is worth."""
+    """Terms that together are an alternative for a wording, and the weight of it."""
 
     terms: tuple[str, ...]
     weight: float
@@ -71,10 +71,10 @@ class Alternative:
 
 @dataclass(frozen=True, slots=True)
 class Wording:
-    """A word or phrase of the need, as typed, and all the ways to say it; the first is the phrase itself.
+    """A word or phrase of the need, as typed, with all its alternatives; the first one is the phrase itself.
 
-    An `aside` is not part of the task and weighs less. `near` has the spellings that are searched for a word that no
-    node has, and a word that is `unknown` has none of its own.
+    An `aside` is not part of the task and has less weight. `near` contains the spellings searched for a word that no
+    node has; a word that is `unknown` has none.
     """
 
     text: str
@@ -85,20 +85,20 @@ class Wording:
 
     @property
     def name(self) -> bool:
-        """Whether it was typed as names are, with a capital."""
+        """Whether it was typed like a name, with a capital."""
         return any(letter.isupper() for letter in self.text)
 
     @property
     def weight(self) -> float:
-        """What the wording counts."""
+        """The weight of the wording."""
         return lexicon().weights["rank"]["aside"] if self.aside else 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """A feature that hits should have: any of `features`. A strict one leaves out all nodes without it.
+    """A feature that hits should have: any of `features`. A strict wish excludes all nodes without it.
 
-    `kind` is subscribes, publishes, ..., hardware, function, capability, ros, license; `said` the words for it.
+    `kind` is subscribes, publishes, ..., hardware, function, capability, ros, license; `said` contains its words.
     """
 
     kind: str
@@ -109,7 +109,7 @@ class Wish:
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """A need as it was understood."""
+    """A parsed need."""
 
     text: str
     wordings: tuple[Wording, ...]
@@ -117,7 +117,7 @@ class Need:
 
     @property
     def unknown(self) -> tuple[str, ...]:
-        """The words of the need that no node has, as they were typed."""
+        """The words of the need that no node has, as typed."""
         return tuple(one.text for one in self.wordings if one.unknown)
 
 
@@ -127,17 +127,17 @@ class _Token:
     word: str
     aside: bool = False
     whole: str | None = None
-    """The stem of the name that it is a part of: influxdb, of InfluxDB."""
+    """The stem of the name that contains it: influxdb, of InfluxDB."""
     typed: str = ""
 
     @property
     def name(self) -> bool:
-        """Whether a word of grammar was typed as a name: CAN."""
+        """Whether a grammatical word was typed as a name: CAN."""
         return self.typed.isupper() and len(self.typed) > _SHORT_NAME and self.word not in _OF_EVERY
 
 
 def parse(text: str, names: Names) -> Need:
-    """Parse a text into a need; `names` are those of the store. Any text gives a need, always the same."""
+    """Parse a text into a need; `names` are those of the store. Never fails, and is deterministic."""
     strict, rest = _strict(text[:_MOST], names)
     tokens = _weighed(rest)
     wishes = [*strict, *_typed(tokens, names), *_hardware(tokens, names)]
@@ -145,7 +145,7 @@ def parse(text: str, names: Names) -> Need:
 
 
 def _strict(text: str, names: Names) -> tuple[list[Wish], str]:
-    """Return the wishes that are said as filters, and the text without what is not a word to look for."""
+    """Return the wishes in the form of filters, and the text without parts that are not words to search for."""
     found: list[Wish] = []
     for match in _EXPLICIT.finditer(text):
         kind, at = _ROLES[match["role"]], match
@@ -164,14 +164,14 @@ def _strict(text: str, names: Names) -> tuple[list[Wish], str]:
 
 
 def _versions(text: str) -> list[Wish]:
-    """Return the wishes for a version of ROS; none where a text names both, as that of a bridge between them does."""
+    """Return the wishes for a version of ROS; none if a text names both, for example a bridge between them."""
     found = [(match["version"], match[0]) for match in _ROS.finditer(text)]
     for match in _DISTRIBUTION.finditer(text):
         name = match["behind"] or match["last"] or match["before"]
         found.append((_DISTRIBUTIONS[name.lower()], name))
     if len({version for version, _ in found}) > 1:
         return []
-    return [Wish("ros", (f"ros:{version}",), said, strict=True) for version, said in found]
+    return [Wish("ros", (f"ros:{version}",), words, strict=True) for version, words in found]
 
 
 @lru_cache(maxsize=1)
@@ -180,7 +180,7 @@ def _turns() -> dict[tuple[str, ...], str]:
 
 
 def _weighed(text: str) -> list[_Token]:
-    """Return the tokens of a text, with those of asides marked; an aside ends with its clause."""
+    """Return the tokens of a text, with asides marked; an aside ends with its clause."""
     found: list[_Token] = []
     for clause in re.split(r"[,;:]\s", text):
         tokens = [token for name in clause.split() for token in _tokens(name)]
@@ -200,13 +200,13 @@ def _weighed(text: str) -> list[_Token]:
 
 
 def _tokens(name: str) -> list[_Token]:
-    """Return the tokens of what is between two spaces."""
+    """Return the tokens between two spaces."""
     whole = next(iter(joined(name)), None)
     return [_Token(stem(word), word, whole=whole, typed=name.strip("\"'.,;:!?()")) for word in words(name)]
 
 
 def _turn(stems: tuple[str, ...], at: int) -> tuple[str, int]:
-    """Return what a phrase at a place begins (`[asides]` of the lexicon), if any, and how many words it has."""
+    """Return what a phrase at an index begins (`[asides]` of the lexicon), if anything, and its number of words."""
     for length in range(_LONGEST, 0, -1):
         turn = _turns().get(stems[at : at + length])
         if turn is not None:
@@ -225,7 +225,7 @@ def _cues() -> dict[tuple[str, ...], str]:
 
 
 def _matches(tokens: Sequence[_Token], known: dict[tuple[str, ...], object]) -> Iterator[tuple[int, int]]:
-    """Yield begin and end of the phrases that are known: the longest at each place, none inside of another."""
+    """Yield begin and end of known phrases: the longest at each index, without overlaps."""
     begin = 0
     stems = tuple(token.stem for token in tokens)
     while begin < len(stems):
@@ -239,9 +239,9 @@ def _matches(tokens: Sequence[_Token], known: dict[tuple[str, ...], object]) -> 
 
 
 def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
-    """Yield a wording for every significant word, once each, with the synonyms of the phrase it is in."""
+    """Yield a wording for every significant word, once each, with the synonyms of the phrase that contains it."""
     seen: set[str] = set()
-    said = {token.whole for token in tokens} | {token.stem for token in tokens}
+    typed = {token.whole for token in tokens} | {token.stem for token in tokens}
     spans = dict(_matches(tokens, names.synonyms))  # type: ignore[arg-type]  # only the keys are looked at
     end = 0
     others: tuple[tuple[str, ...], ...] = ()
@@ -251,7 +251,7 @@ def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
             others = names.synonyms.get(tuple(one.stem for one in tokens[at:end]), ())
         if token.stem not in seen and (not is_stop(token.word) or token.name):
             seen.add(token.stem)
-            yield _wording(token, [one for one in others if not said.issuperset(one)], names)
+            yield _wording(token, [one for one in others if not typed.issuperset(one)], names)
 
 
 def _wording(token: _Token, synonyms: Sequence[tuple[str, ...]], names: Names) -> Wording:
@@ -268,21 +268,21 @@ def _wording(token: _Token, synonyms: Sequence[tuple[str, ...]], names: Names) -
 
 
 def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
-    """Yield the wishes of words for message types, with the direction that the words around them give."""
+    """Yield the wishes of words for message types, with the direction from the words around them."""
     phrases = _type_phrases()
     for begin, end in _matches(tokens, phrases):  # type: ignore[arg-type]  # only the keys are looked at
         if tokens[begin].aside:
             continue
         stems = tuple(token.stem for token in tokens[begin:end])
-        said = " ".join(token.word for token in tokens[begin:end])
+        phrase = " ".join(token.word for token in tokens[begin:end])
         for kind in _SIDES.get(_side(tokens, begin, end), ()):
             features = tuple(feature for type_ in phrases[stems] for feature in names.types(kind, type_))
             if features:
-                yield Wish(kind, features, said)
+                yield Wish(kind, features, phrase)
 
 
 def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
-    """Return the direction of what is at a place: by what follows at once, else by the nearest word before."""
+    """Return the direction of a phrase: from the word directly after it, else from the nearest word before it."""
     cues = _cues()
     if end < len(tokens) and tokens[end].word in {"as", "into", "to"}:
         return _IN
@@ -297,13 +297,12 @@ def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
 def _hardware(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
     """Yield the wishes of words for hardware.
 
-    Words for functions and capabilities are in the texts of nodes: a wish for them as well was measured to change
-    nothing.
+    Words for functions and capabilities occur in the texts of nodes; measurements showed no effect of wishes for them.
     """
     for begin, end in _matches(tokens, names.concepts):  # type: ignore[arg-type]  # only the keys are looked at
         if tokens[begin].aside:
             continue
-        said = " ".join(token.word for token in tokens[begin:end])
+        phrase = " ".join(token.word for token in tokens[begin:end])
         for feature in names.concepts[tuple(token.stem for token in tokens[begin:end])]:
             if feature.startswith("hardware:"):
-                yield Wish("hardware", (feature,), said)
+                yield Wish("hardware", (feature,), phrase)

@@ -1,4 +1,4 @@
-"""The filters of `kg search`, as users see them; `kg.search.filters` applies them."""
+"""The filters of `kg search` as options; `kg.search.filters` applies them."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from typing import Final, NamedTuple
 
 
 class Filter(NamedTuple):
-    """A filter of `kg search`: its name, and what `--help` says of it."""
+    """A filter of `kg search`: its name, and its text in `--help`."""
 
     name: str
     metavar: str
     sentence: str
     code: str
-    """The code of the error about a value that no node in the store has."""
+    """The error code for a value that no node in the store has."""
 
 
 FILTERS: Final = {

@@ -1,12 +1,12 @@
-"""The worth of each node for a need, from 0 to about 1; its parts are the reasons that hits give.
+"""Score of each node for a need, from 0 to about 1; its parts are the reasons that hits show.
 
     worth = (covered + named + wishes) * prior
 
-`covered` is the share of what the need tells that the node has: each word counts by how few nodes have it, less in an
-aside, times what it is worth to the node (`kg.search.fields`) by the best of its alternatives.
-`named` is how much of the node's name was asked for: of two nodes with a voxel grid the one that has nothing else in
-its name. A wish adds its weight times its rarity to the nodes that have it. The prior marks down what is rarely meant,
-tests and examples, and prefers what launch files start. The numbers are in `ontology/search.toml`.
+`covered` is the share of the need's information that the node covers: each word has the information of its rarity, less
+in an aside, times its score in the node (`kg.search.fields`) for the best of its alternatives.
+`named` is the requested share of the node's name: of two nodes with "voxel grid" in the name, the one without other
+words wins. A wish adds its weight times its rarity to the nodes that fulfil it. The prior lowers nodes that are rarely
+wanted, tests and examples, and prefers nodes started by launch files. The numbers are in `ontology/search.toml`.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
 _RAREST: Final = 2.0
 _ABOUT: Final = ("ros", "license", "kind", "package")
-"""Filters that tell nothing of what a node does."""
+"""Filters unrelated to the function of a node."""
 _FILTERED: Final = 0.01
-"""What fulfils the filters is a hit, whatever else the words say."""
+"""Least score of nodes that fulfil the filters, whatever the words."""
 
 
 def scores(index: Index, need: Need) -> Floats:
-    """Return the worth of each node, zero for those that a strict wish leaves out."""
+    """Return the score of each node, zero for those excluded by a strict wish."""
     total = covered(index, need) + np.float32(_rank("named")) * _named(index, need) + _wished(index, need)
     asked = {term for wording in need.wordings for one in wording.alternatives for term in one.terms}
     total *= prior(index, frozenset(asked))
@@ -57,9 +57,9 @@ def covered(index: Index, need: Need) -> Floats:
 def fits(index: Index, need: Need, places: Sequence[int]) -> bool:
     """Return whether one of the best nodes covers enough of a need's information (`least` in `ontology/search.toml`).
 
-    What it covers counts less by the share of words that no node mentions; unknown names count twice, since a need is
-    about what it names. What fulfils a filter for its interface, hardware or function fits, and so does anything where
-    a need has no words.
+    Unknown words reduce the coverage by their share, unknown names by twice theirs, because a need is about what it
+    names. A node that fulfils a filter for its interface, hardware or function fits, and so does any if the need has no
+    words.
     """
     if not need.wordings or not places or any(wish.strict and wish.kind not in _ABOUT for wish in need.wishes):
         return True
@@ -74,7 +74,7 @@ def share(index: Index, need: Need, wording: Wording) -> float:
 
 
 def _information(index: Index, need: Need, wording: Wording) -> float:
-    """Return the information of a wording; of missing ones, an ordinary word has less than a name."""
+    """Return the information of a wording; an unknown ordinary word has less than an unknown name."""
     if not wording.unknown or wording.name:
         return wording.weight * index.information(_spelling(index, wording).terms[0])
     known = [index.information(_spelling(index, one).terms[0]) for one in need.wordings if not one.unknown]
@@ -84,15 +84,15 @@ def _information(index: Index, need: Need, wording: Wording) -> float:
 
 
 def _spelling(index: Index, wording: Wording) -> Alternative:
-    """Return the spelling of what was typed that nodes have: `influxdb`, where none has `influx`."""
+    """Return the spelling of a wording that nodes have: `influxdb` if none has `influx`."""
     own = [one for one in wording.alternatives if one.weight == 1.0]
     return next((one for one in own if one.terms[0] in index.text.names), own[0])
 
 
 def wording_scores(index: Index, wording: Wording) -> Floats:
-    """Return what a wording is worth to each node, from 0 to 1.
+    """Return the score of a wording for each node, from 0 to 1.
 
-    A synonym that more nodes have than the word itself tells less, and counts less by as much.
+    A synonym that is more frequent than the word itself has less information, and its score is lowered accordingly.
     """
     own = index.information(_spelling(index, wording).terms[0])
     best = np.zeros(index.size, np.float32)
@@ -119,19 +119,19 @@ def _wished(index: Index, need: Need) -> Floats:
 
 
 def gain(index: Index, wish: Wish) -> float:
-    """Return what a wish adds to the worth of a node that fulfils it: the more, the rarer that is."""
+    """Return the score that a wish adds to a node that fulfils it; rare features add more."""
     weight = lexicon().weights["wishes"].get(wish.kind, 0.0)
     return weight * _rarity(index, len(wish_rows(index, wish))) if weight else 0.0
 
 
 def wish_rows(index: Index, wish: Wish) -> np.ndarray:
-    """Return the nodes that have what is wished for."""
+    """Return the nodes that fulfil a wish."""
     columns = [index.features.rows_of(feature) for feature in wish.features]
     return np.unique(np.concatenate(columns)) if columns else np.zeros(0, np.int32)
 
 
 def _best(columns: Columns, size: int, wording: Wording) -> Floats:
-    """Return for each node the most that an alternative of a wording has of its name."""
+    """Return for each node the largest share of its name covered by an alternative of a wording."""
     best = np.zeros(size, np.float32)
     for one in wording.alternatives:
         part = sum((columns.dense(term, size) for term in one.terms), np.zeros(size, np.float32))
@@ -140,7 +140,7 @@ def _best(columns: Columns, size: int, wording: Wording) -> Floats:
 
 
 def _rarity(index: Index, count: int) -> float:
-    """Return how rare a feature is, from 0 to 1."""
+    """Return the rarity of a feature, from 0 to 1."""
     return min(_RAREST, math.log(1 + index.size / (count + 1))) / _RAREST
 
 
@@ -149,7 +149,7 @@ def _rank(name: str) -> float:
 
 
 def prior(index: Index, asked: frozenset[str]) -> Floats:
-    """Return what each node is worth whatever the need; words that were `asked` for mark nothing down."""
+    """Return the score factor of each node that is independent of the need, except that `asked` words lower no node."""
     down = lexicon().weights["down"]
     marked = np.zeros(index.size, np.bool_)
     for word in MARKS - asked:

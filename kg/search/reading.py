@@ -1,7 +1,7 @@
-"""From a snapshot of the store to documents: few large queries, a source graph at a time.
+"""Read documents from a snapshot of the store: few large queries, one source graph at a time.
 
-Joins over the union of all graphs cost many times as much, since graphs of systems and of what rules infer say more
-of interfaces than of anything else.
+Joins over the union of all graphs cost many times as much, because most triples in the graphs of systems and of
+inferences are about interfaces.
 """
 
 from __future__ import annotations
@@ -76,12 +76,12 @@ _LICENCE: Final = re.compile(
     r"|\b(?:licensed|distributed|released) under\b|\bpermitted provided\b|\bdisclaimer\b|\bmerchantability\b",
     re.IGNORECASE,
 )
-"""Texts with such words tell what may be done with the code, not what it does."""
+"""Texts with these words are about the licence, not about the function."""
 
 
 @dataclass(frozen=True, slots=True)
 class Concept:
-    """A kind of hardware, a function or a capability: its label, its other labels, and the labels of what is wider."""
+    """A kind of hardware, a function or a capability: its label, other labels, and the labels of broader concepts."""
 
     label: str
     kind: str
@@ -91,7 +91,7 @@ class Concept:
 
 @dataclass(slots=True)
 class Content:
-    """Everything of a store that can be found, and the concepts to ask for."""
+    """All documents of a store, and the concepts to search for."""
 
     packages: list[PackageDocument] = field(default_factory=list)
     nodes: list[Document] = field(default_factory=list)
@@ -252,7 +252,7 @@ class _Reading:
         return defaultdict(tuple, {key: tuple(sorted(names)) for key, names in found.items()})
 
     def _starts(self) -> Counter[str]:
-        """Return how often launch files start each node."""
+        """Return the number of starts of each node in launch files."""
         return Counter(node for _, node in rows(self.snapshot, "SELECT ?i ?n { GRAPH ?g { ?i rnkg:instanceOf ?n } }"))
 
     def _concepts(self) -> list[Concept]:
@@ -268,7 +268,7 @@ class _Reading:
         return tuple(sorted(properties.get(_ALTERNATIVE, ())))
 
     def _wider(self, iri: str) -> tuple[str, ...]:
-        """Return the labels of everything that is wider than a concept, the concept itself left out."""
+        """Return the labels of all broader concepts."""
         found: dict[str, str] = {}
         waiting = list(self.individuals[iri].get(_BROADER, ()))
         while waiting:
@@ -280,7 +280,7 @@ class _Reading:
 
 
 class _Getter:
-    """The value of a property that has one; the least of several."""
+    """Returns the value of a single-valued property; the least of several."""
 
     def __init__(self, properties: Mapping[str, list[str]]) -> None:
         self.properties = properties
@@ -298,7 +298,7 @@ def _grouped(rows: Iterable[tuple[str, ...]]) -> dict[str, Mapping[str, list[str
 
 
 def _part(node: str, part: str) -> tuple[str, str | None]:
-    """Return the kind and the name that are in the IRI of a part of a node (`kg.graph.iris.fragment`)."""
+    """Return the kind and the name in the IRI of a part of a node (`kg.graph.iris.fragment`)."""
     kind, _, name = part[len(node) + 1 :].partition("/")
     name = unquote(name.partition("@")[0]) if not name.startswith(UNKNOWN) else ""
     return kind, name or None

@@ -1,4 +1,4 @@
-"""Why a node is a hit: the parts of its worth in words, each with the line that shows it."""
+"""Reasons of a hit: the parts of its score in words, each with the line that shows it."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ _KINDS: Final = {
 }
 _CLASSES: Final = {"hardware": "works with {}", "function": "is for {}", "capability": "can {}"}
 _EXCERPT: Final = 90
-"""So many characters of a text stand in a reason."""
+"""Largest number of characters of a text in a reason."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """A part of a node's worth in words; `path` and `line` are relative to its repository, None without a line."""
+    """A part of a node's score in words; `path` and `line` are relative to its repository, None without a line."""
 
     text: str
     weight: float
@@ -58,7 +58,7 @@ class Reason:
 
 
 def reasons(index: Index, need: Need, place: int, limit: int) -> tuple[Reason, ...]:
-    """Return up to `limit` reasons why the node at a place is worth what it is, those that count most first."""
+    """Return up to `limit` reasons for the score of the node at an index, the most important first."""
     node = index.nodes[place]
     package = index.packages[node.package]
     weights = _weights(index, need, place)
@@ -66,19 +66,19 @@ def reasons(index: Index, need: Need, place: int, limit: int) -> tuple[Reason, .
     found.sort(key=lambda one: (-one.weight, one.text))
     seen: dict[str, Reason] = {}
     for one in found:
-        # `named scan` and `named scan.py` say the same twice.
+        # `named scan` and `named scan.py` are the same reason.
         seen.setdefault("named" if one.text.startswith("named ") else one.text, one)
     return tuple(seen.values())[:limit]
 
 
 def _weights(index: Index, need: Need, place: int) -> dict[str, float]:
-    """Return what each term of the need is worth for a node."""
+    """Return the score of each term of the need for a node."""
     found: dict[str, float] = {}
     for wording in need.wordings:
-        told = share(index, need, wording)
+        information = share(index, need, wording)
         for one in wording.alternatives:
             for term in one.terms:
-                value = told * one.weight * index.text.value(term, place)
+                value = information * one.weight * index.text.value(term, place)
                 found[term] = max(value, found.get(term, 0.0))
     return {term: value for term, value in found.items() if value > 0}
 
@@ -92,8 +92,8 @@ def _of_wishes(
         for end in node.ends:
             if end.role in _ROLES.get(wish.kind, (wish.kind,)) and f"{end.role}:{end.type}" in features:
                 words = terms(f"{anonymous(end.name or '')} {(end.type or '').rpartition('/')[2]}")
-                said = sum(weights.get(term, 0.0) for term in set(words))
-                yield Reason(f"{_VERBS[end.role]} {end.type}", weight + said / 2, end.path, end.line)
+                score = sum(weights.get(term, 0.0) for term in set(words))
+                yield Reason(f"{_VERBS[end.role]} {end.type}", weight + score / 2, end.path, end.line)
                 break
         labels = {"hardware": node.hardware, "function": node.functions, "capability": node.capabilities}
         if wish.kind in labels:
@@ -105,7 +105,7 @@ def _of_wishes(
 
 
 def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocument) -> Iterator[Reason]:
-    """Yield a reason for each place that the words of the need are in, and what it counts."""
+    """Yield a reason for each place that contains words of the need, with its score."""
     fields = lexicon().weights["fields"]
 
     def worth(text: str, field: str) -> float:

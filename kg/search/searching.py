@@ -1,4 +1,4 @@
-"""A search from end to end: the index of the store in force, the need, the hits with their reasons."""
+"""A complete search: the index of the current store, the need, the hits with their reasons."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 _REASONS = 5
 _DIGITS = 4
-"""Scores are compared to so many decimals, so that sums of floats in another order change nothing."""
+"""Number of decimals of compared scores, so the order of floating-point sums has no effect."""
 
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """A node that was found; `others` are variants and copies of it, best first."""
+    """A node that was found; `others` contains its variants and copies, best first."""
 
     rank: int
     score: float
@@ -43,7 +43,7 @@ class Hit:
 
     @property
     def name(self) -> str:
-        """The name that a user calls it by: of a component its class, as launch files load it."""
+        """Display name: for a component its class, as launch files load it."""
         if self.node.kind == "component" and self.node.plugin:
             return self.node.plugin.rpartition("::")[2].rpartition("/")[2]
         return self.node.name
@@ -51,9 +51,9 @@ class Hit:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The hits of a need as it was understood; `total` is the number of all hits.
+    """The hits of a need as parsed; `total` is the number of all hits.
 
-    `fits` is false where the hits are only the nearest: none covers enough of what the need tells.
+    `fits` is false if the hits are only the nearest ones: none covers enough of the need's information.
     """
 
     need: Need
@@ -63,17 +63,17 @@ class Answer:
 
 
 class Search:
-    """Searches over one index; a process that stays keeps it."""
+    """Searches in one index; long-running processes reuse it."""
 
     def __init__(self, index: Index) -> None:
         self.index = index
         self.names = Names(index.features.names, index.concepts, index.text.names)
 
     def find(self, text: str, filters: Mapping[str, Sequence[str]] | None = None, limit: int = 10) -> Answer:
-        """Return the best hits for a need in words, of which filters leave out some (`kg.search.filters`).
+        """Return the best hits for a need in words, restricted by filters (`kg.search.filters`).
 
         Raises:
-            UsageError: KG701, KG702, KG703 for the name in a filter that no node has.
+            UsageError: KG701, KG702, KG703 for a name in a filter that no node has.
         """
         given = wishes(filters or {}, self.names)
         need = parse(text, self.names)
@@ -103,7 +103,7 @@ class Search:
 
 
 def open_search(store: EmbeddedStore, indexing: Callable[[], None] | None = None) -> Search:
-    """Return the search over the generation in force; its index is read from the store's cache, or built and put there.
+    """Return the search in the current generation; its index is read from the store's cache, or built and cached.
 
     `indexing` is called before it is built, which takes seconds in a large store.
 
@@ -121,27 +121,27 @@ def open_search(store: EmbeddedStore, indexing: Callable[[], None] | None = None
 
 
 def search_of(snapshot: EmbeddedSnapshot, folder: Path) -> Search:
-    """Return the search over a snapshot that is open; `folder` is the cache of its store."""
+    """Return the search in an open snapshot; `folder` is the cache of its store."""
     index = cache.load(folder, snapshot.identity)
     return Search(_indexed(snapshot, folder) if index is None else index)
 
 
 def _indexed(snapshot: EmbeddedSnapshot, folder: Path) -> Index:
-    """Return the index of a snapshot, built now and put into the cache."""
-    from kg.search.index import build  # noqa: PLC0415 - who finds an index loads no engine
+    """Return the index of a snapshot, built now and cached."""
+    from kg.search.index import build  # noqa: PLC0415 - not needed with a cached index
     from kg.search.reading import read  # noqa: PLC0415 - the same
 
     with cache.alone(folder):
         # Another process may have built it while this one waited.
         index = cache.load(folder, snapshot.identity) or build(read(snapshot))
-        # An index that cannot be kept is built again the next time, in a store that one may only read.
+        # In a read-only store, the index is built each time.
         with suppress(OSError):
             cache.save(folder, snapshot.identity, index)
     return index
 
 
 def hit_object(hit: Hit) -> dict[str, Any]:
-    """Return a hit as `kg search --json` writes it."""
+    """Return a hit as in `kg search --json`."""
     node, package = hit.node, hit.package
     return {
         "rank": hit.rank,

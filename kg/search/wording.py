@@ -13,20 +13,20 @@ if TYPE_CHECKING:
 NEAREST: Final = "nothing here fits; nearest are"
 
 _VERBS: Final = {"services": "offers", "clients": "calls"}
-"""How kinds of wishes are said; the others go by their names."""
+"""Verbs for kinds of wishes whose name is not one."""
 _LABELLED: Final = {"hardware", "function", "capability"}
 _LONGEST_NAME: Final = 80
 
 
 def understood(need: Need) -> tuple[list[str], list[str]]:
-    """Return what words were taken for: wishes that must hold, and those that had better hold."""
+    """Return the interpretation of the words: required wishes, and preferred ones."""
     strict = dict.fromkeys(_wish_words(wish) for wish in need.wishes if wish.strict)
     rather = dict.fromkeys(_wish_words(wish) for wish in need.wishes if not wish.strict)
     return list(strict), list(rather)
 
 
 def unknown(need: Need) -> list[str]:
-    """Return sentences about the words of the need that no node has: those without, and those with near spellings."""
+    """Return sentences about the words of the need that no node has, with and without similar spellings."""
     strange = [one for one in need.wordings if one.unknown]
     found = []
     for start, words in (
@@ -39,14 +39,14 @@ def unknown(need: Need) -> list[str]:
 
 
 def near(words: str, search: Search) -> str | None:
-    """Return the question whether one of the names that are like a single word was meant."""
+    """Return a "did you mean" question with names similar to a single word; None if there are none."""
     if len(words.split()) != 1 or len(words) > _LONGEST_NAME:
         return None
     return did_you_mean(words, sorted({search.index.nodes[place].name for place in range(search.index.size)}))
 
 
 def _wish_words(wish: Wish) -> str:
-    """Return a wish in words: types as they were typed, hardware and the like by their labels."""
+    """Return a wish in words: types as typed, hardware and other concepts by their labels."""
     label = wish.features[0].partition(":")[2]
     if wish.kind == "ros":
         return f"ROS {label}"

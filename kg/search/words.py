@@ -1,6 +1,6 @@
-"""From text and identifiers to the terms that are compared: split, in lower case, without stop words, stemmed.
+"""Split text and identifiers into comparable terms: lower case, without stop words, stemmed.
 
-Stems are those of the Snowball algorithm for English (Porter 2001), so that neither a model nor a tagger is needed.
+Stems are those of the Snowball algorithm for English (Porter 2001), which needs neither a model nor a tagger.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _WORD: Final = re.compile(
     r"|[A-Z]+(?=[A-Z][a-z])"  # the XML of XMLFile
     r"|[A-Z]?[a-z]+"
     r"|[A-Z]+"
-    r"|[^\W\d_]+"  # letters of other alphabets
+    r"|[^\W\d_]+"  # letters of other scripts
     r"|\d+"
 )
 _COMPOSITE: Final = re.compile(r"[A-Za-z]+[A-Z][A-Za-z0-9]*|\b[A-Za-z]{1,4}-[A-Za-z]{2,}")
@@ -37,7 +37,7 @@ _OUR: Final = re.compile(r"(?<=...)our(?=(?:s|ed|ing)?$)")
 
 
 def words(text: str) -> Iterator[str]:
-    """Yield the words of prose or of identifiers, in lower case: `RGBDImage_sync` has rgb, d, image, synchronize."""
+    """Yield the words of prose or of identifiers, in lower case: rgb, d, image, synchronize for `RGBDImage_sync`."""
     compounds = lexicon().compounds
     for match in _WORD.finditer(text):
         word = match.group().lower()
@@ -46,15 +46,15 @@ def words(text: str) -> Iterator[str]:
 
 @lru_cache(maxsize=1 << 16)
 def stem(word: str) -> str:
-    """Return the stem of a word in lower case; words of one family have one."""
+    """Return the stem of a word in lower case; words of a family share it."""
     stemmed = _stemmed(word)
     return _families().get(stemmed, stemmed)
 
 
 def _stemmed(word: str) -> str:
-    """Return the stem of a word; British and American spellings have one.
+    """Return the stem of a word; British and American spellings share it.
 
-    Words such as `noise` are changed too, which does no harm: stems are only compared.
+    Words such as `noise` are changed too, which is harmless because stems are only compared.
     """
     if len(word) <= _SHORT:
         return word
@@ -68,17 +68,17 @@ def _families() -> dict[str, str]:
 
 
 def is_stop(word: str) -> bool:
-    """Return whether a word is insignificant: those of English grammar, and those true of every node."""
+    """Return whether a word is insignificant: a grammatical word, or one that applies to every node."""
     return word in lexicon().stop_words
 
 
 def phrase(text: str) -> tuple[str, ...]:
-    """Return the stems of all words of a text, stop words too."""
+    """Return the stems of all words of a text, including stop words."""
     return tuple(map(stem, words(text)))
 
 
 def name_terms(name: str) -> list[str]:
-    """Return the terms of an identifier, but not what it says it is without: `MarkersNoKinect` has no kinect."""
+    """Return the terms of an identifier, except those that it negates: `MarkersNoKinect` has no kinect."""
     found, skip = [], False
     for word in words(name):
         if skip:
@@ -91,12 +91,12 @@ def name_terms(name: str) -> list[str]:
 
 
 def terms(text: str) -> tuple[str, ...]:
-    """Return the terms of a text in their order, repeated as often as they are there."""
+    """Return the terms of a text in order, with repetitions."""
     return _short_terms(text) if len(text) <= _NAME else _terms(text)
 
 
 def joined(text: str) -> tuple[str, ...]:
-    """Return the stems of names that some write as one word: influxdb of InfluxDB, wifi of Wi-Fi."""
+    """Return the stems of names that may be written as one word: influxdb of InfluxDB, wifi of Wi-Fi."""
     names = (
         match.group() for match in _COMPOSITE.finditer(text) if "-" in match.group() or not match.group().isupper()
     )
@@ -108,5 +108,5 @@ def _terms(text: str) -> tuple[str, ...]:
     return (*(stem(word) for word in words(text) if not is_stop(word)), *joined(text))
 
 
-# Names of topics, types and parameters come again and again, sentences do not.
+# Names of topics, types and parameters recur, sentences do not.
 _short_terms = lru_cache(maxsize=1 << 15)(_terms)

@@ -1,7 +1,7 @@
-"""Freed memory back to the system.
+"""Return freed memory to the system.
 
-The allocator of the C library keeps what is freed, in as many pools as threads ever took from it. Loading in bulk takes
-and frees far more than stays: 250 MB of N-Triples leave 244 MB behind without `give_back`, 46 MB with it.
+The allocator of the C library retains freed memory, in a pool for each thread. Bulk loading allocates and frees much
+more than the loaded data: after 250 MB of N-Triples, 244 MB are retained without `give_back`, 46 MB with it.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from functools import cache
 from typing import Any, Final
 
 _ARENA_MAX: Final = -8
-"""The number of the setting in glibc (`M_ARENA_MAX`)."""
+"""Number of the glibc parameter `M_ARENA_MAX`."""
 _POOLS: Final = 2
 
 
 @cache
 def _library() -> Any:
-    """Return the C library where it is glibc, or else None."""
+    """Return the C library if it is glibc, else None."""
     if not sys.platform.startswith("linux"):
         return None
     library = ctypes.CDLL(None)
@@ -26,12 +26,12 @@ def _library() -> Any:
 
 
 def give_back() -> None:
-    """Give memory that is free, but held by the allocator, back to the system, where that is possible."""
+    """Return memory retained by the allocator to the system, if supported."""
     if library := _library():
         library.malloc_trim(0)
 
 
 def share_pools() -> None:
-    """Make threads that start from now on share a few pools of memory, where that is possible."""
+    """Make new threads share a few memory pools, if supported."""
     if library := _library():
         library.mallopt(_ARENA_MAX, _POOLS)

@@ -1,13 +1,13 @@
-"""Backups of a store: a folder that is a store of its own, or a file of N-Quads.
+"""Backups of a store: a folder that is itself a store, or a file of N-Quads.
 
     back_up(layout, Path("monday"))            monday/ has one generation and backup.json; `kg --store monday` reads it
-    back_up(layout, Path("monday.nq.gz"))      sorted lines; blank nodes are named by what they stand for (RDFC-1.0)
+    back_up(layout, Path("monday.nq.gz"))      sorted lines, with canonical labels of blank nodes (RDFC-1.0)
     with store.write("kg restore") as transaction:
         restore(transaction, Path("monday"))
 
-A backup holds the generation that was in force when it began, so a writer may go on meanwhile. Its folder shares the
-large files with the store where both are on one file system (hard links), which takes milliseconds. It is written
-under another name first: what has the name that was asked for is whole.
+A backup contains the generation that was current when it began, so writers are not blocked. On one file system, the
+folder shares the large files with the store (hard links), which takes milliseconds. It is written under a temporary
+name and renamed when complete.
 """
 
 from __future__ import annotations
@@ -47,16 +47,16 @@ class Backup:
 
 
 def is_file(target: Path) -> bool:
-    """Return whether the name of a backup means a file of N-Quads."""
+    """Return whether the name of a backup is that of an N-Quads file."""
     return target.name.endswith(_FILES)
 
 
 def back_up(layout: Layout, target: Path) -> Backup:
-    """Copy the content in force to `target`, a folder or a file that does not exist yet.
+    """Copy the current content to `target`, a folder or a file that must not exist.
 
     Raises:
-        StoreError: KG301 without data, KG303 for a damaged store, KG304 full disk, KG306 where it may not be written,
-            KG566 if the target exists already.
+        StoreError: KG301 without data, KG303 for a damaged store, KG304 full disk, KG306 if the target is not writable,
+            KG566 if it exists.
     """
     if target.exists():
         raise StoreError(
@@ -90,7 +90,7 @@ def _write_folder(snapshot: EmbeddedSnapshot, layout: Layout, found: Backup) -> 
 def _write_file(snapshot: EmbeddedSnapshot, path: Path, *, packed: bool) -> None:
     with path.open("wb") as file:
         if packed:
-            # Without name and time: equal content has equal bytes.
+            # Omit name and time, so equal content has equal bytes.
             with gzip.GzipFile("", "wb", mtime=0, fileobj=file) as output:
                 output.writelines(canonical(snapshot.quads()))
         else:
@@ -100,9 +100,9 @@ def _write_file(snapshot: EmbeddedSnapshot, path: Path, *, packed: bool) -> None
 
 
 def canonical(quads: Iterable[Quad]) -> list[bytes]:
-    """Return the lines of quads as N-Quads, sorted, with the labels of RDFC-1.0 for blank nodes.
+    """Return the N-Quads lines of quads, sorted, with the labels of RDFC-1.0 for blank nodes.
 
-    Equal data gives equal bytes, whatever the labels of its blank nodes. Quads without any do not affect labels.
+    Equal data gives equal bytes, whatever the original labels. Quads without blank nodes do not affect the labels.
     """
     plain: list[Quad] = []
     labelled = Dataset()
@@ -127,13 +127,13 @@ def _terms(statement: Quad | Triple) -> Iterator[object]:
 
 
 def restore(transaction: EmbeddedTransaction, source: Path) -> Backup | None:
-    """Replace the content of the store by that of a backup.
+    """Replace the content of the store with that of a backup.
 
     Returns its manifest, None for a file.
 
     Raises:
         StoreError: KG567 if it is not a backup, or incomplete.
-        GraphError: KG601 for a file that is not valid N-Quads.
+        GraphError: KG601 for invalid N-Quads.
     """
     if not source.exists():
         raise _unusable(source, "there is nothing of this name")

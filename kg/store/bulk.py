@@ -1,15 +1,14 @@
-"""Bulk transfer between the engine and bytes: tables of one graph out, N-Triples in.
+"""Bulk transfer between the engine and bytes: export tables of a graph, import N-Triples.
 
-The engine works outside of Python's lock, so two threads read, and two threads load, at the same time. What was
-measured with 100,000 triples on two processors, in seconds: reading by SELECT for each predicate as TSV 0.47 (with two
-threads 0.28), a dump as N-Triples 0.89, quads one by one 0.77; loading in one batch 1.66, in two threads 0.84 to 1.1.
-Keys are sorted in memory for each of six indexes, so that smaller batches are cheaper, until the files that each
-of them leaves behind cost more.
+The engine releases Python's lock, so two threads can read or load at a time. Times for 100,000 triples on two
+processors, in seconds: a SELECT as TSV for each predicate 0.47 (two threads: 0.28), an N-Triples dump 0.89, single
+quads 0.77; loading in one batch 1.66, in two threads 0.84 to 1.1. The engine sorts keys in memory for each of six
+indexes, which is faster for small batches, until the files that each batch creates cost more.
 
-The engine's own loading of text gives blank nodes new labels with each call, so one node of several batches or graphs
-would become several. Text with blank nodes is therefore parsed here and added as quads, which takes a tenth longer.
+On each call, the engine's own loader gives blank nodes new labels, which would split a node that occurs in several
+batches or graphs. So text with blank nodes is parsed here and added as quads, which takes 10 % longer.
 
-The engine is given as a function that returns it: in a local variable the traceback of an error would hold it open.
+The engine is passed as a function that returns it: in a local variable, the traceback of an error would keep it open.
 """
 
 from __future__ import annotations
@@ -41,19 +40,19 @@ if TYPE_CHECKING:
 
 _THREADS: Final = 2
 _LEAST_BYTES: Final = 2 << 20
-"""A batch of at least this size goes to a thread of its own."""
+"""Batches of at least this size get a thread of their own."""
 _MOST_BYTES: Final = 4 << 20
-"""The size of a batch; the engine takes several times as much. Larger ones cost as much for each triple."""
+"""Largest batch; the engine uses several times as much memory. Larger batches are not faster per triple."""
 _QUAD_BYTES: Final = 150
-"""About what a quad takes as N-Quads."""
+"""Approximate size of a quad in N-Quads."""
 _FEW: Final = 2500
-"""So many triples are added as fast one by one: a bulk load writes files for each index, whatever their size."""
+"""Up to this number, adding triples one by one is as fast: a bulk load writes files for each index at any size."""
 
 
 def table(engine: Engine, select: str, graph: NamedNode | None) -> bytes:
-    """Return the rows of a SELECT over one graph (None: the default graph) as TSV, without the line of names.
+    """Return the rows of a SELECT over one graph (None: the default graph) as TSV, without the header line.
 
-    TSV abbreviates numbers and booleans and leaves control characters as they are; see `kg.store.terms.cells`.
+    TSV abbreviates numbers and booleans and does not escape control characters; see `kg.store.terms.cells`.
     """
     rows = cast("QuerySolutions", engine().query(select, default_graph=graph or DefaultGraph()))
     text = cast("bytes", rows.serialize(format=QueryResultsFormat.TSV))
@@ -61,9 +60,9 @@ def table(engine: Engine, select: str, graph: NamedNode | None) -> bytes:
 
 
 def load(engine: Engine, graph: Graph, chunks: Iterable[bytes]) -> int:
-    """Add chunks of N-Triples that end at ends of lines to a graph, several batches at a time; return their bytes.
+    """Add chunks of N-Triples, each of whole lines, to a graph, several batches at a time; return their size in bytes.
 
-    Blank nodes keep their labels. Neither memory nor the time to notice Ctrl-C grows with the graph.
+    Blank nodes keep their labels. The memory used and the delay of Ctrl-C do not depend on the size of the graph.
     """
 
     def one(batch: bytes) -> None:
@@ -88,7 +87,7 @@ def load(engine: Engine, graph: Graph, chunks: Iterable[bytes]) -> int:
 
 
 def load_quads(engine: Engine, graphs: Mapping[NamedNode, bytes]) -> int:
-    """Add N-Triples to many graphs, as few large batches of N-Quads; return their bytes.
+    """Add N-Triples to many graphs, as a few large batches of N-Quads; return their size in bytes.
 
     Blank nodes keep their labels.
     """
@@ -105,23 +104,23 @@ def load_quads(engine: Engine, graphs: Mapping[NamedNode, bytes]) -> int:
 
 
 class Interruptible:
-    """A file for the engine to load. Its method is in Python: Ctrl-C ends a load at the next piece."""
+    """File object for the engine with a method in Python, so Ctrl-C ends a load at the next read."""
 
     def __init__(self, file: BinaryIO) -> None:
         self._file = file
 
     def read(self, size: int = -1) -> bytes:
-        """Return the next piece."""
+        """Return the next chunk."""
         return self._file.read(size)
 
 
 def _quads(graph: NamedNode, content: bytes) -> bytes:
-    """Return N-Triples as N-Quads of a graph; no literal holds the end of a line, so each ends where it seems to."""
+    """Return N-Triples as N-Quads of a graph; line ends in literals are escaped, so splitting lines is safe."""
     return content.replace(b" .\n", f" {graph} .\n".encode())
 
 
 def _placed(graph: Graph, lines: bytes) -> Iterator[Quad]:
-    """Yield N-Triples as quads of a graph; unlike the engine's own loading this keeps the labels of blank nodes."""
+    """Yield N-Triples as quads of a graph; unlike the engine's loader, this preserves labels of blank nodes."""
     for quad in parse(lines, RdfFormat.N_TRIPLES, lenient=True):
         yield Quad(quad.subject, quad.predicate, quad.object, graph)
 
@@ -137,7 +136,7 @@ def add(engine: Engine, graph: NamedNode, lines: bytes) -> None:
 def remove(engine: Engine, graph: NamedNode, lines: bytes) -> None:
     """Remove N-Triples from a graph; blank nodes are identified by their labels."""
     if BLANK_MARK not in lines:
-        # Twice as fast; but an update cannot name a blank node of the store.
+        # Twice as fast, but an update cannot refer to a blank node of the store.
         engine().update(f"DELETE DATA {{ GRAPH {graph} {{\n{lines.decode()}}} }}")
         return
     for quad in _placed(graph, lines):
@@ -145,7 +144,7 @@ def remove(engine: Engine, graph: NamedNode, lines: bytes) -> None:
 
 
 def exchange(engine: Engine, removed: Collection[Quad], added: Collection[Quad]) -> int:
-    """Take quads out and put others in; return about how many bytes were loaded in bulk."""
+    """Remove and add quads; return the approximate number of bytes loaded in bulk."""
     for quad in removed:
         engine().remove(quad)
     if len(added) <= _FEW:
@@ -156,7 +155,7 @@ def exchange(engine: Engine, removed: Collection[Quad], added: Collection[Quad])
 
 
 def _batches(chunks: Iterable[bytes]) -> Iterator[bytes]:
-    """Join small chunks, and split the rest to give both threads work."""
+    """Join small chunks, and split large ones to occupy all threads."""
     batch: list[bytes] = []
     size = 0
     for chunk in chunks:
@@ -170,7 +169,7 @@ def _batches(chunks: Iterable[bytes]) -> Iterator[bytes]:
 
 
 def _split(text: bytes) -> Iterator[bytes]:
-    """Yield text in as many parts of whole lines as keep every thread busy and no batch too large."""
+    """Split text at line ends, into enough parts to occupy all threads and none too large."""
     number = max(-(-len(text) // _MOST_BYTES), min(_THREADS, len(text) // _LEAST_BYTES), 1)
     begin = 0
     for part in range(1, number + 1):

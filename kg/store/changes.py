@@ -1,11 +1,11 @@
-r"""Changes of each generation. Graphs read before that did not change can be reused.
+r"""Changes of each generation, which show what cached graphs are still valid.
 
     .kg/changes/12      {"base": 11, "graphs": {"https://w3id.org/rnkg/graph/shared": null,
                                                 "": [["<a> <b> <c> .\n", ""]]}}
 
-The empty name is the default graph. A graph has its patches (removed, added), or null where it may
-have any content now; no graphs at all (null) means that any may have changed. The file of a generation is written
-before the generation comes into force, and removed when it is old.
+The empty name is the default graph. A graph has its patches (removed, added), or null if its new content is unknown. If
+`graphs` is null, any graph may have changed. The file of a generation is written before the generation becomes current,
+and deleted when it is old.
 """
 
 from __future__ import annotations
@@ -21,44 +21,44 @@ if TYPE_CHECKING:
 
 _KEPT: Final = 64
 _MOST_BYTES: Final = 1 << 20
-"""Patches of a generation that are larger are not kept: reading the graph is as fast."""
+"""Larger patches of a generation are not stored: reading the graph is as fast."""
 
 Patches: TypeAlias = "list[tuple[bytes, bytes]] | None"
-"""N-Triples taken out and put in, one after the other; None where that is not known."""
+"""N-Triples removed and added, in order; None if unknown."""
 
 
 class Changes:
-    """Changes: `graphs` has the patches of each changed graph, and is None if any graph may have changed."""
+    """Changes: `graphs` maps each changed graph to its patches, and is None if any graph may have changed."""
 
     def __init__(self, graphs: dict[str, Patches] | None = None) -> None:
         self.graphs: dict[str, Patches] | None = {} if graphs is None else graphs
 
     @classmethod
     def unknown(cls) -> Changes:
-        """Return the changes of something that may have written anything."""
+        """Return unknown changes of any graph."""
         found = cls()
         found.graphs = None
         return found
 
     def forget(self) -> None:
-        """Note that any graph may have changed."""
+        """Record that any graph may have changed."""
         self.graphs = None
 
     def replace(self, *graphs: str) -> None:
-        """Note that some graphs have a content that is not known."""
+        """Record that graphs have unknown new content."""
         if self.graphs is not None:
             self.graphs.update(dict.fromkeys(graphs))
 
     def clear(self, *graphs: str) -> None:
-        """Note that some graphs were emptied."""
+        """Record that graphs were cleared."""
         self.replace(*graphs)
 
-    def load(self, graph: str, lines: bytes) -> None:  # noqa: ARG002 - for those who keep them
-        """Note that N-Triples were added to a graph, more than are kept here."""
+    def load(self, graph: str, lines: bytes) -> None:  # noqa: ARG002 - for subclasses that store them
+        """Record that N-Triples were added to a graph, without storing them."""
         self.replace(graph)
 
     def patch(self, graph: str, removed: bytes, added: bytes) -> None:
-        """Note that triples were taken out of a graph, and then others put in."""
+        """Record that triples were removed from a graph, and then others added."""
         if self.graphs is None:
             return
         patches = self.graphs.setdefault(graph, [])
@@ -66,7 +66,7 @@ class Changes:
             patches.append((removed, added))
 
     def follow(self, later: Changes) -> None:
-        """Add changes that came after these."""
+        """Append later changes."""
         if later.graphs is None:
             self.graphs = None
         for name, patches in (later.graphs or {}).items():
@@ -76,7 +76,7 @@ class Changes:
                 self.patch(name, removed, added)
 
     def record(self, layout: Layout, generation: int, base: int | None) -> None:
-        """Record the changes of `generation` relative to `base`; OSError when they cannot be written."""
+        """Write the changes of `generation` relative to `base`; OSError if they cannot be written."""
         folder = _folder(layout)
         folder.mkdir(parents=True, exist_ok=True)
         graphs = None if self.graphs is None else {name: _written(found) for name, found in self.graphs.items()}

@@ -1,12 +1,12 @@
-"""The store on this machine: generations of a RocksDB database, of which a pointer names the one in force.
+"""The local store: generations of a RocksDB database, and a pointer to the current one.
 
     store = EmbeddedStore.find(Path.cwd())
     with store.read() as snapshot: ...
     with store.write("kg build src") as transaction: ...
 
-Readers never wait and never see half a change: they hold the generation that was in force when they began. A
-writer works on a new generation; killed at any moment it leaves a folder that nothing points to, which the next
-writer removes.
+Readers never wait and never see partial changes: they hold the generation that was current when they began. A
+writer creates a new generation. If it is killed, it leaves a folder without a pointer to it, which the next
+writer deletes.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class EmbeddedStore:
-    """A store in a folder of this machine; see `kg.store.interface.QuadStore`."""
+    """A store in a local folder; see `kg.store.interface.QuadStore`."""
 
     def __init__(self, layout: Layout) -> None:
         self.layout = layout
@@ -39,14 +39,14 @@ class EmbeddedStore:
 
     @classmethod
     def create(cls, root: Path) -> EmbeddedStore:
-        """Return the store whose folder (`.kg`) is `root`, made when it does not exist."""
+        """Return the store whose folder (`.kg`) is `root`, created if missing."""
         return cls(layouts.create(root))
 
     def read(self) -> EmbeddedSnapshot:
-        """Return the content in force; a context manager, closed at the end of its `with` statement.
+        """Return the current content; a context manager that closes it.
 
         Raises:
-            StoreError: KG301 without data, KG303 damaged, KG305 of another layout.
+            StoreError: KG301 without data, KG303 damaged, KG305 unknown layout.
         """
         return EmbeddedSnapshot(self.layout)
 
@@ -55,8 +55,8 @@ class EmbeddedStore:
         """Begin a transaction; `command` is the running command in errors of other writers.
 
         Raises:
-            StoreError: KG302 while another process writes, KG304 when the disk fills up, KG306 when the folder
-                cannot be written, KG303 and KG305 as `read`.
+            StoreError: KG302 while another process writes, KG304 if the disk fills up, KG306 if the folder
+                is not writable, KG303 and KG305 as `read`.
         """
         with writer(self.layout, command):
             remove_unused(self.layout)

@@ -1,7 +1,7 @@
 """Failures of the disk and of the engine, as errors of `kg`.
 
-The engine (RocksDB under Oxigraph) reports through `OSError` and `RuntimeError` with a text; the text is the only
-place that shows a full disk or a damaged file.
+The engine (RocksDB in Oxigraph) raises `OSError` and `RuntimeError`; only their text reveals a full disk or a damaged
+file.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def is_of_store(error: Exception) -> TypeGuard[OSError | RuntimeError]:
 def store_error(error: OSError | RuntimeError, path: str) -> StoreError:
     """Return the error of `kg` for a failure at the store `path`.
 
-    KG304 is a full disk, KG306 a path that cannot be written or is not a folder, KG303 all else.
+    KG304 is a full disk, KG306 a path that is not writable or not a folder, KG303 anything else.
     """
     text = str(error)
     number = error.errno if isinstance(error, OSError) else None

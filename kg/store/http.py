@@ -1,7 +1,7 @@
-"""One request to a SPARQL server and its answer, over HTTP; failures are raised as errors of `kg`.
+"""HTTP requests to a SPARQL server; failures are raised as errors of `kg`.
 
-A request is sent again only where the server cannot have seen it, or where seeing it twice changes nothing: an
-update that mints blank nodes must not run twice.
+A request is only retried if the server cannot have received it, or if it is idempotent: an update that creates blank
+nodes must not run twice.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _LONGEST_LINE: Final = 300
 _LOGIN: Final = "Set KG_REMOTE_USER and KG_REMOTE_PASSWORD, or KG_REMOTE_TOKEN."
 _ANYTHING: Final = "*/*"
 _IN_MEMORY: Final = 16 << 20
-"""Bytes of an answer; a larger one goes to a temporary file."""
+"""Largest response in memory, in bytes; a larger one goes to a temporary file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,30 +42,30 @@ class Answer:
 
 
 class _NoRedirects(urllib.request.HTTPRedirectHandler):
-    """A redirected POST would arrive as a GET and change nothing; it is reported instead."""
+    """Reports redirects as errors: a redirected POST would arrive as a GET and change nothing."""
 
     def redirect_request(self, *_: object) -> None:
         return None
 
 
 class Endpoint:
-    """One address of a server; user name and password in it are sent as Basic authentication and never shown.
+    """Address of a server; its user name and password are sent as Basic authentication and never shown.
 
     Raises:
-        StoreError: KG225 when the address is not one of http or https.
+        StoreError: KG225 if the scheme of the address is not http or https.
     """
 
     def __init__(self, address: str, *, timeout: float = 60.0, from_environment: bool = False) -> None:
-        """`timeout` is how many seconds the server may be silent.
+        """`timeout` is how long the server may be silent, in seconds.
 
-        `from_environment` sends what `KG_REMOTE_TOKEN`, or `KG_REMOTE_USER` and `KG_REMOTE_PASSWORD`, hold.
+        `from_environment` sends the credentials in `KG_REMOTE_TOKEN`, or `KG_REMOTE_USER` and `KG_REMOTE_PASSWORD`.
         """
         self.timeout = timeout
         self._from_environment = from_environment
         parts = urlsplit(address)
         host = parts.netloc.rpartition("@")[2]
         self.shown = urlunsplit((parts.scheme, host, parts.path, "", ""))
-        """The address as messages have it: without credentials and without parameters, which may hold keys."""
+        """Address for messages, without credentials and without parameters, which may contain keys."""
         if parts.scheme not in {"http", "https"} or not host:
             hint = "Give an address such as http://localhost:7878/query."
             raise StoreError("KG225", "this is not the address of a server", place=Place(self.shown), hint=hint)
@@ -108,13 +108,13 @@ class Endpoint:
             raise self._unreachable(error, self.timeout) from error
 
     def post(self, fields: Mapping[str, str], *, accept: str = _ANYTHING, timeout: float | None = None) -> Answer:
-        """Send the fields of a form, which every server understands, and return the answer.
+        """Send the fields of a form, which every server accepts, and return the response.
 
-        Virtuoso waits for ever for a body that is a query by itself, the other way of the protocol. What accepts an
-        answer is a query and is sent again when the connection broke half way; an update is not.
+        Virtuoso hangs on a body that is a plain query, the alternative of the protocol. A request with `accept` is a
+        query, and is retried if the connection broke before the response; an update is not.
 
         Raises:
-            StoreError: KG225 with the status and the first line of the server's words, or why there is no connection.
+            StoreError: KG225 with the status and the first line of the server's message, or the reason of the failure.
         """
         headers = {**self._headers, "Content-Type": "application/x-www-form-urlencoded", "Accept": accept}
         request = urllib.request.Request(self._url, urlencode(fields).encode(), headers, method="POST")  # noqa: S310 - http or https, see __init__
@@ -133,7 +133,7 @@ class Endpoint:
 
     def _send(self, request: urllib.request.Request, timeout: float) -> Answer:
         with self._opener.open(request, timeout=timeout) as response:
-            body = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the answer
+            body = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the response
             shutil.copyfileobj(response, body)
             body.seek(0)
             return Answer(response.headers.get_content_type(), cast("IO[bytes]", body))
@@ -143,7 +143,7 @@ class Endpoint:
             line = _first_line(error.read(1 << 16))
         if error.code in {401, 403}:
             hint = _LOGIN if self._from_environment else "Give user and password as http://USER:PASSWORD@HOST/."
-        elif 300 <= error.code < 400:  # noqa: PLR2004 - redirections of HTTP
+        elif 300 <= error.code < 400:  # noqa: PLR2004 - HTTP redirections
             hint = "Give the address that the server answers at itself; redirections are not followed."
         elif error.code in {404, 405}:
             hint = "Check the address: servers have one for queries and one for updates."
@@ -164,9 +164,9 @@ class Endpoint:
 
 
 def _credentials(scheme: str, host: str) -> dict[str, str]:
-    """Return the header with the credentials of the environment for the server that the owner named.
+    """Return the authorization header from the environment, for the server that the user named.
 
-    It is not sent unencrypted to another machine.
+    Credentials are not sent unencrypted to another machine.
     """
     token = os.environ.get("KG_REMOTE_TOKEN")
     user = os.environ.get("KG_REMOTE_USER")
@@ -185,7 +185,7 @@ def _basic(user: str, password: str) -> str:
 
 
 def _unsent(error: OSError | HTTPException) -> bool:
-    """Return whether the server cannot have seen the request: there was no connection."""
+    """Return whether the server cannot have received the request, as there was no connection."""
     return isinstance(error, URLError) and isinstance(error.reason, ConnectionRefusedError)
 
 

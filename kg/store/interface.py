@@ -1,7 +1,7 @@
-"""Interface of stores of quads, embedded or remote.
+"""Interface of quad stores, local or remote.
 
-Terms and results are pyoxigraph's: they are plain values, and a remote store can make them from what a SPARQL
-server answers (`pyoxigraph.parse_query_results`).
+Terms and results are those of pyoxigraph: they are plain values, and a remote store can parse them from the responses
+of a SPARQL server (`pyoxigraph.parse_query_results`).
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 
 class Snapshot(Protocol):
-    """The content of a store at one moment; it does not change while it is held."""
+    """Content of a store at one time; it does not change while the snapshot is open."""
 
     @property
     def identity(self) -> str:
-        """Identifier of this content among all of the same store."""
+        """Identifier of this content, unique in the store."""
         ...
 
     def query(
@@ -35,7 +35,7 @@ class Snapshot(Protocol):
         ...
 
     def count(self, graph: NamedNode | None = None) -> int:
-        """Return how many quads a graph holds, or the whole store."""
+        """Return the number of quads in a graph, or in the whole store."""
         ...
 
     def dump(
@@ -53,7 +53,7 @@ class Transaction(Protocol):
     """Changes that take effect together or not at all."""
 
     def replace_graphs(self, graphs: Mapping[NamedNode, Iterable[bytes]]) -> None:
-        """Give each named graph a new content, as chunks of N-Triples that end at ends of lines."""
+        """Replace the content of each named graph by chunks of N-Triples, each of whole lines."""
         ...
 
     def append(self, graph: NamedNode, triples: bytes) -> None:
@@ -61,11 +61,11 @@ class Transaction(Protocol):
         ...
 
     def drop_graph(self, graph: NamedNode) -> None:
-        """Remove a graph with all it holds."""
+        """Remove a graph and its content."""
         ...
 
     def load_file(self, path: Path, rdf_format: RdfFormat | None = None, *, graph: NamedNode | None = None) -> None:
-        """Add the content of a file of RDF."""
+        """Add the content of an RDF file."""
         ...
 
     def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
@@ -74,12 +74,12 @@ class Transaction(Protocol):
 
 
 class QuadStore(Protocol):
-    """A place where quads are kept."""
+    """A store of quads."""
 
     def read(self) -> AbstractContextManager[Snapshot]:
-        """Return the content in force, to be used in a `with` statement."""
+        """Return the current content, for a `with` statement."""
         ...
 
     def write(self, command: str) -> AbstractContextManager[Transaction]:
-        """Begin a transaction that takes effect at the end of the `with` statement unless its body raises."""
+        """Begin a transaction that commits at the end of the `with` statement unless its body raises."""
         ...

@@ -1,7 +1,7 @@
-"""Files in the store's cache: one of a kind, for one content of the store, checked before it is used.
+"""Checked files in the store's cache: one per folder, for one generation of the store.
 
-A file that is damaged, or that other code or other data wrote, counts as missing: the caller computes its content
-again. Nothing in such a file is run, for its readers decode JSON and arrays of numbers only.
+A file that is damaged, or of other code or other data, counts as missing: the caller computes its content again. Such
+files are safe to read, because they only contain JSON and arrays of numbers.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ _CHECKSUM_BYTES: Final = 4
 
 
 def keep(folder: Path, generation: str, version: int, parts: Iterable[bytes]) -> None:
-    """Write what belongs to a generation into a folder, and remove what belongs to others.
+    """Write the cache file of a generation into a folder, and delete those of other generations.
 
-    `version` is another number for other code that computes it, of at most 32 bits.
+    `version` is a number of at most 32 bits that changes with the code that computes the content.
 
     Raises:
-        OSError: it could not be written; what was kept before is as it was.
+        OSError: it could not be written; the previous files are unchanged.
     """
     folder.mkdir(parents=True, exist_ok=True)
     body = b"".join(parts)
@@ -37,7 +37,7 @@ def keep(folder: Path, generation: str, version: int, parts: Iterable[bytes]) ->
 
 
 def kept(folder: Path, generation: str, version: int) -> bytes | None:
-    """Return what was kept for a generation; None where that is nothing, or nothing that can be used."""
+    """Return the cached content for a generation; None if it is missing or invalid."""
     try:
         content = (folder / generation).read_bytes()
     except OSError:
@@ -47,5 +47,5 @@ def kept(folder: Path, generation: str, version: int) -> bytes | None:
 
 
 def _checksum(body: bytes, version: int) -> bytes:
-    """Return a checksum of a content that is another one for another version."""
+    """Return a checksum of a content and its version."""
     return zlib.crc32(body, version).to_bytes(_CHECKSUM_BYTES, "little")

@@ -1,15 +1,15 @@
-"""The folder of a store: its layout, how it is found, and the pointer to the generation in force.
+"""Layout of a store's folder, its discovery, and the pointer to the current generation.
 
     .kg/current          pointer: {"layout": 1, "generation": 12}; replaced atomically, never edited
-    .kg/store/12/        one generation: a RocksDB database that does not change any more
-    .kg/writer.lock      held by the one process that writes
+    .kg/store/12/        one generation: a RocksDB database that is never changed
+    .kg/writer.lock      locked by the process that writes
     .kg/cache/           results of extraction (`kg.pipeline.cache`)
     .kg/cache/answers/   figures and lists of a generation (`kg.views.answers`)
-    .kg/cache/columns/   what the last run of rules read and inferred (`kg.rules.memory`)
+    .kg/cache/columns/   input and output of the last run of rules (`kg.rules.memory`)
     .kg/changes/         which graphs each generation changed (`kg.store.changes`)
     .kg/checkouts/       clones of git addresses
 
-The number of a generation is the identity of a snapshot: it never stands for two contents.
+The number of a generation is the identity of a snapshot, and is never reused.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ FOLDER: Final = ".kg"
 """Name of the folder of a store."""
 
 LAYOUT: Final = 1
-"""Version of what this module describes; a store of another version is refused (KG305)."""
+"""Version of this layout; a store of another version is refused (KG305)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The paths of one store; `root` is the `.kg` folder itself."""
+    """Paths of one store; `root` is the `.kg` folder itself."""
 
     root: Path
 
     @property
     def pointer(self) -> Path:
-        """The file that names the generation in force."""
+        """The file that names the current generation."""
         return self.root / "current"
 
     @property
@@ -52,7 +52,7 @@ class Layout:
 
     @property
     def lock(self) -> Path:
-        """The file that the writer holds locked."""
+        """The lock file of the writer."""
         return self.root / "writer.lock"
 
     @property
@@ -70,16 +70,16 @@ class Layout:
         return self.generations / str(number)
 
     def numbers(self) -> list[int]:
-        """Return the numbers of all generations that have a folder, in force or not."""
+        """Return the numbers of all generations that have a folder, current or not."""
         if not self.generations.is_dir():
             return []
         return sorted(int(entry.name) for entry in self.generations.iterdir() if entry.name.isdigit())
 
     def current(self) -> int | None:
-        """Return the generation in force, None before the first one.
+        """Return the current generation, None before the first one.
 
         Raises:
-            StoreError: KG303 when the pointer cannot be read, KG305 when another layout wrote it.
+            StoreError: KG303 if the pointer is malformed, KG305 if it has another layout.
         """
         place = Place(str(self.pointer))
         try:
@@ -97,31 +97,31 @@ class Layout:
         return generation
 
     def in_force(self) -> int | None:
-        """Return the generation in force, None without one or if its data is gone; raises as `current`."""
+        """Return the current generation, None if there is none or its data is gone; raises as `current`."""
         number = self.current()
         while number is not None and not self.generation(number).is_dir():
-            # A writer may have put another one in force, and removed this one, since the pointer was read.
+            # A writer may have replaced and deleted this generation after the pointer was read.
             missing, number = number, self.current()
             if number == missing:
                 return None
         return number
 
     def switch(self, generation: int) -> None:
-        """Put `generation` in force, durably and in one step."""
+        """Make `generation` the current one, durably and atomically."""
         content = json.dumps({"layout": LAYOUT, "generation": generation}).encode()
         write_atomically(self.pointer, content + b"\n")
 
 
 def write_atomically(path: Path, content: bytes | Callable[[BinaryIO], None], *, durable: bool = True) -> None:
-    """Replace `path` by `content` atomically: any reader, and any crash, leaves the old bytes or the new ones.
+    """Replace the content of `path` atomically: readers, also after a crash, see the old bytes or the new ones.
 
-    A function writes its content to the file that it gets, which can be read too. Without `durable` a loss of power may
-    leave other bytes, for files whose content is checked.
+    A function writes its content to the file it receives, which is also readable. Without `durable`, a power failure
+    may leave other bytes, for files whose content is checked.
 
     Raises:
-        OSError: the temporary file could not be written; `path` is as it was.
+        OSError: the temporary file could not be written; `path` is unchanged.
     """
-    # Threads, and processes of two containers, may write the same file at the same time under one process number.
+    # Threads, and processes in two containers with the same process ID, may write the same file at the same time.
     temporary = path.with_name(f"{path.name}.{os.getpid()}-{os.urandom(4).hex()}.tmp")
     try:
         with temporary.open("w+b") as file:
@@ -149,7 +149,7 @@ def _sync_folder(path: Path) -> None:
 
 
 def user_cache() -> Path:
-    """Return the folder for stores that nobody named, which may be deleted: below `$XDG_CACHE_HOME` or `~/.cache`."""
+    """Return the folder for unnamed stores, which may be deleted: in `$XDG_CACHE_HOME` or `~/.cache`."""
     given = Path(os.environ.get("XDG_CACHE_HOME", ""))
     return (given if given.is_absolute() else Path.home() / ".cache") / "kg"
 
@@ -158,7 +158,7 @@ def find(start: Path) -> Layout:
     """Return the store of the folder `start` or of the nearest folder above it.
 
     Raises:
-        StoreError: KG301 with the folders that were searched.
+        StoreError: KG301 with the searched folders.
     """
     start = start.absolute()
     searched = [start, *start.parents]
@@ -173,7 +173,7 @@ def create(root: Path) -> Layout:
     """Return the store whose folder is `root`, created if missing; version control ignores it.
 
     Raises:
-        StoreError: KG304 when the disk is full, KG306 when the folder may not be made there.
+        StoreError: KG304 if the disk is full, KG306 if the folder cannot be created.
     """
     layout = Layout(root.absolute())
     with translated(str(layout.root)):
@@ -185,7 +185,7 @@ def create(root: Path) -> Layout:
 
 
 def folder_bytes(folder: Path) -> int:
-    """Return how large the files in a folder are, while a database may be removing some of them."""
+    """Return the total size of the files in a folder, even while a database deletes some."""
     size = 0
     for path in folder.iterdir():
         with suppress(FileNotFoundError):

@@ -1,6 +1,6 @@
-"""Locks of a store: one writer at a time, and readers that keep their generation from being removed.
+"""Locks of a store: one writer at a time, and readers that protect their generation from deletion.
 
-All are `flock` locks: they belong to an open file, so the end of a process, however it comes, frees them.
+All are `flock` locks. They belong to an open file, so the system releases them when the process exits.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _PATIENCE: Final = 2.0
 _PAUSE: Final = 0.01
-"""Seconds: how long is waited for a lock that nobody who lives has written a name to, and how often is looked."""
+"""Seconds: total wait for a lock without a live owner on record, and the interval of the attempts."""
 
 
 @contextmanager
@@ -33,12 +33,12 @@ def writer(layout: Layout, command: str) -> Iterator[None]:
     """Hold the write lock of the store while the body runs; `command` is the running command in errors of others.
 
     Raises:
-        StoreError: KG302 naming process, command and start of the one that writes.
+        StoreError: KG302 with process, command and start time of the current writer.
     """
     with translated(str(layout.root)):
         file = layout.lock.open("a+")
     with file:
-        _take(file.fileno(), layout)
+        _acquire(file.fileno(), layout)
         file.truncate(0)
         since = datetime.now(UTC).astimezone().isoformat(timespec="seconds")
         file.write(json.dumps({"pid": os.getpid(), "command": command, "since": since}))
@@ -47,22 +47,22 @@ def writer(layout: Layout, command: str) -> Iterator[None]:
             yield
         finally:
             file.truncate(0)
-            # Closing would leave it held where a process was forked that has not closed its copy yet.
+            # Closing the file is not enough: a forked process may still have a copy open.
             fcntl.flock(file, fcntl.LOCK_UN)
 
 
-def _take(handle: int, layout: Layout) -> None:
-    """Take the lock of the writer.
+def _acquire(handle: int, layout: Layout) -> None:
+    """Acquire the lock of the writer.
 
-    Who writes is named in the file. A lock without such a name is let go of in a moment: somebody looks whether it is
-    free, or a worker of one that was killed has not closed its copy yet.
+    The file names its owner. A lock without a named owner is released soon: another process only tests it, or a worker
+    of a killed writer still has a copy open.
     """
     end = time.monotonic() + _PATIENCE
     while True:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            if _lives(_holder(layout)) or time.monotonic() > end:
+            if _is_alive(_holder(layout)) or time.monotonic() > end:
                 raise _busy(layout) from error
         else:
             return
@@ -70,7 +70,7 @@ def _take(handle: int, layout: Layout) -> None:
 
 
 def busy(layout: Layout) -> StoreError | None:
-    """Return the error that a writer would meet now because another one is at work, None when the way is free."""
+    """Return the error that a writer would get now because another one is active, else None."""
     try:
         with layout.lock.open() as file:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
@@ -82,7 +82,7 @@ def busy(layout: Layout) -> StoreError | None:
 
 
 def _holder(layout: Layout) -> dict[str, Any] | None:
-    """Return the record that the writer left in the file; None if there is none."""
+    """Return the writer's record in the lock file, or None."""
     try:
         found = json.loads(layout.lock.read_text())
     except (OSError, ValueError):
@@ -90,8 +90,8 @@ def _holder(layout: Layout) -> dict[str, Any] | None:
     return found if isinstance(found, dict) and {"pid", "command", "since"} <= found.keys() else None
 
 
-def _lives(holder: dict[str, Any] | None) -> bool:
-    """Return whether the process that is named is there."""
+def _is_alive(holder: dict[str, Any] | None) -> bool:
+    """Return whether the process on record exists."""
     if holder is None or not isinstance(holder["pid"], int):
         return False
     try:
@@ -113,10 +113,10 @@ def _busy(layout: Layout) -> StoreError:
 
 
 def hold_generation(layout: Layout) -> tuple[int, int]:
-    """Return the generation in force and an open file whose closing releases it.
+    """Return the current generation, and an open file that protects it until closed.
 
     Raises:
-        StoreError: KG301 if nothing was ever written, KG303 if the generation in force is gone.
+        StoreError: KG301 if nothing was ever written, KG303 if the current generation is missing.
     """
     while True:
         number = layout.current()
@@ -140,7 +140,7 @@ def _hold(folder: Path) -> int | None:
     except FileNotFoundError:
         return None
     fcntl.flock(handle, fcntl.LOCK_SH)
-    # The writer may have removed the folder between the opening and the lock.
+    # The writer may have deleted the folder between opening and locking it.
     if folder.exists() and os.fstat(handle).st_ino == folder.stat().st_ino:
         return handle
     os.close(handle)
@@ -148,9 +148,9 @@ def _hold(folder: Path) -> int | None:
 
 
 def remove_unused(layout: Layout) -> None:
-    """Remove every generation that is neither in force nor held by a reader; only the writer may call this.
+    """Delete every generation that is not current and not held by a reader; only for the writer.
 
-    Temporary files of a killed writer are removed too.
+    Temporary files of a killed writer are deleted too.
     """
     for left in layout.root.glob("*.tmp"):
         left.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""Which store is worked on: the one named by the settings, else the nearest `.kg` in this folder or above."""
+"""Select the store: the one named by the settings, else the nearest `.kg` in this folder or above."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _PATIENT_SECONDS: Final = 3600.0
-"""How long a server may be silent where queries have no deadline."""
+"""How long a server may be silent if queries have no deadline, in seconds."""
 
 
 def layout_of(settings: Settings) -> Layout:
-    """Return the layout of the store in force; StoreError KG301 if there is none, KG309 for one on a server.
+    """Return the layout of the selected store; StoreError KG301 if there is none, KG309 for one on a server.
 
-    No engine is loaded.
+    Does not load the engine.
     """
     from kg.store.layout import FOLDER, Layout, find  # noqa: PLC0415 - start-up time
 
@@ -34,23 +34,23 @@ def layout_of(settings: Settings) -> Layout:
     inner = settings.store / FOLDER
     root = inner if inner.is_dir() else settings.store
     if not root.is_dir():
-        from kg.errors import StoreError  # noqa: PLC0415 - with the branch that needs it
+        from kg.errors import StoreError  # noqa: PLC0415 - only in this branch
 
         raise StoreError("KG301", f"no store at {settings.store} ({settings.origin('store')})")
     return Layout(root.absolute())
 
 
 def remote_refusal(address: str) -> StoreError:
-    """Return the error of a command that a SPARQL server cannot serve."""
-    from kg.errors import Place, StoreError  # noqa: PLC0415 - with the branch that needs it
+    """Return the error of a command that does not support a SPARQL server."""
+    from kg.errors import Place, StoreError  # noqa: PLC0415 - only in this branch
 
     hint = "Use a store of this machine; `kg pull` makes one of a published graph."
     return StoreError("KG309", "the command does not work on a SPARQL server", place=Place(address), hint=hint)
 
 
 def _named_by_a_file(settings: Settings) -> UsageError:
-    """Return the error about a server that a file of settings names: it may come with a checkout of somebody else."""
-    from kg.errors import UsageError  # noqa: PLC0415 - with the branch that needs it
+    """Return the error about a server named by a file of settings, which may come from a foreign checkout."""
+    from kg.errors import UsageError  # noqa: PLC0415 - only in this branch
 
     origin = settings.origin("store")
     hint = "Name the server with --store or KG_STORE."
@@ -58,14 +58,17 @@ def _named_by_a_file(settings: Settings) -> UsageError:
 
 
 def existing(settings: Settings) -> EmbeddedStore:
-    """Return the store in force; StoreError KG301 if there is none."""
+    """Return the selected store; StoreError KG301 if there is none."""
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
 
     return EmbeddedStore(layout_of(settings))
 
 
 def reading(settings: Settings) -> EmbeddedSnapshot:
-    """Return the content of the store in force, for a `with` statement; that of a server where settings name one."""
+    """Return the current content of the selected store, for a `with` statement.
+
+    The store may be a server named by the settings.
+    """
     if isinstance(settings.store, str):
         from kg.store.remote_reading import RemoteReading  # noqa: PLC0415 - most stores are folders
 
@@ -77,9 +80,9 @@ def reading(settings: Settings) -> EmbeddedSnapshot:
 
 @contextmanager
 def reading_with_cache(settings: Settings) -> Iterator[tuple[EmbeddedSnapshot, Path]]:
-    """Yield the content of the store in force and the folder of its cache; that of a server is temporary."""
+    """Yield the current content of the selected store and the folder of its cache, which is temporary for a server."""
     if isinstance(settings.store, str):
-        import tempfile  # noqa: PLC0415 - with the branch that needs it
+        import tempfile  # noqa: PLC0415 - only in this branch
 
         with tempfile.TemporaryDirectory(prefix="kg-") as folder, reading(settings) as snapshot:
             yield snapshot, Path(folder)
@@ -91,11 +94,11 @@ def reading_with_cache(settings: Settings) -> Iterator[tuple[EmbeddedSnapshot, P
 
 @contextmanager
 def reading_all(settings: Settings, stores: Sequence[str]) -> Iterator[EmbeddedSnapshot]:
-    """Yield the content of the stores named, as one; that in force when none or one is named.
+    """Yield the union of the stores named; for none, that of the selected store.
 
-    Raises StoreError KG301 for the first that is not there.
+    Raises StoreError KG301 for the first missing one.
     """
-    if len(stores) < 2:  # noqa: PLR2004 - one store is no union
+    if len(stores) < 2:  # noqa: PLR2004 - a single store needs no union
         with reading(settings) as snapshot:
             yield snapshot
         return
@@ -111,10 +114,10 @@ def reading_all(settings: Settings, stores: Sequence[str]) -> Iterator[EmbeddedS
 
 @contextmanager
 def or_empty(settings: Settings) -> Iterator[Settings]:
-    """Yield the settings, with an empty temporary store where none is named or found.
+    """Yield the settings, with an empty temporary store if none is named or found.
 
     Raises:
-        StoreError: KG301 when the settings name a store that is not there.
+        StoreError: KG301 if the settings name a missing store.
     """
     from kg.errors import StoreError  # noqa: PLC0415 - start-up time
 
@@ -126,7 +129,7 @@ def or_empty(settings: Settings) -> Iterator[Settings]:
     else:
         yield settings
         return
-    import tempfile  # noqa: PLC0415 - with the branch that needs it
+    import tempfile  # noqa: PLC0415 - only in this branch
 
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
     from kg.store.layout import FOLDER  # noqa: PLC0415 - start-up time
@@ -140,10 +143,9 @@ def or_empty(settings: Settings) -> Iterator[Settings]:
 
 @contextmanager
 def writable(settings: Settings, *, create: bool = True) -> Iterator[EmbeddedStore]:
-    """Yield the store in force, or a new one: at the place of the settings, else `.kg` in the working folder.
+    """Yield the selected store, or a new one: at the path in the settings, else `.kg` in the working folder.
 
-    A new one into which nothing was written, because the body failed, is removed again. Without `create` StoreError
-    KG301 when there is none.
+    A new store is deleted again if the body fails before writing. Without `create`, StoreError KG301 if there is none.
     """
     from kg.errors import StoreError  # noqa: PLC0415 - start-up time
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time

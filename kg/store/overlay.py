@@ -1,7 +1,7 @@
-"""A generation with triples added for one query: a copy that shares its large files, removed afterwards.
+"""A generation with triples added for one query: a copy that shares its large files, deleted afterwards.
 
-The copy is made as a backup is: by hard links where the folder is on the file system of the store, in milliseconds
-whatever the size of the store. What is added is written to the copy alone.
+The copy is made as for backups: with hard links on the file system of the store, in milliseconds for any size. Added
+triples are written to the copy only.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class _Overlay(EmbeddedSnapshot):
-    """A copy of a snapshot, under the number of its generation."""
+    """A copy of a snapshot, with the same generation number."""
 
     def __init__(self, snapshot: EmbeddedSnapshot, folder: Path) -> None:
         self.generation, self._handle = snapshot.generation, -1
@@ -35,7 +35,7 @@ class _Overlay(EmbeddedSnapshot):
         bulk.add(lambda: self._db, graph, b"".join(chunks))
 
     def close(self) -> None:
-        """Close the copy; remove its folder only afterwards, since closing writes there."""
+        """Close the copy, then delete its folder, as closing writes to it."""
         if hasattr(self, "_db"):
             del self._db
 
@@ -44,10 +44,10 @@ class _Overlay(EmbeddedSnapshot):
 def overlaid(
     snapshot: EmbeddedSnapshot, graph: NamedNode, chunks: Iterable[bytes], cache: Path
 ) -> Iterator[EmbeddedSnapshot]:
-    """Yield a snapshot with N-Triples added to a graph; its files are below `cache`, or in the system's own folder.
+    """Yield a snapshot with N-Triples added to a graph; its files are in `cache`, or in the system's temporary folder.
 
     Raises:
-        StoreError: KG304 full disk, KG306 where nothing can be written.
+        StoreError: KG304 full disk, KG306 if no folder is writable.
     """
     folder = _temporary(cache)
     try:
@@ -62,7 +62,7 @@ def overlaid(
 
 
 def _temporary(cache: Path) -> Path:
-    """Return a new folder: next to the store, where files can be shared, unless that cannot be written."""
+    """Return a new folder: next to the store, where files can be shared, unless that is not writable."""
     try:
         cache.mkdir(parents=True, exist_ok=True)
         return Path(tempfile.mkdtemp(prefix="overlay-", dir=cache))

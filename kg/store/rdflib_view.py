@@ -1,4 +1,4 @@
-"""A generation of a store as an rdflib `Dataset`: programs written for rdflib run on it unchanged."""
+"""A generation of a store as an rdflib `Dataset`, for programs that use rdflib."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 class SnapshotDataset(Dataset):
     """All graphs of a snapshot, read-only; the default graph is their union.
 
-    Use it as a context manager, or close it: it keeps its generation on disk, and closes the snapshot with itself.
-    Queries run on the engine of the store. The prefixes given are bound.
+    Use it as a context manager, or close it: it protects its generation on disk, and closes the snapshot with itself.
+    Queries run in the engine of the store. The given prefixes are bound.
 
     Raises on every change:
         rdflib.graph.ModificationException: a snapshot never changes.
@@ -45,12 +45,12 @@ class SnapshotDataset(Dataset):
 
 
 class _SnapshotStore(OxigraphStore):
-    """What `oxrdflib` offers, without changes, and with each triple once in the union of all graphs."""
+    """A read-only `oxrdflib` store, in which the union of all graphs has each triple once."""
 
     def triples(self, triple_pattern: Any, context: Any = None) -> Iterator[Any]:
-        """Yield the triples that match, each once, with the graphs that hold it."""
+        """Yield the matching triples, each once, with the graphs that contain it."""
         pattern = to_ox_quad_pattern(triple_pattern, context)
-        # The engine reads one index, of which the graph is the last column, so equal triples are neighbours.
+        # The engine reads an index with the graph as its last column, so equal triples are adjacent.
         for triple, quads in groupby(self._inner.quads_for_pattern(*pattern), lambda quad: quad.triple):
             graphs = [from_ox_graph_name(quad.graph_name, self) for quad in quads]
             yield (from_ox(triple.subject), from_ox(triple.predicate), from_ox(triple.object)), iter(graphs)
@@ -61,4 +61,4 @@ class _SnapshotStore(OxigraphStore):
     add = addN = remove = update = remove_graph = _refuse  # noqa: N815 - names of rdflib
 
     def add_graph(self, graph: Any) -> None:
-        """Ignore it: rdflib announces each graph that it is asked for, its default graph first."""
+        """Do nothing: rdflib announces each graph that is accessed, the default graph first."""

@@ -1,12 +1,11 @@
-"""A store on another machine: any server that speaks the SPARQL 1.1 Protocol for queries and updates.
+"""A store on a server that supports the SPARQL 1.1 Protocol for queries and updates.
 
     store = RemoteStore("http://localhost:7878/query", "http://localhost:7878/update")
     with store.read() as snapshot: ...
     with store.write("kg rules run") as transaction: ...
 
-A server lacks two things: it has no snapshots (what is read may change between two
-requests), and a transaction is one request of several operations, which servers run together or not at all
-(SPARQL 1.1 Update, section 3: "a request SHOULD be atomic").
+A server has no snapshots: its content may change between two requests. A transaction is one request of several
+operations, which servers usually run atomically (SPARQL 1.1 Update, section 3: "a request SHOULD be atomic").
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ if TYPE_CHECKING:
 
 
 class RemoteTransaction:
-    """Operations of SPARQL Update in the order of the calls; see `kg.store.interface.Transaction`."""
+    """SPARQL Update operations in the order of the calls; see `kg.store.interface.Transaction`."""
 
     def __init__(self) -> None:
         self._operations: list[str] = []
@@ -52,12 +51,12 @@ class RemoteTransaction:
     @property
     def operations(self) -> str:
         """The text of one request, empty without operations."""
-        # Declarations are at the beginning: Oxigraph 0.5 does not parse those behind a semicolon.
+        # Declarations are at the beginning: Oxigraph 0.5 does not parse those after a semicolon.
         declared = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in self._prefixes.items())
         return declared + " ;\n".join(self._operations) if self._operations else ""
 
     def replace_graphs(self, graphs: Mapping[NamedNode, Iterable[bytes]]) -> None:
-        """Give each named graph a new content, as chunks of N-Triples that end at ends of lines."""
+        """Replace the content of each named graph by chunks of N-Triples, each of whole lines."""
         for graph, chunks in graphs.items():
             self.drop_graph(graph)
             self.append(graph, b"".join(chunks))
@@ -67,7 +66,7 @@ class RemoteTransaction:
         if not triples.strip():
             return
         if b"_:" in triples:
-            # One request must not have a label in two of its operations (SPARQL 1.1, grammar note 10).
+            # A label must not occur in two operations of a request (SPARQL 1.1, grammar note 10).
             renamed = parse(triples, RdfFormat.N_TRIPLES, rename_blank_nodes=True)
             triples = serialize((quad.triple for quad in renamed), format=RdfFormat.N_TRIPLES) or b""
         self._operations.append(f"INSERT DATA {{ GRAPH {graph} {{\n{triples.decode()}}} }}")
@@ -77,11 +76,11 @@ class RemoteTransaction:
         self._operations.append(f"DROP SILENT GRAPH {graph}")
 
     def load_file(self, path: Path, rdf_format: RdfFormat | None = None, *, graph: NamedNode | None = None) -> None:
-        """Add the content of a file of RDF: into `graph`, or into the graphs that the file names.
+        """Add the content of an RDF file: to `graph`, or to the graphs that the file names.
 
         Raises:
-            GraphError: KG601 with the line when the file is not valid, or when its format cannot be told.
-            SourceError: KG101 when the file cannot be opened.
+            GraphError: KG601 with the line if the file is invalid, or if its format is unknown.
+            SourceError: KG101 if the file cannot be opened.
         """
         place = Place(str(path))
         rdf_format = rdf_format or RdfFormat.from_extension(path.suffix.lstrip("."))
@@ -99,10 +98,10 @@ class RemoteTransaction:
         self._operations.append("INSERT DATA {\n" + "".join(_stated(quad, graph) for quad in quads) + "}")
 
     def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
-        """Add operations of SPARQL Update.
+        """Add SPARQL Update operations.
 
         Raises:
-            StoreError: KG225 when a prefix stands for another IRI than in an update of this transaction before.
+            StoreError: KG225 if an earlier update of this transaction declared a prefix with another IRI.
         """
         for prefix, iri in (prefixes or {}).items():
             if self._prefixes.setdefault(prefix, iri) != iri:
@@ -117,30 +116,29 @@ def _stated(quad: Quad, graph: NamedNode | None) -> str:
 
 
 _REFUSED: Final = r"answered (?:(?:404|405|415|501) |400 .*(?:query must be set|[Mm]issing|[Nn]o query))"
-"""What servers answer to an update where they take queries; one that lacks the field `query` is Oxigraph's 400."""
+"""Responses to an update at an address for queries; Oxigraph responds 400 if the field `query` is missing."""
 _VIRTUOSO_ASK: Final = Variable("__ASK_RETVAL")
-"""What Virtuoso calls the answer to ASK, a row with 0 or 1."""
+"""Variable of Virtuoso's result of ASK, a row with 0 or 1."""
 _VIRTUOSO: Final = b'\n{ "head": { "link": ['
-"""What its rows in JSON begin with."""
+"""Beginning of Virtuoso's rows in JSON."""
 _VIRTUOSO_BOOLEAN: Final = re.compile(rb'("http://www\.w3\.org/2001/XMLSchema#boolean", "value": ")([01])(?=")')
 _IN_MEMORY: Final = 16 << 20
-"""Bytes of rows; more go to a temporary file."""
+"""Largest result in memory, in bytes; a larger one goes to a temporary file."""
 _ROWS: Final = "application/sparql-results+json"
 _TRIPLES: Final = "application/n-triples, text/turtle;q=0.5"
 _MAKES_TRIPLES: Final = re.compile(
     r"(?:\s|\#[^\n]*\n|(?:BASE|PREFIX\s+[^\s:]*:)\s*<[^>]*>)*(?:CONSTRUCT|DESCRIBE)\b", re.IGNORECASE
 )
-"""A query whose answer is triples; servers that are offered both kinds may answer triples as rows (Virtuoso)."""
+"""Matches queries that return triples; servers that may choose the format may return these as rows (Virtuoso)."""
 
 
 class RemoteStore:
     """A SPARQL 1.1 server; see `kg.store.interface.QuadStore`.
 
-    Without an address for updates the one for queries takes them too. `timeout` is how many seconds the server may
-    be silent.
+    The address for updates is by default that for queries. `timeout` is how long the server may be silent, in seconds.
 
     Raises:
-        StoreError: KG225 when an address is not one of http or https; so does every call that fails.
+        StoreError: KG225 if the scheme of an address is not http or https; also for each failed call.
     """
 
     def __init__(self, query_url: str, update_url: str | None = None, *, timeout: float = 60.0) -> None:
@@ -150,15 +148,15 @@ class RemoteStore:
 
     @property
     def address(self) -> str:
-        """Where queries go, without credentials."""
+        """Address for queries, without credentials."""
         return self._queries.shown
 
     def read(self) -> RemoteSnapshot:
-        """Return the content of the server, as it is at each request."""
+        """Return the content of the server, which may change between requests."""
         return RemoteSnapshot(self._queries)
 
     @contextmanager
-    def write(self, command: str) -> Iterator[RemoteTransaction]:  # noqa: ARG002 - the Protocol's; others see nothing of it
+    def write(self, command: str) -> Iterator[RemoteTransaction]:  # noqa: ARG002 - from the Protocol; unused by servers
         """Begin a transaction; its operations are sent as one request at the end unless the body raises."""
         transaction = RemoteTransaction()
         yield transaction
@@ -166,7 +164,7 @@ class RemoteStore:
             self.update(operations)
 
     def update(self, text: str, *, timeout: float | None = None) -> None:
-        """Run one request of SPARQL Update now; never sent twice."""
+        """Send one SPARQL Update request now; never retried."""
         try:
             self._updates.post({"update": text}, timeout=timeout)
         except StoreError as error:
@@ -177,7 +175,7 @@ class RemoteStore:
 
 
 class RemoteSnapshot:
-    """The content of a server; unlike the embedded store's it is not held still while it is read."""
+    """Content of a server; unlike that of the embedded store, it may change while it is read."""
 
     def __init__(self, endpoint: Endpoint) -> None:
         self._endpoint = endpoint
@@ -185,7 +183,7 @@ class RemoteSnapshot:
 
     @property
     def identity(self) -> str:
-        """A new one for each reading, as a server does not report whether its content changed."""
+        """A new identifier for each snapshot, as a server does not report changes of its content."""
         return self._identity
 
     def query(
@@ -198,8 +196,8 @@ class RemoteSnapshot:
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
         """Run a SPARQL query.
 
-        The protocol has no word for `union`: most servers have it always, Oxigraph takes a parameter of its own,
-        which is sent, and Fuseki a setting of the data set (`unionDefaultGraph`).
+        The protocol has no parameter for `union`. Most servers always use it; Oxigraph has a parameter of its own,
+        which is sent; Fuseki has a setting of the dataset (`unionDefaultGraph`).
         """
         declared = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in (prefixes or {}).items())
         fields = {"query": declared + text} | ({"union-default-graph": "true"} if union else {})
@@ -212,7 +210,7 @@ class RemoteSnapshot:
         return found
 
     def rows(self, text: str) -> QuerySolutions:
-        """Run a SELECT whose graphs are all named in its text."""
+        """Run a SELECT that names all its graphs."""
         return cast("QuerySolutions", self.query(text, union=False))
 
     def graphs(self) -> list[NamedNode]:
@@ -221,14 +219,14 @@ class RemoteSnapshot:
         return sorted((graph for graph in found if isinstance(graph, NamedNode)), key=lambda graph: graph.value)
 
     def count(self, graph: NamedNode | None = None) -> int:
-        """Return how many quads a graph holds, or the whole store."""
+        """Return the number of quads in a graph, or in the whole store."""
         pattern = f"GRAPH {graph} {{ ?s ?p ?o }}" if graph else "{ ?s ?p ?o } UNION { GRAPH ?g { ?s ?p ?o } }"
         return int(next(self.rows(f"SELECT (COUNT(*) AS ?n) WHERE {{ {pattern} }}"))["n"].value)
 
     def dump(self, rdf_format: RdfFormat, *, graph: NamedNode | None = None, prefixes: Mapping[str, str] = {}) -> bytes:
         """Serialise one graph, or everything; a format without graphs gets the union of all graphs.
 
-        Blank nodes have the labels that the server gave them in this answer.
+        Blank nodes have the labels of this response.
         """
         quads: Iterator[object] = self._quads(graph)
         if not rdf_format.supports_datasets:
@@ -236,7 +234,7 @@ class RemoteSnapshot:
         return serialize(quads, format=rdf_format, prefixes=dict(prefixes)) or b""  # type: ignore[arg-type] # triples or quads
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing, as nothing is open."""
 
     def __enter__(self) -> Self:
         return self
@@ -266,20 +264,20 @@ class RemoteSnapshot:
 
 
 def _with_booleans(body: IO[bytes]) -> IO[bytes]:
-    """Return rows in which the booleans of Virtuoso, 1 and 0, are those that it was given: true and false."""
+    """Return rows with the booleans of Virtuoso, 1 and 0, replaced by true and false."""
     start = body.read(len(_VIRTUOSO))
     body.seek(0)
     if start != _VIRTUOSO:
         return body
-    mended = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the answer
-    for line in body:  # quotes in a text are escaped, so that this is no part of one
+    mended = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the response
+    for line in body:  # quotes in values are escaped, so values cannot match
         mended.write(_VIRTUOSO_BOOLEAN.sub(lambda match: match[1] + (b"true", b"false")[match[2] == b"0"], line))
     mended.seek(0)
     return cast("IO[bytes]", mended)
 
 
 def _triples(body: IO[bytes], rdf_format: RdfFormat) -> QueryTriples:
-    """Return the triples of an answer in the engine's own kind of result, which can only be made by a query."""
+    """Return the triples of a response as a result of the engine, which only a query can create."""
     store = Store()
     store.bulk_extend(parse(body, rdf_format))
     return cast("QueryTriples", store.query("CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }"))

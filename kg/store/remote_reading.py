@@ -1,10 +1,10 @@
-"""A SPARQL server with the interface of a snapshot, by queries, for commands that only read.
+"""A SPARQL server with the interface of a snapshot, for read-only commands.
 
     with RemoteReading("https://example.org/query") as snapshot: ...
 
-The unnamed graph of a server is not read: servers disagree about whether it is the union of the others, and graphs of
-`kg` are all named. Blank nodes of a response cannot be named in the next query, so a look-up of one is refused.
-Credentials come from the environment (`kg.store.http`).
+The default graph of a server is not read: servers disagree about whether it is the union of the others, and all graphs
+of `kg` are named. Blank nodes of a response cannot be used in later queries, so looking one up is refused. Credentials
+come from the environment (`kg.store.http`).
 """
 
 from __future__ import annotations
@@ -41,13 +41,13 @@ _GRAPH: Final = re.compile(r"\bGRAPH\b", re.IGNORECASE)
 
 
 class RemoteReading(EmbeddedSnapshot):
-    """The content of a SPARQL server; unlike the embedded store's it is not held still while it is read.
+    """Content of a SPARQL server; unlike that of the embedded store, it may change while it is read.
 
-    `timeout` is how many seconds the server may be silent.
+    `timeout` is how long the server may be silent, in seconds.
 
     Raises:
-        StoreError: KG225 for an address that is not one of http or https, or has credentials in it; so does every
-            request that fails.
+        StoreError: KG225 for an address with credentials or another scheme than http or https; also for each failed
+            request.
     """
 
     def __init__(self, address: str, *, timeout: float = 60.0) -> None:
@@ -63,15 +63,15 @@ class RemoteReading(EmbeddedSnapshot):
 
     @property
     def identity(self) -> str:
-        """A new one for each reading, as a server does not report whether its content changed."""
+        """A new identifier for each snapshot, as a server does not report changes of its content."""
         return self._remote.identity
 
     @property
     def engine(self) -> Store:
-        """Raise StoreError KG309: a server has no engine here."""
+        """Raise StoreError KG309: a server has no local engine."""
         raise self._unsupported("the command works on files of the store")
 
-    def query(  # noqa: PLR0913 - what the embedded store can be told
+    def query(  # noqa: PLR0913 - the options of the embedded store
         self,
         text: str,
         *,
@@ -85,8 +85,8 @@ class RemoteReading(EmbeddedSnapshot):
         """Run a SPARQL query; see `EmbeddedSnapshot.query`.
 
         Raises:
-            StoreError: KG225 when the server does not answer, KG309 for blank nodes and data sets named here.
-            SyntaxError: the query is not SPARQL.
+            StoreError: KG225 if the server does not respond, KG309 for blank nodes and given datasets.
+            SyntaxError: invalid SPARQL.
         """
         if default_graphs is not None or named_graphs is not None:
             raise self._unsupported("the query names a data set")
@@ -99,13 +99,13 @@ class RemoteReading(EmbeddedSnapshot):
         return self._remote.query(declared + whole, prefixes=_used(whole, known), union=union)
 
     def graphs(self) -> list[NamedNode]:
-        """Return the names of all named graphs, sorted; they are queried once."""
+        """Return the names of all named graphs, sorted; cached after the first call."""
         if self._graphs is None:
             self._graphs = self._remote.graphs()
         return self._graphs
 
     def count(self, graph: NamedNode | None = None) -> int:
-        """Return how many quads a graph holds, or all named graphs."""
+        """Return the number of quads in a graph, or in all named graphs."""
         if graph is not None:
             return self._remote.count(graph)
         rows = self._remote.rows("SELECT (COUNT(*) AS ?n) WHERE { GRAPH ?g { ?s ?p ?o } }")
@@ -137,14 +137,14 @@ class RemoteReading(EmbeddedSnapshot):
         return self.dump(RdfFormat.N_TRIPLES, graph=graph) if isinstance(graph, NamedNode) else b""
 
     def backup(self, folder: str) -> None:  # noqa: ARG002 - the signature of a snapshot
-        """Nothing can be copied as files; StoreError KG309."""
+        """Raise StoreError KG309: there are no files to copy."""
         raise self._unsupported("the command works on files of the store")
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing, as nothing is open."""
 
     def _substituted(self, text: str, given: Mapping[Variable, Term]) -> str:
-        """Return a query of this program in which terms stand for variables, in its body and as what it selects."""
+        """Return an internal query with terms substituted for variables, in its body and its SELECT clause."""
         head, brace, body = text.partition("{")
         for variable, term in given.items():
             if isinstance(term, BlankNode):
@@ -162,7 +162,7 @@ class RemoteReading(EmbeddedSnapshot):
 
 
 def _used(text: str, prefixes: Mapping[str, str]) -> dict[str, str]:
-    """Return the prefixes that a query names; its own declarations come after these and win."""
+    """Return the prefixes that a query uses; its own declarations follow and take precedence."""
     return {name: iri for name, iri in prefixes.items() if f"{name}:" in text}
 
 

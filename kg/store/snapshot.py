@@ -1,4 +1,4 @@
-"""Reading the embedded store: one generation, opened read-only and held until it is closed."""
+"""Snapshot of the embedded store: one generation, opened read-only and protected until it is closed."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class EmbeddedSnapshot:
-    """The generation that was in force when it was opened; a build that ends meanwhile does not change it.
+    """The generation that was current when it was opened; later builds do not change it.
 
     Raises on opening:
         StoreError: KG301 for a store without data, KG303 for a damaged one, KG305 for another layout.
@@ -57,10 +57,10 @@ class EmbeddedSnapshot:
 
     @property
     def engine(self) -> Store:
-        """The engine itself, read-only, for libraries that work on one."""
+        """The engine itself, read-only, for libraries that need it."""
         return self._db
 
-    def query(  # noqa: PLR0913 - what the engine can be told
+    def query(  # noqa: PLR0913 - the options of the engine
         self,
         text: str,
         *,
@@ -71,11 +71,11 @@ class EmbeddedSnapshot:
         default_graphs: Sequence[NamedNode] | None = None,
         named_graphs: Sequence[NamedNode] | None = None,
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
-        """Run a SPARQL query directly on the engine; `kg.query.run` adds guards.
+        """Run a SPARQL query directly in the engine; `kg.query.run` adds guards.
 
-        Variables in `substitutions` stand for those terms wherever the query has them, blank nodes too. Relative IRIs
-        are relative to `base`. `default_graphs` and `named_graphs` are the data set, whatever the query says about it;
-        with `union`, which goes without these, the default graph is the union of all, whatever the query says.
+        `substitutions` replaces variables everywhere in the query; terms may be blank nodes. Relative IRIs are resolved
+        against `base`. `default_graphs` and `named_graphs` override the dataset of the query. `union`, which excludes
+        these, makes the default graph the union of all graphs, also overriding the query.
         """
         return self._db.query(
             text,
@@ -93,7 +93,7 @@ class EmbeddedSnapshot:
         return sorted(named, key=lambda graph: graph.value)
 
     def count(self, graph: NamedNode | None = None) -> int:
-        """Return how many quads `graph` holds, or the whole store."""
+        """Return the number of quads in `graph`, or in the whole store."""
         if graph is None:
             return len(self._db)
         rows = self._db.query(f"SELECT (COUNT(*) AS ?n) WHERE {{ GRAPH {graph} {{ ?s ?p ?o }} }}")
@@ -104,15 +104,18 @@ class EmbeddedSnapshot:
         return self._db.quads_for_pattern(None, None, None, None)
 
     def table(self, select: str, graph: NamedNode | None) -> bytes:
-        """Return the rows of a SELECT over one graph, much at once; see `kg.store.bulk.table`."""
+        """Return the rows of a SELECT over one graph; see `kg.store.bulk.table`."""
         return bulk.table(lambda: self._db, select, graph)
 
     def dump(self, rdf_format: RdfFormat, *, graph: NamedNode | None = None, prefixes: Mapping[str, str] = {}) -> bytes:
-        """Serialise `graph`, or everything; a format without graphs gets the union of all graphs, each triple once."""
+        """Serialise `graph`, or everything.
+
+        A format without graphs gets the union of all graphs, without duplicates.
+        """
         if graph is None and rdf_format.supports_datasets:
             return self._db.dump(format=rdf_format, prefixes=dict(prefixes)) or b""
         if graph is None:
-            # CONSTRUCT gives a triple once, however many graphs hold it.
+            # CONSTRUCT removes duplicates of triples in several graphs.
             triples = self._db.query("CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }", use_default_graph_as_union=True)
             return serialize(cast("QueryTriples", triples), format=rdf_format, prefixes=dict(prefixes)) or b""
         if rdf_format.supports_datasets:
@@ -121,7 +124,7 @@ class EmbeddedSnapshot:
         return self._db.dump(format=rdf_format, from_graph=graph, prefixes=dict(prefixes)) or b""
 
     def every_graph(self) -> list[NamedNode | BlankNode | DefaultGraph]:
-        """Return the default graph and all others, also those that blank nodes name."""
+        """Return the default graph and all others, also those named by blank nodes."""
         return [DefaultGraph(), *self._db.named_graphs()]
 
     def content(self, graph: NamedNode | BlankNode | DefaultGraph) -> bytes:
@@ -129,7 +132,7 @@ class EmbeddedSnapshot:
         return self._db.dump(format=RdfFormat.N_TRIPLES, from_graph=graph) or b""
 
     def backup(self, folder: str) -> None:
-        """Write a copy of the generation to `folder`; its large files are hard links, so this takes milliseconds."""
+        """Copy the generation to `folder`; its large files are hard links, so this takes milliseconds."""
         self._db.backup(folder)
 
     def close(self) -> None:
@@ -149,7 +152,7 @@ class EmbeddedSnapshot:
 
 
 class MemorySnapshot(EmbeddedSnapshot):
-    """Quads in memory with the interface of a snapshot; the caller must not change the store any more."""
+    """Quads in memory with the interface of a snapshot; the caller must not change the store afterwards."""
 
     def __init__(self, store: Store) -> None:
         self.layout = None

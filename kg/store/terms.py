@@ -1,17 +1,17 @@
-r"""The spelling of terms in text, in the store and in columns: that of a dump of the store.
+r"""Spelling of terms as text, the same in the store, in its dumps and in columns.
 
-A term is spelt as N-Triples (W3C RDF 1.2 N-Triples) has it, with the escapes of its canonical form, and with the value
-that the store keeps:
+Terms are spelt in N-Triples syntax (W3C RDF 1.2 N-Triples), with the escapes of its canonical form, and with the value
+that the store returns:
 
     <urn:a>  _:b0  "text"  "text"@en  "text"@ar--rtl  "1"^^<http://www.w3.org/2001/XMLSchema#integer>
     <<( <urn:a> <urn:p> "x" )>>
 
-The store keeps values of numbers, booleans, dates, times and durations, not how they were written, so these are spelt
-in one way each: `"01"^^xsd:integer`, `"+1"^^xsd:integer` and `"1"^^xsd:byte` all are `"1"^^xsd:integer`. Language
-tags are in lower case. Two terms are the same where their spellings are, wherever rules run.
+The store encodes values of numbers, booleans, dates, times and durations rather than their text, so these have one
+spelling each: `"01"^^xsd:integer`, `"+1"^^xsd:integer` and `"1"^^xsd:byte` all are `"1"^^xsd:integer`. Language
+tags are in lower case. In all rules, terms are equal if their spellings are.
 
-A label of a blank node is the node's name within one store. Files have labels of their own: whoever reads one gives its
-blank nodes new labels (`rename_blank_nodes`).
+The label of a blank node is its identity within a store. Labels in files are local to the file, so blank nodes get new
+labels when a file is read (`rename_blank_nodes`).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Term: TypeAlias = NamedNode | BlankNode | Literal | Triple
 
 BLANK_MARK: Final = b"_:"
-"""Begins each blank node; text without it has none."""
+"""Beginning of each blank node; text without it has none."""
 
 _XSD: Final = "http://www.w3.org/2001/XMLSchema#"
 _STRING: Final = f"{_XSD}string"
@@ -39,27 +39,27 @@ _SPECIAL: Final = re.compile(r'["\\\x00-\x1f\x7f\ud800-\udfff]')
 _ESCAPES: Final = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\b": "\\b", "\f": "\\f"}
 
 _CONTROLS: Final = bytes([*range(9), 11, 12, *range(14, 32), 127])
-"""What a string of TSV holds raw; tabs and ends of lines are escaped in both formats."""
+"""Control characters that TSV does not escape in strings; tabs and line ends are escaped in both formats."""
 _NO_CHARACTERS: Final = (b"\xef\xbf\xbe", b"\xef\xbf\xbf")
-"""U+FFFE and U+FFFF, which are escaped in N-Triples too."""
+"""U+FFFE and U+FFFF, which N-Triples escapes too."""
 _ESCAPED: Final = re.compile(rb"[\x00-\x1f\x7f]|\xef\xbf[\xbe\xbf]")
 _INSIDE: Final = re.compile(rb'"(?:[^"\\]|\\.)*"|<[^<>]*>|(?<= )(?:[+-]?[0-9.]+|true|false)(?= \)>>)')
-"""In a triple term: what is passed over, and a short form where the object stands."""
+"""In a triple term: strings and IRIs to skip, and short forms in the position of the object."""
 
 _PLAIN: Final = re.compile(
     rb'<[^\x00-\x20<>"{}|^`\\]*>|"(?:[^"\\\n\r]|\\["\\nrtbf])*"(?:@[a-z]+)?'
     rb'|"(?:0|-?[1-9][0-9]{0,17})"\^\^<http://www\.w3\.org/2001/XMLSchema#integer>'
 )
-"""A term that is written as it is spelt, as most are: an IRI, a string, a text in a language, an integer."""
+"""Terms already written in their spelling, which most are: IRIs, strings, texts with a language, integers."""
 _STRANGE: Final = (b"\n", b"\r", BLANK_MARK, b"<<", b"\\u", b"\\U", *_NO_CHARACTERS)
 
 
 def spell(term: Term) -> bytes:
-    """Return the spelling of a term, the same that a dump of the store has."""
+    """Return the spelling of a term, the same as in a dump of the store."""
     if isinstance(term, NamedNode):
         return b"<" + term.value.encode() + b">"
     if isinstance(term, Triple):
-        # The library writes a triple as a statement; inside of another triple it writes it as a term.
+        # The library serializes a triple as a statement, but inside another triple as a term.
         return b"<<( %s %s %s )>>" % (spell(term.subject), spell(term.predicate), spell(term.object))
     if isinstance(term, Literal) and term.datatype.value.startswith(_XSD) and term.datatype.value != _STRING:
         term = _stored(term)
@@ -68,14 +68,14 @@ def spell(term: Term) -> bytes:
 
 @lru_cache(maxsize=4096)
 def _stored(written: Literal) -> Literal:
-    """Return a literal as a store gives it back."""
+    """Return a literal as the store returns it."""
     store = Store()
     store.add(Quad(_ANYTHING, _ANYTHING, written))
     return cast("Literal", next(iter(store)).object)
 
 
 def of_spelling(text: str | bytes) -> Term:
-    """Return the one term that N-Triples writes as `text`; SyntaxError where it writes none, or more than that."""
+    """Return the term with the N-Triples syntax `text`; SyntaxError unless it is exactly one term."""
     written = text.encode() if isinstance(text, str) else text
     found = list(parse(b"<urn:s> <urn:p> " + written + b" .", RdfFormat.N_TRIPLES))
     if len(found) != 1:
@@ -96,20 +96,20 @@ def _escape(match: re.Match[str]) -> str:
 
 
 def datatype(spelling: bytes) -> bytes:
-    """Return the spelling of the datatype of a literal that is spelt."""
+    """Return the spelling of a literal's datatype, from the spelling of the literal."""
     if spelling.endswith(b'"'):
         return b"<%sstring>" % _XSD_BYTES
     if spelling.endswith(b">"):
         return spelling[spelling.rindex(b"<") :]
-    # A language tag has no hyphen twice in a row: two of them begin the direction of a text (RDF 1.2).
+    # A language tag never contains two adjacent hyphens; they begin the direction of a text (RDF 1.2).
     directed = b"--" in spelling[spelling.rindex(b'"') :]
     return b"<http://www.w3.org/1999/02/22-rdf-syntax-ns#%s>" % (b"dirLangString" if directed else b"langString")
 
 
 def parts_of_lines(text: bytes) -> list[bytes] | None:
-    """Return the terms of N-Triples, spelt, three for each line; None for a text that is less plain than most.
+    """Return the spellings of the terms in N-Triples, three for each line; None for a text that needs a real parser.
 
-    What separates terms may be inside a string too; then there are more separators than the lines have.
+    If strings contain separators, the count does not match the number of lines, and the result is None.
     """
     number = text.count(b"\n")
     if text.count(b" .\n") != number or text[-1:] not in {b"\n", b""} or b"\t" in text:
@@ -134,7 +134,7 @@ def parts_of_lines(text: bytes) -> list[bytes] | None:
 
 
 def _spelt(written: list[bytes]) -> dict[bytes, bytes]:
-    """Return how the store spells literals, by how they are written; SyntaxError where one is not valid."""
+    """Return the spellings of literals in N-Triples syntax; SyntaxError for an invalid one."""
     store = Store()
     lines = b"".join(b"<urn:%d> <urn:p> %s .\n" % (number, one) for number, one in enumerate(written))
     store.extend(parse(lines, RdfFormat.N_TRIPLES))
@@ -142,11 +142,11 @@ def _spelt(written: list[bytes]) -> dict[bytes, bytes]:
 
 
 def cells(text: bytes, width: int) -> list[bytes]:
-    """Return the cells of a table in TSV (without its line of names), spelt, row by row.
+    """Return the spellings of the cells of a TSV table (without its header line), row by row.
 
     Each row has `width` cells, none empty. TSV (SPARQL 1.1 Query Results CSV and TSV Formats, section 4) may write
-    numbers and booleans without quotes and data type, and it leaves control characters in strings, which N-Triples
-    escapes.
+    numbers and booleans without quotes and datatype, and does not escape control characters in strings, unlike
+    N-Triples.
     """
     found = text.replace(b"\n", b"\t").split(b"\t")
     found.pop()
@@ -157,7 +157,7 @@ def cells(text: bytes, width: int) -> list[bytes]:
 
 
 def _repairs(text: bytes) -> list[Callable[[bytes], bytes]]:
-    """Return the repairs for the cells of a text; most texts need none, which a scan of the whole shows."""
+    """Return the required corrections of the cells of a text; a scan of the whole text shows that most need none."""
     needed: list[Callable[[bytes], bytes]] = []
     regular = text.count(b"\t<") + text.count(b'\t"') + text.count(b"\t_")
     regular += text.count(b"\n<") + text.count(b'\n"') + text.count(b"\n_") + (text[:1] in {b"<", b'"', b"_"})

@@ -1,9 +1,9 @@
-"""Writing the embedded store: changes go into a new generation, which comes into force at the end or not at all.
+"""Transactions of the embedded store: changes go into a new generation, which becomes current at the end or not at all.
 
-The new generation begins as a checkpoint of the one in force (hard links, milliseconds) or empty, with the graphs
-that stay copied over. Which is cheaper was measured with 750,000 quads of RNKG's kind on one machine: deleting
-costs about 23 microseconds a quad, loading in bulk 6, and copying 17 (serialising and loading). So a transaction
-that replaces more than about two fifths of the store starts empty.
+The new generation begins as a checkpoint of the current one (hard links, milliseconds), or empty with copies of the
+remaining graphs. Costs measured with 750,000 quads of RNKG data on one machine, in microseconds per quad:
+deleting 23, bulk loading 6, copying 17 (serializing and loading). So a transaction that replaces more than about two
+fifths of the store begins empty.
 """
 
 from __future__ import annotations
@@ -37,18 +37,18 @@ if TYPE_CHECKING:
 
 
 _MERGED_SHARE = 0.25
-"""A load of more than this share of a generation's bytes has its files merged."""
+"""After a load of more than this share of a generation's bytes, its files are merged."""
 _MERGED_BYTES = 32 << 20
-"""A smaller load has not: of 100,000 quads merging costs 0.2 to 0.4 s, and saves a command 0.03 s."""
+"""Smaller loads are not merged: for 100,000 quads, merging costs 0.2 to 0.4 s, and saves a command 0.03 s."""
 
 _DELETE_COST = 23
 _COPY_COST = 17
 
 
 class EmbeddedTransaction:
-    """One new generation in the making; made by `EmbeddedStore.write`, which also ends it.
+    """A new generation being written; created and finished by `EmbeddedStore.write`.
 
-    Nothing is written before the first change, and a transaction without changes leaves the store as it is.
+    Nothing is written before the first change. A transaction without changes leaves the store unchanged.
     """
 
     def __init__(self, layout: Layout) -> None:
@@ -62,12 +62,12 @@ class EmbeddedTransaction:
 
     @property
     def layout(self) -> Layout:
-        """The store that is written."""
+        """The store being written."""
         return self._layout
 
     @property
     def base(self) -> int | None:
-        """The generation that this one begins from, None in a store without data."""
+        """The generation that this one is based on, None in a store without data."""
         return self._base
 
     @property
@@ -77,17 +77,17 @@ class EmbeddedTransaction:
 
     @property
     def merging(self) -> bool:
-        """Whether the load is large enough to merge the files of the generation before it comes into force.
+        """Whether the load is large enough to merge the files of the generation before it becomes current.
 
-        Batches leave files in which every term has to be looked for; merged, reading is four times faster. Merging
-        costs as much as the whole generation is large, so a small load does without.
+        Each batch creates files that every look-up has to search; after merging, reading is four times faster. The cost
+        of merging depends on the size of the whole generation, so small loads skip it.
         """
         if self._loaded < _MERGED_BYTES:
             return False
         return self._loaded > folder_bytes(self._layout.generation(self._number)) * _MERGED_SHARE
 
     def start_from(self, snapshot: EmbeddedSnapshot | None) -> None:
-        """Begin with the content of a snapshot, be it of another store, or with nothing, instead of that in force.
+        """Begin with the content of a snapshot, possibly of another store, or empty, instead of the current content.
 
         Only before the first change.
         """
@@ -101,10 +101,10 @@ class EmbeddedTransaction:
         self.changes.forget()
 
     def replace_graphs(self, graphs: Mapping[NamedNode, Iterable[bytes]]) -> None:
-        """Give each named graph a new content, as chunks of N-Triples that end at ends of lines.
+        """Replace the content of each named graph by chunks of N-Triples, each of whole lines.
 
-        Blank nodes keep their labels, here and in all that this transaction is given as N-Triples: the same label in
-        two graphs is the same node, and a label that the store has is the node that has it there.
+        Labels of blank nodes are preserved, here and for all N-Triples passed to this transaction: the same label is
+        the same node, also in other graphs and in the store.
         """
         with translated(str(self._layout.root)):
             self._begin(frozenset(graphs))
@@ -116,9 +116,9 @@ class EmbeddedTransaction:
                 self.load(graph, chunks)
 
     def load(self, graph: NamedNode, chunks: Iterable[bytes]) -> None:
-        """Add chunks of N-Triples that end at ends of lines to a graph, in bulk.
+        """Add chunks of N-Triples, each of whole lines, to a graph, in bulk.
 
-        The terms come from `kg.graph`, or from a store, and are valid: they are not looked at again, only the syntax.
+        The terms come from `kg.graph`, or from a store, and are valid: only their syntax is checked.
         """
         with translated(str(self._layout.root)):
             self._begin(frozenset())
@@ -130,9 +130,9 @@ class EmbeddedTransaction:
             yield chunk
 
     def replace_small_graphs(self, graphs: Mapping[NamedNode, bytes]) -> None:
-        """Give each named graph a new content, as N-Triples; all of them are loaded together.
+        """Replace the content of each named graph by N-Triples; all of them are loaded together.
 
-        The engine writes files for each index at every load, so many small loads cost far more than one large.
+        The engine writes files for each index at every load, so many small loads cost far more than one large one.
         """
         with translated(str(self._layout.root)):
             self._begin(frozenset(graphs))
@@ -143,7 +143,7 @@ class EmbeddedTransaction:
             self._loaded += bulk.load_quads(lambda: self._engine, graphs)
 
     def patch_graph(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
-        """Take the N-Triples `removed` out of a graph and put `added` in: for changes small beside the graph.
+        """Remove the N-Triples `removed` from a graph and add `added`: for changes small compared with the graph.
 
         Blank nodes keep their labels.
         """
@@ -155,7 +155,7 @@ class EmbeddedTransaction:
             bulk.add(lambda: self._engine, graph, added)
 
     def patch_quads(self, removed: Collection[Quad], added: Collection[Quad]) -> None:
-        """Take out quads that are there, and put in others that are not; blank nodes keep their labels."""
+        """Remove quads that exist, and add others that do not; blank nodes keep their labels."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             for graph in {quad.graph_name: None for quad in (*removed, *added)}:
@@ -168,14 +168,14 @@ class EmbeddedTransaction:
             self._loaded += bulk.exchange(lambda: self._engine, removed, added)
 
     def count(self, graph: NamedNode | DefaultGraph) -> int:
-        """Return how many triples a graph holds by now."""
+        """Return the current number of triples in a graph."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             rows = self._engine.query("SELECT (COUNT(*) AS ?n) WHERE { ?s ?p ?o }", default_graph=graph)
             return int(next(cast("QuerySolutions", rows))["n"].value)
 
     def contains(self, quad: Quad) -> bool:
-        """Return whether a quad is there by now."""
+        """Return whether the transaction contains a quad now."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             return quad in self._engine
@@ -187,7 +187,7 @@ class EmbeddedTransaction:
             return self._engine.contains_named_graph(graph)
 
     def quads(self, graph: NamedNode | DefaultGraph) -> Iterator[Quad]:
-        """Yield the quads of a graph as they are by now."""
+        """Yield the quads of a graph at this point of the transaction."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             return self._engine.quads_for_pattern(None, None, None, graph)
@@ -201,7 +201,7 @@ class EmbeddedTransaction:
     def query(
         self, text: str, *, prefixes: Mapping[str, str] | None = None, union: bool = True
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
-        """Run a SPARQL query on the content as it is by now; with `union` over the union of all graphs."""
+        """Run a SPARQL query on the content at this point; with `union` over the union of all graphs."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             return self._engine.query(text, prefixes=dict(prefixes or {}), use_default_graph_as_union=union)
@@ -228,7 +228,7 @@ class EmbeddedTransaction:
         return cast("QuerySolutions", found)
 
     def table(self, select: str, graph: NamedNode | None) -> bytes:
-        """Return the rows of a SELECT over one graph as it is by now; see `kg.store.bulk.table`."""
+        """Return the rows of a SELECT over one graph at this point; see `kg.store.bulk.table`."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             return bulk.table(lambda: self._engine, select, graph)
@@ -254,14 +254,14 @@ class EmbeddedTransaction:
             self._engine.remove_graph(graph)
 
     def create_graph(self, graph: NamedNode) -> None:
-        """Make an empty graph."""
+        """Create an empty graph."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             self.changes.patch(graph.value, b"", b"")
             self._engine.add_graph(graph)
 
     def clear_graph(self, graph: NamedNode | DefaultGraph) -> None:
-        """Take everything out of a graph, which stays."""
+        """Remove all triples of a graph, but not the graph."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             self.changes.clear(graph.value if isinstance(graph, NamedNode) else "")
@@ -275,14 +275,14 @@ class EmbeddedTransaction:
         graph: NamedNode | None = None,
         keep_labels: bool = False,
     ) -> None:
-        """Add the content of a file of RDF: into `graph`, or into the graphs that the file names.
+        """Add the content of an RDF file: to `graph`, or to the graphs that the file names.
 
-        The format is told from the name of the file when it is not given. Labels of blank nodes are scoped to the
-        file, so its blank nodes get new ones; with `keep_labels`, which is for an empty store, they keep theirs.
+        The default format is that of the file name's suffix. Labels of blank nodes are local to the file, so its blank
+        nodes get new ones; `keep_labels`, for an empty store, preserves them.
 
         Raises:
-            GraphError: KG601 with the line when the file is not valid, or when its format cannot be told.
-            SourceError: KG101 when the file cannot be opened.
+            GraphError: KG601 with the line if the file is invalid, or if its format is unknown.
+            SourceError: KG101 if the file cannot be opened.
         """
         try:
             path.open("rb").close()
@@ -309,8 +309,8 @@ class EmbeddedTransaction:
     ) -> None:
         """Load a file; quads of its default graph go into `target`.
 
-        The engine's own loading costs less than quads one by one, but gives blank nodes new labels, and puts what a
-        file of quads has without a graph into the default one.
+        The engine's own loader is faster than single quads, but gives blank nodes new labels, and puts quads of the
+        file's default graph into that of the store.
         """
         default = DefaultGraph()
         placing = rdf_format.supports_datasets and target != default
@@ -328,21 +328,21 @@ class EmbeddedTransaction:
             self._engine.clear_graph(default)
 
     def _note(self, target: NamedNode | DefaultGraph, rdf_format: RdfFormat) -> None:
-        """Note where a file is loaded to; one that may name graphs may write to any."""
+        """Record the graphs that a file is loaded into; a format with graphs may write to any."""
         if rdf_format.supports_datasets:
             self.changes.forget()
         else:
             self.changes.replace(target.value if isinstance(target, NamedNode) else "")
 
     def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
-        """Run a SPARQL update on the engine as it is."""
+        """Run a SPARQL update directly in the engine."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             self.changes.forget()
             self._engine.update(text, prefixes=dict(prefixes or {}))
 
     def commit(self) -> int | None:
-        """Put the new generation in force and return its number; None when nothing changed."""
+        """Make the new generation the current one and return its number; None if nothing changed."""
         if self._db is None:
             return None
         with translated(str(self._layout.root)):
@@ -355,7 +355,7 @@ class EmbeddedTransaction:
         return self._number
 
     def roll_back(self) -> None:
-        """Remove the written generation unless it came into force; the store stays as it was."""
+        """Delete the new generation unless it became current; the store is unchanged."""
         self._db = None
         if self._layout.current() == self._number:
             return
@@ -363,13 +363,13 @@ class EmbeddedTransaction:
 
     @property
     def _engine(self) -> Store:
-        """The new generation. It is not kept in local variables, where the traceback of an error would hold it open."""
+        """The new generation. Do not store it in local variables: the traceback of an error would keep it open."""
         if self._db is None:
             raise ValueError("the transaction has ended")
         return self._db
 
     def _begin(self, leaving: frozenset[NamedNode]) -> None:
-        """Make the new generation before the first change; its graphs `leaving` are about to go."""
+        """Create the new generation before the first change; its graphs `leaving` are about to be removed."""
         if self._db is not None:
             return
         folder = str(self._layout.generation(self._number))
@@ -378,7 +378,7 @@ class EmbeddedTransaction:
             return
         with EmbeddedSnapshot(self._layout) as base:
             going = sum(base.count(graph) for graph in leaving)
-            # Counting a whole store takes as long as a small change does all in all.
+            # Counting a whole store takes as long as all of a small change.
             if not going or going * _DELETE_COST <= (base.count() - going) * _COPY_COST:
                 base.backup(folder)
                 self._db = Store(folder)

@@ -1,4 +1,4 @@
-"""Several stores read as one: the union of their named graphs, for as long as a command runs."""
+"""Union of the named graphs of several stores, for the duration of a command."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ if TYPE_CHECKING:
 
 @contextmanager
 def union_of(snapshots: Sequence[EmbeddedSnapshot]) -> Iterator[EmbeddedSnapshot]:
-    """Yield a snapshot that has the quads of all `snapshots`, in a temporary folder.
+    """Yield a snapshot with the quads of all `snapshots`, in a temporary folder.
 
-    The largest is copied as files; the quads of the others are loaded, at some microseconds each. Blank nodes of
-    different stores are different nodes, but a graph that several have alike, such as an ontology, is there once.
+    The files of the largest are copied; the quads of the others are loaded, at some microseconds each. Blank nodes of
+    different stores are different nodes, but a graph with the same content in several, such as an ontology, exists
+    once.
 
     Raises:
-        StoreError: KG304 when the disk is full.
+        StoreError: KG304 if the disk is full.
     """
     first, *others = sorted(snapshots, key=lambda one: -one.count())
     with tempfile.TemporaryDirectory(prefix="kg-union-") as temporary, translated(temporary):

@@ -1,4 +1,4 @@
-"""A workspace of small packages, written anew for each test."""
+"""A workspace of small packages, created for each test."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _ONTOLOGY = b'<urn:x:a> <http://www.w3.org/2000/01/rdf-schema#label> "a" .\n'
 
 @dataclass(frozen=True, slots=True)
 class Bench:
-    """A workspace, a store, and what tests do with them."""
+    """A workspace, a store, and actions of tests."""
 
     source: Path
     store: EmbeddedStore
@@ -56,7 +56,7 @@ class Bench:
         (folder / "src" / "node.cpp").write_text(NODE.format(name=name, topic=topic))
 
     def header(self, package: str, topic: str) -> None:
-        """Write the header that names the shared topic into a package."""
+        """Write the header with the shared topic's name into a package."""
         folder = self.source / package / "include" / "shared"
         folder.mkdir(parents=True, exist_ok=True)
         (self.source / package / "package.xml").write_text(MANIFEST.format(name=package))
@@ -65,8 +65,8 @@ class Bench:
     def build(self, *named: str, jobs: int = 2, rules: bool = False) -> BuildReport:
         """Build the sources named, by default the workspace.
 
-        Without rules, also with next to no ontologies: both together take most of the time. Each such build writes a
-        generation.
+        Without rules, the ontologies are nearly empty as well: together they take most of the time. Each such build
+        writes a generation.
         """
         with pytest.MonkeyPatch.context() as patch:
             if not rules:
@@ -74,7 +74,7 @@ class Bench:
             return build(named or [str(self.source)], self.store, load({"jobs": jobs}, environment={}), rules=rules)
 
     def content(self) -> list[str]:
-        """Return all quads of sources and of what they share, sorted."""
+        """Return all quads of sources and of their shared graph, sorted."""
         with self.store.read() as snapshot:
             lines = snapshot.dump(RdfFormat.N_QUADS).decode().splitlines()
         return sorted(line for line in lines if "/graph/s" in line.rpartition(" <")[2])
@@ -84,7 +84,7 @@ class Bench:
         return set(self._topics())
 
     def answers(self, topic: str) -> int:
-        """Return how often a query for all topics names one of them."""
+        """Return how often a query for all topics returns one of them."""
         return self._topics().count(topic)
 
     def _topics(self) -> list[str]:
@@ -103,7 +103,7 @@ class Bench:
 
 
 def _settings_only(settings: Settings, _folder: Path | None = None) -> str:
-    """Return what stands for the settings that results depend on, without code and libraries, which do not change."""
+    """Return a version from the settings only, without code and libraries, which do not change."""
     return (
         f"{settings.base} {settings.max_file_bytes} {settings.nlp_model} {[*read_calls(call_files(settings)).values()]}"
     )
@@ -111,13 +111,13 @@ def _settings_only(settings: Settings, _folder: Path | None = None) -> str:
 
 @pytest.fixture(scope="session", autouse=True)
 def _prepared() -> None:
-    """Load once what the processes that builds start need."""
+    """Load the modules needed by the processes of builds, once."""
     prepare_builds()
 
 
 @pytest.fixture(autouse=True)
 def _one_version(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let results depend on the settings only, so that editing `kg` while tests run does not disturb them."""
+    """Make results depend on the settings only, so editing `kg` while tests run does not disturb them."""
     for module in ("build", "pending"):
         monkeypatch.setattr(f"kg.pipeline.{module}.version", _settings_only)
 

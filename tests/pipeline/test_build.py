@@ -1,4 +1,4 @@
-"""Tests of builds: what is read, what is written, what the next build does."""
+"""Tests of builds: the packages read, the graphs written, and the next build."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ IMPLICIT = {"/rosout", "/clock"}
 
 
 def test_a_cold_build_reads_everything(bench: Bench) -> None:
-    """The first build reads all packages, and the graph holds what they say, across packages."""
+    """The first build reads all packages, and the graph contains their facts, across packages."""
     report = bench.build()
     assert (report.read, report.reused, report.generation) == (3, 0, 1)
     assert report.total("nodes") == 2
@@ -36,7 +36,7 @@ def test_a_cold_build_reads_everything(bench: Bench) -> None:
 
 
 def test_nothing_changed_nothing_written(bench: Bench) -> None:
-    """The second build reads nothing and leaves the generation as it is, with the same totals."""
+    """The second build reads nothing and keeps the generation, with the same totals."""
     first = bench.build(rules=True)
     second = bench.build(rules=True)
     assert (second.read, second.reused, second.generation) == (0, 3, None)
@@ -45,7 +45,7 @@ def test_nothing_changed_nothing_written(bench: Bench) -> None:
 
 
 def test_touched_files_are_not_read_again(bench: Bench) -> None:
-    """A file with a new time but the same content changes nothing, and is not looked into twice."""
+    """A file with a new time but the same content changes nothing, and is read only once for that."""
     bench.build(rules=True)
     (bench.source / "one" / "src" / "node.cpp").touch()
     assert bench.build(rules=True).read == 0
@@ -55,7 +55,7 @@ def test_touched_files_are_not_read_again(bench: Bench) -> None:
 
 
 def test_a_changed_package_is_read_again(bench: Bench) -> None:
-    """Only the package whose file changed is read, and the graph is that of a cold build."""
+    """Only the package with the changed file is read, and the graph is that of a clean build."""
     bench.build()
     bench.package("two", "news")
     report = bench.build()
@@ -76,7 +76,7 @@ def test_a_changed_header_concerns_all_who_include_it(bench: Bench) -> None:
 
 
 def test_a_new_file_that_answers_an_include_otherwise(bench: Bench) -> None:
-    """A file that appears nearer than the one found before is noticed by those who look it up, and only by them."""
+    """A file that appears nearer than the one found before is detected for its look-ups only."""
     bench.package("of_its_own")
     bench.build()
     folder = bench.source / "of_its_own" / "include" / "shared"
@@ -88,7 +88,7 @@ def test_a_new_file_that_answers_an_include_otherwise(bench: Bench) -> None:
 
 
 def test_a_header_that_appears(bench: Bench) -> None:
-    """A look-up that failed before is answered when the file appears in another package."""
+    """A failed look-up is repeated when the file appears in another package."""
     shutil.rmtree(bench.source / "shared")
     bench.build()
     assert "/first" not in bench.topics()
@@ -98,7 +98,7 @@ def test_a_header_that_appears(bench: Bench) -> None:
 
 
 def test_a_removed_package_leaves_the_graph(bench: Bench) -> None:
-    """What only a removed package stated is gone, what others state too stays."""
+    """Triples only of a removed package are gone, those of others remain."""
     bench.build()
     shutil.rmtree(bench.source / "two")
     report = bench.build()
@@ -107,7 +107,7 @@ def test_a_removed_package_leaves_the_graph(bench: Bench) -> None:
 
 
 def test_small_changes_are_patched_to_the_same_graph(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In a large source a changed, an added and a removed package give the graph that a cold build gives."""
+    """In a large source, a changed, an added and a removed package give the graph of a clean build."""
     for number in range(40):
         bench.package(f"many{number}", f"topic{number % 7}")
     bench.build()
@@ -135,7 +135,7 @@ def test_another_version_reads_everything(bench: Bench, monkeypatch: pytest.Monk
 
 
 def test_a_forgotten_graph_comes_back(bench: Bench) -> None:
-    """A graph that was dropped from the store is written again, without reading any file."""
+    """A graph dropped from the store is written again, without reading any file."""
     bench.build()
     before = bench.content()
     with bench.store.write("test") as transaction:
@@ -147,7 +147,7 @@ def test_a_forgotten_graph_comes_back(bench: Bench) -> None:
 
 
 def test_other_graphs_do_not_matter(bench: Bench) -> None:
-    """Data imported into other graphs stays and causes no work."""
+    """Data imported into other graphs remains and causes no work."""
     bench.build(rules=True)
     extra = NamedNode("https://example.org/g")
     with bench.store.write("test") as transaction:
@@ -160,7 +160,7 @@ def test_other_graphs_do_not_matter(bench: Bench) -> None:
 
 
 def test_a_lost_result_is_read_again(bench: Bench) -> None:
-    """A result that is gone from the cache is read again; a damaged one is refused once, then read again."""
+    """A result missing from the cache is read again; a damaged one is refused once, then read again."""
     bench.build()
     results = sorted(bench.store.layout.cache.glob("*.z"))
     results[0].unlink()
@@ -174,7 +174,7 @@ def test_a_lost_result_is_read_again(bench: Bench) -> None:
 
 
 def test_sources_are_kept_apart(bench: Bench, tmp_path: Path) -> None:
-    """Another source is added beside the first; without names all sources known are built."""
+    """Another source is added to the first; without names all known sources are built."""
     bench.build()
     other = bench.sibling(".kg")
     elsewhere = type(bench)(tmp_path / "elsewhere", other.store)
@@ -188,14 +188,14 @@ def test_sources_are_kept_apart(bench: Bench, tmp_path: Path) -> None:
 
 
 def test_named_again_by_nothing(bench: Bench) -> None:
-    """A build without names reads what earlier builds read."""
+    """A build without names reads the sources of earlier builds."""
     bench.build()
     bench.package("one", "changed")
     assert build([], bench.store, load_settings({}, environment={})).read == 1
 
 
 def test_checkouts_of_a_workspace_are_sources(bench: Bench) -> None:
-    """A folder with git checkouts inside gives one source each, with its commit."""
+    """A folder that contains git checkouts gives one source for each, with its commit."""
     for name in ("one", "two"):
         folder = bench.source / name
         subprocess.run(["git", "init", "-q"], cwd=folder, check=True)
@@ -210,7 +210,7 @@ def test_checkouts_of_a_workspace_are_sources(bench: Bench) -> None:
 
 
 def test_a_checkout_that_is_gone(bench: Bench) -> None:
-    """A checkout deleted from a workspace leaves the store with the next build, and so does a source renamed."""
+    """A checkout deleted from a workspace leaves the store with the next build; so does a renamed source."""
     subprocess.run(["git", "init", "-q"], cwd=bench.source / "one", check=True)
     bench.build(rules=True)
     shutil.rmtree(bench.source / "one")
@@ -229,7 +229,7 @@ def test_a_checkout_that_is_gone(bench: Bench) -> None:
 
 
 def test_what_sources_share_stands_once(bench: Bench) -> None:
-    """A topic that two sources use is one answer, and stays until the last of them is gone."""
+    """A topic used by two sources is one result, and remains until both are gone."""
     bench.package("two", "chatter")
     subprocess.run(["git", "init", "-q"], cwd=bench.source / "one", check=True)
     bench.build()
@@ -244,7 +244,7 @@ def test_what_sources_share_stands_once(bench: Bench) -> None:
 
 
 def test_a_repository_is_cloned(bench: Bench, tmp_path: Path) -> None:
-    """A git address is cloned below the store; when it cannot be reached later, the clone is read again."""
+    """A git address is cloned into the store; if it is unreachable later, the clone is read again."""
     origin = tmp_path / "origin"
     shutil.copytree(bench.source / "one", origin)
     subprocess.run(["git", "init", "-q"], cwd=origin, check=True)
@@ -266,7 +266,7 @@ def test_a_repository_is_cloned(bench: Bench, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("named", "code"), [("nowhere", "KG101"), (".", "KG102")])
 def test_what_cannot_be_read(bench: Bench, tmp_path: Path, named: str, code: str) -> None:
-    """A folder that is not there, and one without any package, are told apart; the store stays."""
+    """A missing folder and one without packages have different errors; the store is unchanged."""
     bench.build()
     (tmp_path / "empty").mkdir()
     with pytest.raises(SourceError) as caught:
@@ -276,7 +276,7 @@ def test_what_cannot_be_read(bench: Bench, tmp_path: Path, named: str, code: str
 
 
 def test_builds_leave_the_collection_of_garbage_as_it_was(bench: Bench) -> None:
-    """It runs less often during a build, and as before after one, also after one that failed."""
+    """It runs less often during a build, and as before afterwards, also after a failure."""
     before = gc.get_threshold()
     bench.build()
     assert gc.get_threshold() == before
@@ -294,7 +294,7 @@ def test_a_busy_store(bench: Bench) -> None:
 
 
 def test_a_full_disk(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A disk that fills up while results are kept is KG304, and the store is as it was."""
+    """A full disk while caching results is KG304, and the store is unchanged."""
     bench.build()
     before = bench.content()
 
@@ -311,7 +311,7 @@ def test_a_full_disk(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 class _Notes:
-    """A report that keeps what it is told."""
+    """A report that records its calls."""
 
     def __init__(self) -> None:
         self.told: list[str] = []
@@ -342,7 +342,7 @@ class _Notes:
 
 
 def test_progress_is_told(bench: Bench) -> None:
-    """Who watches is told of sources, plan, each package, the writing, the rules and the end."""
+    """The report receives sources, plan, each package, the writing, the rules and the end."""
     notes = _Notes()
     build([str(bench.source)], bench.store, load_settings({"jobs": 2}, environment={}), notes)
     assert notes.told[:2] == ["source local/src 3 0", "planned 3 0 2"]

@@ -1,4 +1,4 @@
-"""Tests of results on disk."""
+"""Tests of cached results on disk."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LOOKUPS = st.dictionaries(st.lists(st.text(), min_size=2).map(tuple), st.text())
 def test_round_trip(
     tmp_path_factory: pytest.TempPathFactory, content: bytes, lookups: dict[tuple[str, ...], str]
 ) -> None:
-    """What is packed and stored comes back as it was, triples and look-ups each on their own."""
+    """A stored result reads back unchanged, triples and look-ups separately."""
     folder = tmp_path_factory.mktemp("cache")
     name = cache.store(folder, cache.pack(content, lookups))
     assert cache.exists(folder, name)
@@ -32,7 +32,7 @@ def test_round_trip(
 
 @given(text=st.text(), words=st.lists(st.text()).map(tuple))
 def test_descriptions_come_back(tmp_path_factory: pytest.TempPathFactory, text: str, words: tuple[str, ...]) -> None:
-    """Annotated descriptions come back equal, and there are none where there is no result."""
+    """Annotated descriptions read back equal; without a result there are none."""
     folder = tmp_path_factory.mktemp("cache")
     place = Location("README.md", 3)
     found = (Description(text, DescriptionKind.README, place, words=words, phrases=(Phrase("laser", "device"),)),)
@@ -42,7 +42,7 @@ def test_descriptions_come_back(tmp_path_factory: pytest.TempPathFactory, text: 
 
 
 def test_damaged_and_missing(tmp_path: Path) -> None:
-    """A result that is gone or damaged is none, and storing it again mends it."""
+    """A missing or damaged result is None, and storing it again repairs it."""
     packed = cache.pack(b"x", {})
     name = cache.store(tmp_path, packed)
     path = next(tmp_path.iterdir())
@@ -55,7 +55,7 @@ def test_damaged_and_missing(tmp_path: Path) -> None:
 
 
 def test_keep_only(tmp_path: Path) -> None:
-    """Results that nothing names go, and so do files half written; other files stay."""
+    """Other results and partial files are deleted; other files remain."""
     kept, gone = (cache.store(tmp_path, cache.pack(content, {})) for content in (b"a", b"b"))
     (tmp_path / "x.z.7.tmp").touch()
     (tmp_path / "state.json").touch()

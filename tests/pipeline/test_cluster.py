@@ -1,4 +1,4 @@
-"""A build on a cluster makes the graph of a build on one machine, whatever happens to its workers."""
+"""A build on a cluster gives the graph of a build on one machine, whatever happens to its workers."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ distributed = pytest.importorskip("distributed", reason="the extra `cluster` is 
 
 @pytest.fixture(scope="module")
 def scheduler() -> Iterator[str]:
-    """The address of a cluster of two workers in this process; what reads packages are children of it."""
+    """The address of a cluster of two workers in this process; their extractors are child processes."""
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0"
     ) as started:
@@ -43,19 +43,19 @@ def scheduler() -> Iterator[str]:
 
 @dataclass
 class Told(Silent):
-    """Keeps what a build tells, and acts when a worker begins."""
+    """Records reports of a build, and acts when a worker starts."""
 
     act: Callable[[str], None] = lambda _: None
     places: list[tuple[str, str]] = field(default_factory=list)
     results: list[PackageResult] = field(default_factory=list)
 
     def placed(self, worker: str, source: str) -> None:
-        """Keep it, and act."""
+        """Record it, and act."""
         self.places.append((worker, source))
         self.act(worker)
 
     def done(self, result: PackageResult) -> None:
-        """Keep it."""
+        """Record it."""
         self.results.append(result)
 
 
@@ -66,7 +66,7 @@ def on_cluster(bench: Bench, address: str, artifacts: Path, told: Told | None = 
 
 
 def children() -> set[int]:
-    """Return the processes that read packages for the workers in this one."""
+    """Return the extractor processes of the workers in this process."""
     tasks = Path("/proc/self/task").iterdir()
     found = {int(number) for task in tasks for number in (task / "children").read_text().split()}
     return {number for number in found if b"kg.pipeline.extracting" in _command(number)}
@@ -88,7 +88,7 @@ def wait_for(condition: Callable[[], object]) -> None:
 
 
 def test_the_graph_is_that_of_one_machine(bench: Bench, scheduler: str, tmp_path: Path) -> None:
-    """Quads are equal, packages are reported, and it is told what runs where."""
+    """Quads are equal, packages are reported, and so are their workers."""
     bench.build()
     other, told = bench.sibling("other"), Told()
     report = on_cluster(other, scheduler, tmp_path / "artifacts", told)
@@ -102,7 +102,7 @@ def test_the_graph_is_that_of_one_machine(bench: Bench, scheduler: str, tmp_path
 def test_the_order_of_work_does_not_matter(
     bench: Bench, scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int
 ) -> None:
-    """Packages one by one in a random order give the same quads."""
+    """Single packages in a random order give the same quads."""
 
     def shuffled(tasks: Iterator[tuple[Task, int]]) -> list[list[Task]]:
         found = [[task] for task, _ in tasks]
@@ -117,7 +117,7 @@ def test_the_order_of_work_does_not_matter(
 
 
 def test_another_store_finds_what_was_read(bench: Bench, scheduler: str, tmp_path: Path) -> None:
-    """Results are found by their key: those of the first build are the files of the second."""
+    """Results are found by their key: the second build uses the files of the first."""
     artifacts = tmp_path / "artifacts"
     on_cluster(bench, scheduler, artifacts)
     before = {path: path.stat().st_mtime_ns for path in (artifacts / "results").rglob("*") if path.is_file()}
@@ -129,7 +129,7 @@ def test_another_store_finds_what_was_read(bench: Bench, scheduler: str, tmp_pat
 
 
 def test_a_change_elsewhere_makes_another_result(bench: Bench, scheduler: str, tmp_path: Path) -> None:
-    """A package is read again when the header of another one changed, and its earlier result stays beside."""
+    """A package is read again when the header of another one changed, and its earlier result remains."""
     on_cluster(bench, scheduler, tmp_path / "artifacts")
     bench.header("shared", "/second")
     other, here = bench.sibling("other"), bench.sibling("here")
@@ -141,7 +141,7 @@ def test_a_change_elsewhere_makes_another_result(bench: Bench, scheduler: str, t
 
 @pytest.mark.parametrize("damage", [b"", b"half"], ids=["empty", "cut"])
 def test_damaged_results_are_read_again(bench: Bench, scheduler: str, tmp_path: Path, damage: bytes) -> None:
-    """A file whose content is not that of its name is never used."""
+    """A file whose content does not match its name is never used."""
     artifacts = tmp_path / "artifacts"
     on_cluster(bench, scheduler, artifacts)
     for path in (artifacts / "results").rglob("*"):
@@ -153,7 +153,7 @@ def test_damaged_results_are_read_again(bench: Bench, scheduler: str, tmp_path: 
 
 
 def test_a_killed_reader_is_replaced(bench: Bench, scheduler: str, tmp_path: Path) -> None:
-    """A package whose process is killed is read by another one."""
+    """If the process of a package is killed, another one reads it."""
     bench.build()
     other = bench.sibling("other")
     on_cluster(bench.sibling("warm"), scheduler, tmp_path / "other-artifacts")
@@ -175,11 +175,11 @@ def test_a_killed_reader_is_replaced(bench: Bench, scheduler: str, tmp_path: Pat
 def test_a_hanging_reader_is_replaced(
     bench: Bench, scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A package that takes longer than its time is given to another process."""
+    """A package that exceeds its time limit is assigned to another process."""
     bench.build()
     monkeypatch.setattr(extracting, "_START_SECONDS", patient(0.1))
     monkeypatch.setattr(pool, "PACKAGE_SECONDS", patient(1))
-    os.kill(min(children()), signal.SIGSTOP)  # the others read what it does not
+    os.kill(min(children()), signal.SIGSTOP)  # the others read its packages
     other = bench.sibling("other")
     report = on_cluster(other, scheduler, tmp_path / "artifacts")
     assert not report.problems
@@ -187,7 +187,7 @@ def test_a_hanging_reader_is_replaced(
 
 
 def test_a_package_that_kills_every_reader_is_left_out(bench: Bench, scheduler: str, tmp_path: Path) -> None:
-    """After its attempts it is reported as KG121, nothing of it is in the graph, and the next build reads it."""
+    """After its attempts it is reported as KG121, the graph contains nothing of it, and the next build reads it."""
     (bench.source / "bad").mkdir()
     bench.package("bad")
     reader = extracting.Extractor
@@ -209,7 +209,7 @@ def test_a_package_that_kills_every_reader_is_left_out(bench: Bench, scheduler: 
 
 
 def test_a_killed_worker_of_the_cluster_is_replaced(bench: Bench, tmp_path: Path) -> None:
-    """With workers as processes of their own, one that is killed in the middle does not show in the graph."""
+    """If workers are processes, killing one in the middle does not affect the graph."""
     bench.build()
     other = bench.sibling("other")
     killed: list[int] = []
@@ -230,7 +230,7 @@ def test_a_killed_worker_of_the_cluster_is_replaced(bench: Bench, tmp_path: Path
 def test_a_worker_with_other_code_ends_the_build(
     bench: Bench, scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A worker whose kg differs is refused as KG127, and the store stays without data."""
+    """A worker with another version of kg is KG127, and the store remains without data."""
     monkeypatch.setattr("kg.pipeline.build.code_version", lambda *_: "another")
     with pytest.raises(SourceError) as caught:
         on_cluster(bench, scheduler, tmp_path / "artifacts")
@@ -240,7 +240,7 @@ def test_a_worker_with_other_code_ends_the_build(
 
 
 def test_no_scheduler_is_an_error(bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """An address at which nobody answers is KG126."""
+    """An address without a server is KG126."""
     monkeypatch.setattr(cluster, "_CONNECT_SECONDS", 0.2)
     with own_port() as port, pytest.raises(SourceError) as caught:
         on_cluster(bench, f"tcp://127.0.0.1:{port}", tmp_path / "artifacts")
@@ -249,7 +249,7 @@ def test_no_scheduler_is_an_error(bench: Bench, tmp_path: Path, monkeypatch: pyt
 
 
 def test_results_that_cannot_be_written_are_an_error(bench: Bench, scheduler: str, tmp_path: Path) -> None:
-    """A file where the folder of results should be is KG128."""
+    """A file in place of the folder of results is KG128."""
     (tmp_path / "file").write_text("")
     with pytest.raises(SourceError) as caught:
         on_cluster(bench, scheduler, tmp_path / "file")

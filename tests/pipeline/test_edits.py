@@ -1,4 +1,4 @@
-"""Tests of builds after edits: the store is that of a build from scratch, and only what changed is done again."""
+"""Tests of builds after edits: the store equals that of a clean build, and only changes are processed."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ FIELDS: Final[dict[str, list[Any]]] = {
 
 @dataclass(frozen=True, slots=True)
 class Sources:
-    """A workspace of packages with nodes, a plugin and a launch file, told by what edits change."""
+    """A workspace of packages with nodes, a plugin and a launch file, with parameters for edits."""
 
     comment: str = ""
     topic: str = "talk"
@@ -99,7 +99,7 @@ class Sources:
     launch_comment: str = ""
 
     def files(self) -> Iterator[tuple[str, str]]:
-        """Yield all files that there are, with their content."""
+        """Yield all existing files with their content."""
         for package in ("nodes", *(["others"] if self.others else [])):
             name = self.name if package == "nodes" else "talker"
             yield f"{package}/package.xml", MANIFEST.format(name=package, export="")
@@ -130,7 +130,7 @@ class Site:
     folder: Path
 
     def build(self, sources: Sources, store: str = "store", *, rules: bool = False) -> BuildReport:
-        """Write the sources, where they differ from what is there, and build them into a store."""
+        """Write the sources that differ, and build them into a store."""
         wanted = {self.folder / "src" / path: text for path, text in sources.files()}
         for path in [one for one in (self.folder / "src").rglob("*") if one.is_file() and one not in wanted]:
             path.unlink()
@@ -143,7 +143,7 @@ class Site:
         return build(named, EmbeddedStore.create(self.folder / store), chosen, rules=rules)
 
     def content(self, store: str = "store") -> list[str]:
-        """Return all quads of a store, but for the record of when it was built."""
+        """Return all quads of a store, except the record of its build time."""
         with EmbeddedStore.create(self.folder / store).read() as snapshot:
             lines = snapshot.dump(RdfFormat.N_QUADS).decode().splitlines()
         return sorted(line for line in lines if not line.endswith("/graph/builds> ."))
@@ -156,7 +156,7 @@ edit = st.sampled_from(sorted(FIELDS)).flatmap(lambda field: st.tuples(st.just(f
 @given(edits=st.lists(edit, min_size=2, max_size=4))
 @example(edits=[("launch_comment", "<!-- a\n comment -->"), ("others", False), ("space", "right")])
 def test_after_random_edits_the_store_is_that_of_a_build_from_scratch(edits: list[tuple[str, Any]]) -> None:
-    """Every quad is the same, whatever way led there."""
+    """Every quad is the same, whatever edits came before."""
     with TemporaryDirectory() as folder:
         site = Site(Path(folder))
         (site.folder / "src").mkdir()
@@ -169,7 +169,7 @@ def test_after_random_edits_the_store_is_that_of_a_build_from_scratch(edits: lis
 
 @pytest.fixture
 def site(tmp_path: Path) -> Site:
-    """Sources that are built."""
+    """Built sources."""
     made = Site(tmp_path)
     (tmp_path / "src").mkdir()
     made.build(Sources())
@@ -178,7 +178,7 @@ def site(tmp_path: Path) -> Site:
 
 @pytest.fixture
 def wired(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The launch files that are wired, in their order."""
+    """The launch files that are wired, in order."""
     found: list[str] = []
 
     def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
@@ -191,7 +191,7 @@ def wired(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def test_a_comment_wires_nothing(site: Site, wired: list[str]) -> None:
-    """Where lines of nodes and plugins move, nothing that launch files make is another."""
+    """If only lines of nodes and plugins move, no system changes."""
     report = site.build(Sources(comment="// a comment\n"))
     assert report.read == 3
     assert wired == []
@@ -199,13 +199,13 @@ def test_a_comment_wires_nothing(site: Site, wired: list[str]) -> None:
 
 @pytest.mark.parametrize("changed", [{"topic": "told"}, {"rate": "5.0"}, {"step": "Wait"}, {"others": False}])
 def test_only_what_starts_something_is_wired(site: Site, wired: list[str], changed: dict[str, Any]) -> None:
-    """A change of a node or plugin wires the launch files that start or load it, and no other."""
+    """A change of a node or plugin rewires the launch files that start or load it, and no others."""
     site.build(Sources(**changed))
     assert wired == ["starts/launch/start.launch.xml"]
 
 
 def test_a_launch_file_is_wired_alone(site: Site, wired: list[str]) -> None:
-    """A change of a launch file wires that file."""
+    """A change of a launch file rewires only that file."""
     site.build(Sources(space="right"))
     assert wired == ["starts/launch/start.launch.xml"]
 
@@ -214,7 +214,7 @@ def test_a_launch_file_is_wired_alone(site: Site, wired: list[str]) -> None:
 def test_what_other_nodes_are_started_with_is_not_read(
     site: Site, monkeypatch: pytest.MonkeyPatch, changed: dict[str, Any]
 ) -> None:
-    """A build after an edit asks only for what systems that changed are started with."""
+    """A build after an edit only queries the starts of changed systems."""
     graphs: list[str] = []
 
     def content(transaction: EmbeddedTransaction, graph: NamedNode) -> bytes:
@@ -229,7 +229,7 @@ def test_what_other_nodes_are_started_with_is_not_read(
 
 
 def test_node_types_are_those_of_the_graph(site: Site) -> None:
-    """What wiring gets from cached results is what is read back from the graph, with the same IRIs."""
+    """Wiring gets the same node types from cached results as from the graph, with the same IRIs."""
     store = EmbeddedStore.create(site.folder / "store")
     sources = load_state(store.layout.cache).sources.values()
     results = [package.result for source in sources for package in source.packages.values()]

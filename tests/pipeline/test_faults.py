@@ -1,4 +1,4 @@
-"""Tests of builds that are ended from outside: kill -9 and Ctrl-C at many moments."""
+"""Tests of builds ended from outside: kill -9 and Ctrl-C at many moments."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ sys.stdin.read()
 
 
 def _start(bench: Bench, version: str, *, hold: bool = False) -> subprocess.Popen[bytes]:
-    """Start a build that reads everything, in a process group of its own, and return when it begins.
+    """Start a build that reads everything, in its own process group, and return when it begins.
 
-    With `hold` the process stays until its standard input is closed, so that a signal never meets an interpreter
-    that is already ending, where it kills without a word.
+    With `hold` the process runs until its standard input is closed, so a signal never reaches an interpreter that is
+    already shutting down, where it kills silently.
     """
     command = [sys.executable, "-c", BUILD, str(bench.store.layout.root), str(bench.source), version]
     stdin = subprocess.PIPE if hold else subprocess.DEVNULL
@@ -48,7 +48,7 @@ def _start(bench: Bench, version: str, *, hold: bool = False) -> subprocess.Pope
 
 
 def _members(group: int) -> list[int]:
-    """Return the processes of a group that have not ended."""
+    """Return the running processes of a group."""
     found = []
     for folder in Path("/proc").iterdir():
         if folder.name.isdigit():
@@ -62,7 +62,7 @@ def _members(group: int) -> list[int]:
 
 
 def _ended(group: int) -> bool:
-    """Tell whether all processes of a group end, for which those that were left behind have some time."""
+    """Return whether all processes of a group exit within some time."""
     deadline = time.monotonic() + patient(20)
     while _members(group) and time.monotonic() < deadline:
         time.sleep(0.05)
@@ -79,7 +79,7 @@ def built(bench: Bench) -> Bench:
 
 
 def test_kill_at_any_moment(built: Bench) -> None:
-    """After kill -9 at some moments the store is as before or as after, opens, and can be written."""
+    """After kill -9 at some moments the store has its old or its new content, opens, and is writable."""
     began = time.perf_counter()
     assert _start(built, "whole").wait() == 0
     whole = time.perf_counter() - began
@@ -100,7 +100,7 @@ def test_kill_at_any_moment(built: Bench) -> None:
 
 
 def test_interrupt_ends_workers_and_keeps_the_store(built: Bench) -> None:
-    """Ctrl-C ends the build and its workers, and leaves neither a generation nor temporary files."""
+    """Ctrl-C stops the build and its workers, and leaves no generation and no temporary files."""
     before = built.content()
     for delay in (0.3, 0.6):
         process = _start(built, f"interrupted {delay}", hold=True)
@@ -115,7 +115,7 @@ def test_interrupt_ends_workers_and_keeps_the_store(built: Bench) -> None:
 
 
 def test_a_killed_build_does_not_keep_others_out(built: Bench) -> None:
-    """The lock of a killed build is free as soon as it is gone, even while its workers still end."""
+    """The lock of a killed build is free at once, even while its workers still exit."""
     process = _start(built, "killed")
     time.sleep(0.4)
     process.kill()

@@ -1,4 +1,4 @@
-"""Tests of taking sources out of a store."""
+"""Tests of removing sources from a store."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def test_a_forgotten_source_stays_out(bench: Bench, tmp_path: Path) -> None:
-    """A source that is forgotten leaves the graph, and a build without names does not bring it back."""
+    """A removed source leaves the graph, and a build without names does not bring it back."""
     other = type(bench)(tmp_path / "other", bench.store)
     other.package("three", "third")
     bench.build()
@@ -31,7 +31,7 @@ def test_a_forgotten_source_stays_out(bench: Bench, tmp_path: Path) -> None:
 
 
 def test_the_last_source(bench: Bench) -> None:
-    """When all sources are forgotten there is nothing to build, and building them by name brings them back."""
+    """After removing all sources there is nothing to build; building them by name brings them back."""
     bench.build()
     forget(bench.store, load({}, environment={}), ["local/src"])
     with pytest.raises(SourceError):

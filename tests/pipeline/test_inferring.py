@@ -1,4 +1,4 @@
-"""Tests of rules inside builds: what is inferred changes together with what it is inferred from."""
+"""Tests of rules inside builds: inferences change together with their premises."""
 
 from __future__ import annotations
 
@@ -46,13 +46,13 @@ CONSTRUCT { ?node rnkg:nameWord "loud" } WHERE { ?node rnkg:publishes [] }
 
 
 def inferred(store: EmbeddedStore) -> list[str]:
-    """Return what is inferred, sorted."""
+    """Return the inferred triples, sorted."""
     with store.read() as snapshot:
         return sorted(snapshot.dump(RdfFormat.N_TRIPLES, graph=INFERRED).decode().splitlines())
 
 
 def published(store: EmbeddedStore) -> set[str]:
-    """Return the topics that nodes publish, as rules infer it."""
+    """Return the topics that nodes publish according to inferred triples."""
     with store.read() as snapshot:
         rows = snapshot.query("SELECT ?name { [] rnkg:publishes/rdfs:label ?name }", prefixes=PREFIXES)
         return {row[0].value for row in rows}  # type: ignore[union-attr]  # a SELECT gives rows
@@ -82,7 +82,7 @@ def test_a_build_infers(bench: Bench) -> None:
 
 
 def test_what_is_inferred_follows_a_change(bench: Bench, tmp_path: Path) -> None:
-    """After a change of one package what is inferred is the same as after building everything anew."""
+    """After a change of one package, the inferences are those of a clean build."""
     built(bench)
     bench.package("one", "murmur")
     report = built(bench)
@@ -95,7 +95,7 @@ def test_what_is_inferred_follows_a_change(bench: Bench, tmp_path: Path) -> None
 
 
 def test_a_new_rule_runs_though_no_source_changed(bench: Bench, tmp_path: Path) -> None:
-    """A rule of the user's that comes or goes is seen by the next build."""
+    """The next build detects an added or removed user rule."""
     rules = tmp_path / "rules"
     (rules / "mine").mkdir(parents=True)
     with_rules = settings(rules=str(rules))
@@ -112,7 +112,7 @@ def test_a_new_rule_runs_though_no_source_changed(bench: Bench, tmp_path: Path) 
 
 
 def test_rules_are_read_again_only_when_a_file_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One of the same size and time is another; what was written a moment ago may change and look the same."""
+    """A changed file with the same size and time is detected; a file written a moment ago is not trusted."""
     chosen = own_rule(tmp_path, "quiet.rq", NEGATING)
     file = tmp_path / "mine" / "quiet.rq"
     reads: list[Path] = []
@@ -135,7 +135,7 @@ def test_rules_are_read_again_only_when_a_file_changed(tmp_path: Path, monkeypat
 
 
 def test_without_rules_what_was_inferred_stays_until_the_next_build(bench: Bench) -> None:
-    """A build without rules changes nothing that was inferred; the next one brings it up to date."""
+    """A build without rules changes no inferences; the next one updates them."""
     built(bench)
     before = inferred(bench.store)
     bench.package("one", "murmur")
@@ -151,14 +151,14 @@ CONSTRUCT { ?node rnkg:nameWord "a" } WHERE { ?node rnkg:publishes [] FILTER NOT
 
 
 def own_rule(folder: Path, name: str, text: str) -> Settings:
-    """Write a rule of the user's, and return the settings that have it."""
+    """Write a user rule, and return settings that contain it."""
     (folder / "mine").mkdir(parents=True, exist_ok=True)
     (folder / "mine" / name).write_text(text)
     return settings(rules=str(folder))
 
 
 def test_a_rule_that_cannot_be_read_is_left_out(bench: Bench, tmp_path: Path) -> None:
-    """What was read is stored, the other rules run, and every build tells it until the rule is mended."""
+    """Asserted triples are stored, the other rules run, and every build reports the rule until it is fixed."""
     own_rule(tmp_path / "rules", "loud.rq", LOUD)
     chosen = own_rule(tmp_path / "rules", "broken.rq", LOUD.replace("WHERE {", "WHERE"))
     for _ in range(2):
@@ -176,7 +176,7 @@ def test_a_rule_that_cannot_be_read_is_left_out(bench: Bench, tmp_path: Path) ->
 
 
 def test_rules_without_an_order_leave_those_that_kg_brings(bench: Bench, tmp_path: Path) -> None:
-    """One's own rules are left out together when they cannot run; what they inferred before goes."""
+    """If user rules cannot run, they are left out together; their earlier inferences are removed."""
     chosen = own_rule(tmp_path / "rules", "loud.rq", LOUD)
     built(bench, chosen)
     own_rule(tmp_path / "rules", "negating.rq", NEGATING)
@@ -189,7 +189,7 @@ def test_rules_without_an_order_leave_those_that_kg_brings(bench: Bench, tmp_pat
 
 
 def test_nothing_is_inferred_where_no_rules_can_run(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What earlier rules inferred is not kept beside data that it may not follow from any more."""
+    """Earlier inferences are not kept with data from which they may no longer follow."""
     built(bench)
     bench.package("one", "murmur")
     monkeypatch.setattr(Runner, "run_within", refuse)
@@ -203,12 +203,12 @@ def test_nothing_is_inferred_where_no_rules_can_run(bench: Bench, monkeypatch: p
 
 
 def refuse(*_: object, **__: object) -> None:
-    """Stand for rules that have no order."""
+    """Fail as rules without an order do."""
     raise RuleError("KG202", "no order")
 
 
 def test_what_is_inferred_from_a_source_goes_with_it(bench: Bench) -> None:
-    """When a source is forgotten, so is what rules inferred from it."""
+    """Removing a source removes its inferences."""
     built(bench)
     found = forget(bench.store, settings(), ["local/src"])
     assert found is not None
@@ -217,7 +217,7 @@ def test_what_is_inferred_from_a_source_goes_with_it(bench: Bench) -> None:
 
 
 def test_two_stores_have_the_same_ontologies(tmp_path: Path) -> None:
-    """Blank nodes of the ontologies are named by the files alone, so that equal builds have equal exports."""
+    """Blank nodes of the ontologies are named by the files alone, so equal builds have equal exports."""
     dumps = []
     for name in ("one", "two"):
         store = EmbeddedStore.create(tmp_path / name / ".kg")

@@ -1,4 +1,4 @@
-"""Tests of texts that are kept between processes as long as no file of an installation changes."""
+"""Tests of texts cached between processes until a file of an installation changes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from kg.settings import load
 
 
 class Made:
-    """What gives another text each time it is asked."""
+    """Returns another text on each call."""
 
     def __init__(self) -> None:
         self.times = 0
@@ -27,13 +27,13 @@ class Made:
 
 @pytest.fixture
 def settled(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let all files count as changed long ago."""
+    """Make all files count as changed long ago."""
     monkeypatch.setattr(kept, "_SETTLED", -1)
 
 
 @pytest.mark.usefixtures("settled")
 def test_a_text_is_made_once_for_the_same_files(tmp_path: Path) -> None:
-    """It comes from the file after that."""
+    """The second call returns it from the file."""
     (tmp_path / "file").write_text("content")
     made = Made()
     found = [kept.kept(tmp_path / "kept", tuple(kept.states(tmp_path / "file")), "", made) for _ in range(3)]
@@ -43,7 +43,7 @@ def test_a_text_is_made_once_for_the_same_files(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("settled")
 @pytest.mark.parametrize("edit", ["content", "rename", "remove", "add", "same size and time", "other question"])
 def test_whatever_changes_below_a_folder_is_noticed(tmp_path: Path, edit: str) -> None:
-    """Contents, names, and edits that leave size and time as they were."""
+    """Changes of contents, names, and edits that preserve size and time are detected."""
     folder, made = tmp_path / "folder", Made()
     (folder / "inner").mkdir(parents=True)
     path = folder / "inner" / "file"
@@ -68,7 +68,7 @@ def test_whatever_changes_below_a_folder_is_noticed(tmp_path: Path, edit: str) -
 
 
 def test_what_changed_a_moment_ago_is_not_kept(tmp_path: Path) -> None:
-    """A second change within the same tick of the clock of the file system would have the same time."""
+    """A second change within the same tick of the file system's clock would have the same time."""
     (tmp_path / "file").write_text("content")
     made = Made()
     found = [kept.kept(tmp_path / "kept", tuple(kept.states(tmp_path / "file")), "", made) for _ in range(2)]
@@ -77,14 +77,14 @@ def test_what_changed_a_moment_ago_is_not_kept(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("settled")
 def test_a_damaged_file_is_made_anew(tmp_path: Path) -> None:
-    """Whatever stands in the file, it is not taken for a text that was kept."""
+    """A damaged file is never taken for a cached text."""
     (tmp_path / "kept").write_bytes(b"\xff\xfe nonsense")
     assert kept.kept(tmp_path / "kept", (), "", Made()) == "text 1"
     assert kept.kept(tmp_path / "kept", (), "", Made()) == "text 1"
 
 
 def test_installing_a_package_changes_the_states(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The folder that it comes into has another time; folders that are not there do not count."""
+    """Its parent folder gets another time; missing folders do not count."""
     monkeypatch.setattr(sys, "path", [str(tmp_path), "/no/such/folder"])
     before = list(kept.installations())
     while list(kept.installations()) == before:
@@ -95,7 +95,7 @@ def test_installing_a_package_changes_the_states(tmp_path: Path, monkeypatch: py
 
 @pytest.mark.usefixtures("settled")
 def test_kept_digests_are_those_that_are_computed(tmp_path: Path) -> None:
-    """The first call keeps them, the second takes them."""
+    """The first call caches them, the second reads them."""
     settings = load({}, environment={})
     computed = plan.version(settings), reasoning.digest(settings)
     for _ in range(2):
@@ -106,7 +106,7 @@ def test_kept_digests_are_those_that_are_computed(tmp_path: Path) -> None:
 def test_an_edited_rule_has_another_digest_for_the_next_process(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Only the cache is shared with the next process."""
+    """The next process shares only the cache."""
     (tmp_path / "rules" / "family").mkdir(parents=True)
     rule = tmp_path / "rules" / "family" / "rule.rq"
     rule.write_text("CONSTRUCT { ?a ?b ?c } WHERE { ?c ?b ?a }")

@@ -1,4 +1,4 @@
-"""Tests of rules that are kept for the next process."""
+"""Tests of rules cached for the next process."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ CONSTRUCT { ?x a rnkg:%s } WHERE { ?x rnkg:name ?name }
 
 @pytest.fixture
 def own(tmp_path: Path) -> Settings:
-    """Settings with a folder of rules that has one rule."""
+    """Settings with a folder that contains one rule."""
     _write(tmp_path, "Thing")
     return load({"rules": str(tmp_path / "rules")}, environment={})
 
@@ -44,13 +44,13 @@ def _write(folder: Path, name: str) -> None:
 
 
 def _read_again(settings: Settings, cache: Path) -> RuleSet:
-    """Return the rules in force as another process has them."""
+    """Return the enabled rules as another process reads them."""
     reasoning._read_before.cache_clear()
     return reasoning.rules_in_force(settings, cache=cache)
 
 
 def test_rules_are_the_same_from_the_cache(own: Settings, tmp_path: Path) -> None:
-    """The first process reads the files, the second what that kept; both have what the files say."""
+    """The first process reads the files, the second the cache; both get the same rules."""
     expected = reasoning.rules_in_force(own)
     for _ in range(2):
         found = _read_again(own, tmp_path)
@@ -58,7 +58,7 @@ def test_rules_are_the_same_from_the_cache(own: Settings, tmp_path: Path) -> Non
 
 
 def test_a_rule_that_changed_is_read_again(own: Settings, tmp_path: Path) -> None:
-    """After an edit the rules are those of the files, whatever was kept."""
+    """After an edit the rules are those of the files, not of the cache."""
     before = _read_again(own, tmp_path)
     _write(tmp_path, "Other")
     after = _read_again(own, tmp_path)
@@ -67,13 +67,13 @@ def test_a_rule_that_changed_is_read_again(own: Settings, tmp_path: Path) -> Non
 
 
 def test_rules_are_read_where_nothing_can_be_kept(own: Settings, tmp_path: Path) -> None:
-    """A cache that is no folder, or cannot be written, keeps nothing and stops nothing."""
+    """An unusable or read-only cache is ignored."""
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert _read_again(own, tmp_path / "file").rules == reasoning.rules_in_force(own).rules
 
 
 def test_rules_with_errors_are_not_kept(own: Settings, tmp_path: Path) -> None:
-    """As long as a file cannot be used, each process reports it."""
+    """Each process reports an unusable file as long as it exists."""
     (tmp_path / "rules" / "own" / "thing.rq").write_text("no rule", encoding="utf-8")
     for _ in range(2):
         with pytest.raises(RuleError):

@@ -33,12 +33,12 @@ NAMES = [BASE, OTHER, ARM]
     ],
 )
 def test_launch_files_have_names_paths_and_ends_of_both(text: str, expected: list[SystemName]) -> None:
-    """Names and paths fit whole or by their last segments; a package and a file fit as roslaunch takes them."""
+    """Names and paths match in full or by their last segments; a package and a file match as for roslaunch."""
     assert matching(NAMES, text) == expected
 
 
 def test_a_file_on_disk_is_found_in_its_source(tmp_path: Path) -> None:
-    """The path of a file means the launch file of the source that stands there, whatever else has its name."""
+    """The path of a file refers to the launch file of its source, even if others have the same name."""
     file = tmp_path / BASE.path
     file.parent.mkdir(parents=True)
     file.touch()
@@ -66,7 +66,7 @@ _FOLDERS = st.lists(st.sampled_from(("a", "b", "launch")), max_size=3).map(lambd
     )
 )
 def test_each_way_that_is_offered_leads_to_one_launch_file(names: list[SystemName]) -> None:
-    """KG003 offers each launch file once, by a text that means it alone, also where names and paths are the same."""
+    """KG003 lists each launch file once, by an unambiguous text, also for equal names and paths."""
     several = matching(names, "x.launch")
     assume(len(several) > 1)
     with pytest.raises(UsageError, match="KG003") as caught:
@@ -77,7 +77,7 @@ def test_each_way_that_is_offered_leads_to_one_launch_file(names: list[SystemNam
 
 
 def test_what_none_is_called_is_refused_with_what_was_meant() -> None:
-    """KG422 suggests a name that is written alike."""
+    """KG422 suggests a similar name."""
     with pytest.raises(UnknownNameError, match="KG422") as caught:
         find(NAMES, "bringup/launch/bas.launch", {})
     assert caught.value.hint is not None
@@ -85,7 +85,7 @@ def test_what_none_is_called_is_refused_with_what_was_meant() -> None:
 
 
 def test_assignments_are_names_and_values() -> None:
-    """The first sign parts them; a text without it, or without a name, is refused."""
+    """The first separator splits them; a text without it, or without a name, is refused."""
     assert assignments(["x:=1", "y:=a:=b", "z:="]) == {"x": "1", "y": "a:=b", "z": ""}
     assert assignments(["HOME=/root"], "=") == {"HOME": "/root"}
     for text in ("x", ":=1"):
@@ -94,7 +94,7 @@ def test_assignments_are_names_and_values() -> None:
 
 
 def test_arguments_need_the_launch_file_that_they_are_for() -> None:
-    """Arguments and environment variables are refused without a launch file, and go with one."""
+    """Arguments and environment variables are refused without a launch file, and accepted with one."""
     check_given(None, {}, {})
     check_given("x.launch", {"a": "1"}, {})
     for arguments, environment in ((["a:=1"], []), ([], ["A:=1"])):

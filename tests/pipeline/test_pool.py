@@ -1,4 +1,4 @@
-"""Tests of workers that die, hang, or meet a defect."""
+"""Tests of workers that crash, hang, or raise."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TASKS = [Task("local/x", f"p{number}", f"p{number}") for number in range(9)]
 
 
 def _work(_job: Job, source: str, path: str, _earlier: str) -> Outcome:
-    """Behave as the number of the package says."""
+    """Behave according to the number of the package."""
     if path == "p3":
         os.kill(os.getpid(), signal.SIGKILL)
     if path == "p4":
@@ -31,10 +31,10 @@ def _work(_job: Job, source: str, path: str, _earlier: str) -> Outcome:
 
 @pytest.mark.parametrize("jobs", [1, 3])
 def test_one_package_costs_itself_only(monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
-    """A package that kills its worker, raises, or never ends is reported by name; all others are read."""
+    """A package that kills its worker, raises, or never finishes is reported by name; all others are read."""
     monkeypatch.setattr(pool, "work", _work)
     job = Job(RecordingWorkspace([]), "https://example.org/", 1)
-    seconds = patient(0.5)  # in which a worker starts, and reads the packages before, on a machine that is busy
+    seconds = patient(0.5)  # time for a worker to start and read the packages before, on a busy machine
     with Pool(job, TASKS, jobs, deadline=seconds) as workers:
         outcomes = {outcome.result.path: outcome for outcome in workers.outcomes()}
     assert set(outcomes) == {task.path for task in TASKS}
@@ -51,7 +51,7 @@ def test_one_package_costs_itself_only(monkeypatch: pytest.MonkeyPatch, jobs: in
 
 
 def test_the_end_of_the_with_statement_ends_the_workers(monkeypatch: pytest.MonkeyPatch) -> None:
-    """When the one who reads the outcomes stops, no worker stays, however busy."""
+    """If the reader of the outcomes stops, all workers exit, even busy ones."""
     monkeypatch.setattr(pool, "work", _work)
     job = Job(RecordingWorkspace([]), "https://example.org/", 1)
     before = _children()

@@ -1,4 +1,4 @@
-"""Tests that the result of a package is a function of its files and look-ups, whatever was read before and by whom."""
+"""Tests that the result of a package depends only on its files and look-ups, whatever its process has read before."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def manifest(name: str, depends: Sequence[str] = ()) -> str:
 
 
 def macro(source: str) -> str:
-    """Return CMake code with a macro that makes a node of a source."""
+    """Return CMake code with a macro that adds a node for a source."""
     return f"macro(add_robot_node name)\n  add_executable(${{name}}_node {source})\nendmacro()\n"
 
 
@@ -193,17 +193,17 @@ FILES: Final[dict[str, tuple[str | None, ...]]] = {
 
 @dataclass(frozen=True)
 class Site:
-    """A workspace below a folder."""
+    """A workspace in a folder."""
 
     folder: Path
 
     @property
     def sources(self) -> Path:
-        """Where the packages are."""
+        """The folder of the packages."""
         return self.folder / "src"
 
     def write(self, contents: Mapping[str, str | None], absent: frozenset[str]) -> None:
-        """Give the files these contents; packages that are absent are not there at all."""
+        """Write these contents to the files; packages in `absent` do not exist."""
         for path, content in contents.items():
             file = self.sources / path
             wanted = None if path.partition("/")[0] in absent else content
@@ -220,7 +220,7 @@ class Site:
         build([str(self.sources)], store, self.settings(jobs), report, rules=False)
 
     def settings(self, jobs: int) -> Settings:
-        """Return the settings of a build with so many workers."""
+        """Return the settings of a build with this number of workers."""
         calls = self.folder / "calls"
         calls.mkdir(exist_ok=True)
         installed = [str(self.folder / "installed")]
@@ -229,7 +229,7 @@ class Site:
 
 
 def results(store: EmbeddedStore) -> dict[str, object]:
-    """Return what a store has of each package: its inputs, its look-ups outside of the build, the digest of its result.
+    """Return for each package in a store its inputs, its look-ups outside of the build, the digest of its result.
 
     The digest covers look-ups, triples, descriptions and launch configurations.
     """
@@ -238,22 +238,22 @@ def results(store: EmbeddedStore) -> dict[str, object]:
 
 
 def exported(store: EmbeddedStore) -> dict[str, bytes]:
-    """Return the graphs of sources, of what they share and of launch files as `kg export` writes them."""
+    """Return the graphs of sources, of their shared content and of launch files as in `kg export`."""
     with store.read() as snapshot:
         graphs = [one for one in snapshot.graphs() if "/graph/s" in one.value or "/graph/launch/" in one.value]
         return {one.value: snapshot.dump(RdfFormat.N_QUADS, graph=one, prefixes=PREFIXES) for one in graphs}
 
 
 class Killing(Silent):
-    """Ends a build when the first package was read."""
+    """Stops a build after the first package."""
 
     def done(self, result: PackageResult) -> None:  # noqa: ARG002 - the report of a build
-        """End the build."""
+        """Stop the build."""
         raise KeyboardInterrupt
 
 
 class Step(NamedTuple):
-    """Edits of files and which packages are absent, and how the build after them goes."""
+    """Edits of files, absent packages, and the manner of the next build."""
 
     edits: Mapping[str, int] = {}
     absent: frozenset[str] = frozenset()
@@ -285,7 +285,7 @@ def _variants() -> st.SearchStrategy[dict[str, int]]:
 
 
 NODES: Final = {"lib/cmake/lib.cmake": 1}
-"""Edits with which there are C++ nodes."""
+"""Edits that result in C++ nodes."""
 ABSENT: Final = st.sets(st.sampled_from(PACKAGES), max_size=2).map(frozenset)
 KILLED: Final = st.sampled_from(["", "", "the build", *PACKAGES])
 STEPS: Final = st.lists(st.builds(Step, _variants(), ABSENT, st.integers(1, 3), KILLED), min_size=2, max_size=3)
@@ -294,12 +294,12 @@ STEPS: Final = st.lists(st.builds(Step, _variants(), ABSENT, st.integers(1, 3), 
 @settings(max_examples=4, phases=[Phase.explicit, Phase.reuse, Phase.generate])
 @given(steps=STEPS)
 def test_a_build_after_edits_is_a_clean_one(steps: list[Step]) -> None:
-    """Whatever was edited, added, removed or killed before, and with any number of workers, the bytes are the same."""
+    """After any edits, additions, removals and kills, with any number of workers, the bytes are the same."""
     variants: dict[str, int] = {}
     with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
         site, store = Site(Path(folder)), EmbeddedStore.create(Path(folder, "kept"))
         patch.setattr(pool, "work", _dying)
-        patch.setattr(writing, "_SMALL", 1)  # so that graphs of small workspaces are patched too
+        patch.setattr(writing, "_SMALL", 1)  # to patch graphs of small workspaces too
         for step in steps:
             variants |= step.edits
             site.write(contents(variants), step.absent)
@@ -348,7 +348,7 @@ def test_a_build_after_edits_is_a_clean_one(steps: list[Step]) -> None:
     ],
 )
 def test_what_appears_is_noticed(tmp_path: Path, package: str, before: Step, after: Step) -> None:
-    """A package whose look-up failed before is read again when something answers it, wherever that stands."""
+    """A package with a failed look-up is read again when it would succeed, wherever the file is."""
     site, store, clean = Site(tmp_path), EmbeddedStore.create(tmp_path / "kept"), EmbeddedStore.create(tmp_path / "new")
     site.write(contents(before.edits), before.absent)
     site.build(store, 1)
@@ -362,7 +362,7 @@ def test_what_appears_is_noticed(tmp_path: Path, package: str, before: Step, aft
 
 
 def test_an_installed_package_is_noticed(tmp_path: Path) -> None:
-    """A launch file that names a package is read again when that is installed."""
+    """A launch file that names a package is read again when it is installed."""
     site, store = Site(tmp_path), EmbeddedStore.create(tmp_path / "kept")
     site.write(contents({}), frozenset({"lib"}))
     site.build(store, 1)
@@ -377,7 +377,7 @@ def test_an_installed_package_is_noticed(tmp_path: Path) -> None:
 
 
 class Read(NamedTuple):
-    """What is compared of a package that was read."""
+    """The compared parts of a package that was read."""
 
     packed: bytes
     inputs: dict[str, str]
@@ -390,7 +390,7 @@ def _read(job: Job, path: str) -> Read:
 
 
 def _read_alone(job: Job, path: str) -> Read:
-    """Return what a process of its own reads, which has read nothing before in this workspace."""
+    """Return the result of a new process, which has read nothing else in this workspace."""
     context = multiprocessing.get_context("fork")
     here, there = context.Pipe(duplex=False)
     process = context.Process(target=lambda: there.send(_read(job, path)))
@@ -410,7 +410,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
 
 @pytest.fixture(scope="module")
 def alone(site: Site) -> dict[str, Read]:
-    """What each package gives to a process that reads nothing else."""
+    """The result of each package in a process that reads nothing else."""
     job = _job(site)
     return {path: _read_alone(job, path) for path in PACKAGES}
 
@@ -422,7 +422,7 @@ def _job(site: Site) -> Job:
 @given(orders=st.lists(st.permutations(PACKAGES), min_size=1, max_size=3))
 @settings(max_examples=10)
 def test_packages_can_be_read_in_any_order(site: Site, alone: dict[str, Read], orders: list[list[str]]) -> None:
-    """Facts, look-ups and inputs of a package do not depend on what the same process read before, itself included."""
+    """Facts, look-ups and inputs of a package do not depend on what its process has read before."""
     job = _job(site)
     for path in (path for order in orders for path in order):
         assert _read(job, path) == alone[path]

@@ -1,4 +1,4 @@
-"""Tests of recording look-ups and making them again."""
+"""Tests of recording and repeating look-ups."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 
 def test_every_look_up_is_recorded() -> None:
-    """No public method of a workspace is left out of the record."""
+    """Every public method of a workspace is recorded."""
     public = {name for name, value in vars(Workspace).items() if isfunction(value) and not name.startswith("_")}
     assert public <= vars(RecordingWorkspace).keys()
 
 
 def test_recorded_answers_are_given_again(bench: Bench) -> None:
-    """Each look-up is recorded, once, with an answer that a plain workspace of the same files gives, found or not."""
+    """Each look-up is recorded once, with the result in a plain workspace of the same files, found or not."""
     recording = RecordingWorkspace(scan_tree(bench.source))
     near = FilePath("local/src", "one/src/node.cpp")
     place = recording.package("two")
@@ -52,7 +52,7 @@ def test_recorded_answers_are_given_again(bench: Bench) -> None:
 
 
 def test_look_ups_in_a_package_that_is_gone_differ(bench: Bench) -> None:
-    """When a package is gone, the look-ups of its files have another answer."""
+    """If a package is gone, the look-ups of its files have other results."""
     recording = RecordingWorkspace(scan_tree(bench.source))
     place = recording.package("two")
     assert place
@@ -66,7 +66,7 @@ def test_look_ups_in_a_package_that_is_gone_differ(bench: Bench) -> None:
 
 
 def test_only_the_answers_that_differ_differ(bench: Bench) -> None:
-    """When a file appears, the look-ups that now find it have another answer."""
+    """If a file appears, the look-ups that find it have other results."""
     recording = RecordingWorkspace(scan_tree(bench.source))
     near = FilePath("local/src", "one/src/node.cpp")
     recording.include("shared/topics.hpp", near=near)
@@ -79,7 +79,7 @@ def test_only_the_answers_that_differ_differ(bench: Bench) -> None:
 
 
 def test_a_page_that_appears_differs(bench: Bench) -> None:
-    """When a README appears around a package, the look-up of its pages has another answer."""
+    """If a README appears around a package, the look-up of its pages has another result."""
     recording = RecordingWorkspace(scan_tree(bench.source))
     recording.documents("local/src", "one")
     (bench.source / "README.md").write_text("# All\n")
@@ -89,7 +89,7 @@ def test_a_page_that_appears_differs(bench: Bench) -> None:
 
 
 def test_each_package_has_its_own_record(bench: Bench) -> None:
-    """Forgetting begins anew."""
+    """`forget` starts a new record."""
     recording = RecordingWorkspace(scan_tree(bench.source))
     recording.package("one")
     recording.forget()

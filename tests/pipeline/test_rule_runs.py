@@ -38,7 +38,7 @@ def settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Settings:
 
 
 def test_a_run_over_the_store_tells_what_each_rule_did(settings: Settings, tmp_path: Path) -> None:
-    """The rules of one file are told as one; the next run has nothing to do."""
+    """The rules of one file are reported as one; the next run has nothing to do."""
     build(tmp_path / ".kg")
     report = run_on_store(settings, full=True)
     derived = {rule.name: rule.derived for rule in rule_runs(report.rules)}
@@ -50,7 +50,7 @@ def test_a_run_over_the_store_tells_what_each_rule_did(settings: Settings, tmp_p
 
 
 def test_a_dry_run_and_a_limit_leave_the_store_as_it_was(settings: Settings, tmp_path: Path) -> None:
-    """Neither makes a generation."""
+    """Neither creates a generation."""
     build(tmp_path / ".kg")
     with reading(settings) as snapshot:
         before = snapshot.identity
@@ -70,7 +70,7 @@ def _least_weights(settings: Settings) -> list[str]:
 
 
 def _built(settings: Settings, tmp_path: Path) -> None:
-    """Build a store that knows which ontologies it was given, as one of `kg build` does."""
+    """Build a store with a record of its ontologies, as `kg build` does."""
     build(tmp_path / ".kg")
     store = existing(settings)
     inference = Inference(store, settings)
@@ -80,7 +80,7 @@ def _built(settings: Settings, tmp_path: Path) -> None:
 
 
 def test_a_run_reads_the_ontologies_that_changed(settings: Settings, tmp_path: Path) -> None:
-    """An edit of a user's ontology is in the store after the next run, and not after a dry run."""
+    """An edit of a user's ontology is in the store after the next run, but not after a dry run."""
     _built(settings, tmp_path)
     own = tmp_path / "ontology" / "own.ttl"
     own.parent.mkdir()
@@ -94,7 +94,7 @@ def test_a_run_reads_the_ontologies_that_changed(settings: Settings, tmp_path: P
 
 
 def test_what_was_added_to_the_ontologies_stays_when_they_change(settings: Settings, tmp_path: Path) -> None:
-    """Only what files had and no longer have goes."""
+    """Only triples removed from the files are removed."""
     _built(settings, tmp_path)
     graph = f"<{Iris(settings.base).graph('ontology')}>"
     insert = f"INSERT DATA {{ GRAPH {graph} {{ <urn:own> <{RNKG}leastWeight> 3 }} }}"
@@ -107,7 +107,7 @@ def test_what_was_added_to_the_ontologies_stays_when_they_change(settings: Setti
 
 
 def test_an_ontology_that_cannot_be_read_stops_a_run(settings: Settings, tmp_path: Path) -> None:
-    """The error names the file; the store is as it was."""
+    """The error names the file; the store is unchanged."""
     _built(settings, tmp_path)
     (tmp_path / "ontology").mkdir()
     (tmp_path / "ontology" / "own.ttl").write_text("<urn:a> oops .")
@@ -117,7 +117,7 @@ def test_an_ontology_that_cannot_be_read_stops_a_run(settings: Settings, tmp_pat
 
 
 def test_a_run_over_files_writes_what_it_infers(settings: Settings, tmp_path: Path) -> None:
-    """Rules over any schema are cut to the axioms of the files."""
+    """Rules over any schema are specialized for the axioms of the files."""
     data = tmp_path / "data.nt"
     data.write_text(SCHEMA + "<urn:a> <urn:talks> <urn:b> .\n<urn:b> <urn:talks> <urn:c> .\n")
     output = tmp_path / "inferred.nt"
@@ -144,7 +144,7 @@ def test_a_file_that_cannot_be_written_is_named(settings: Settings, tmp_path: Pa
 
 
 def test_a_run_is_remembered_by_its_rules(settings: Settings, tmp_path: Path) -> None:
-    """What changed since is told apart by the digest of the rules; a run that writes nothing leaves it."""
+    """Later changes are detected by the digest of the rules; a run that writes nothing keeps the record."""
     build(tmp_path / ".kg")
     cache = tmp_path / ".kg" / "cache"
     before = last_run(cache)
@@ -157,7 +157,7 @@ def test_a_run_is_remembered_by_its_rules(settings: Settings, tmp_path: Path) ->
 
 
 def test_a_store_and_rules_that_are_as_they_were_are_known(settings: Settings, tmp_path: Path) -> None:
-    """Until a rule or a generation is new."""
+    """They are, until a rule or a generation is new."""
     build(tmp_path / ".kg")
     run_on_store(settings)
     layout = layout_of(settings)

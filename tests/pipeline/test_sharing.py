@@ -1,4 +1,4 @@
-"""Tests of the graphs of what sources and systems share, as builds change them."""
+"""Tests of the graphs shared by sources and systems, as builds change them."""
 
 from __future__ import annotations
 
@@ -36,21 +36,21 @@ def graphs(store: EmbeddedStore) -> set[str]:
 
 
 def test_a_graph_with_triples_stays(store: EmbeddedStore) -> None:
-    """Taking out some of the shared triples keeps their graph."""
+    """Removing some of the shared triples keeps their graph."""
     with store.write("test") as transaction:
         keep_shared(transaction, IRIS, [LINES[0].encode()], [])
     assert graphs(store) == {IRIS.graph(SHARED)}
 
 
 def test_an_empty_graph_goes(store: EmbeddedStore) -> None:
-    """A graph whose last triples are taken out goes: a build from nothing does not make it."""
+    """A graph is removed with its last triple: a clean build does not create it."""
     with store.write("test") as transaction:
         keep_shared(transaction, IRIS, [], [])
     assert graphs(store) == set()
 
 
 def test_a_graph_that_a_patch_empties_goes(store: EmbeddedStore) -> None:
-    """The same holds where only the change is known."""
+    """The same applies if only the change is known."""
     with store.write("test") as transaction:
         patch_shared(transaction, IRIS, [BOTH], [], [])
     assert graphs(store) == set()
@@ -58,7 +58,7 @@ def test_a_graph_that_a_patch_empties_goes(store: EmbeddedStore) -> None:
 
 @pytest.mark.parametrize("held", [0, 1 << 20])
 def test_a_start_is_described_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, held: int) -> None:
-    """Whether its lines wait in memory or in a file."""
+    """It is, with its lines in memory or in a file."""
     monkeypatch.setattr(sharing, "_HELD_BYTES", held)
     first = [b'<urn:start/a> <urn:kind> "node" .\n', b'<urn:start/a#remap/x> <urn:from> "x" .\n']
     second = b'<urn:start/b> <urn:kind> "node" .\n'

@@ -1,4 +1,4 @@
-"""What is published is what is pulled; anything else leaves the store as it was."""
+"""A published snapshot is pulled unchanged; anything else leaves the store unchanged."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ENOUGH = 1 << 20
 
 @pytest.fixture
 def store(tmp_path: Path) -> EmbeddedStore:
-    """A store with a few quads, among them a blank node."""
+    """A store with a few quads, including a blank node."""
     made = EmbeddedStore.create(tmp_path / "origin")
     with made.write("test") as transaction:
         transaction.replace_graphs({GRAPH: [b"<urn:a> <urn:b> <urn:c> .\n_:x <urn:b> <urn:d> .\n"]})
@@ -38,7 +38,7 @@ def store(tmp_path: Path) -> EmbeddedStore:
 
 @pytest.fixture
 def published(store: EmbeddedStore, tmp_path: Path) -> Path:
-    """A folder with this store and a rule."""
+    """A folder with this published store and a rule."""
     rules = tmp_path / "own" / "mine"
     rules.mkdir(parents=True)
     (rules / "rule.rq").write_text("CONSTRUCT {} WHERE {}")
@@ -69,7 +69,7 @@ def changed(folder: Path, change: Callable[[dict[str, Any]], None]) -> None:
 
 
 def refused(address: str | Path, store: EmbeddedStore, code: str, limit: int = ENOUGH) -> None:
-    """Check that a snapshot is refused and the store has no data afterwards, nor remains of it."""
+    """Check that a snapshot is refused, and that the store remains empty, without other files."""
     with pytest.raises(KgError) as caught:
         pull(str(address), store, limit)
     assert caught.value.code == code
@@ -79,7 +79,7 @@ def refused(address: str | Path, store: EmbeddedStore, code: str, limit: int = E
 
 @dataclass
 class Site:
-    """A web server on this machine, and what was put there."""
+    """A local web server with its uploaded files."""
 
     address: str
     received: dict[str, bytes] = field(default_factory=dict)
@@ -98,7 +98,7 @@ def site(published: Path) -> Iterator[Site]:
             self.end_headers()
 
         def log_message(self, *_: object) -> None:
-            """Say nothing."""
+            """Log nothing."""
 
     server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Handler, directory=str(published)))
     found = Site(f"http://127.0.0.1:{server.server_port}")
@@ -111,7 +111,7 @@ def site(published: Path) -> Iterator[Site]:
 
 
 def test_a_folder_is_pulled(store: EmbeddedStore, published: Path, target: EmbeddedStore) -> None:
-    """Content, digest and rules arrive; the rules lie where no command looks for them."""
+    """Content, digest and rules arrive; no command searches for rules there."""
     manifest = pull(str(published), target, ENOUGH)
     assert content(target) == content(store)
     assert manifest.digest == hashlib.blake2b(b"".join(content(store)), digest_size=16).hexdigest()
@@ -120,13 +120,13 @@ def test_a_folder_is_pulled(store: EmbeddedStore, published: Path, target: Embed
 
 
 def test_a_web_server_is_pulled_from(store: EmbeddedStore, site: Site, target: EmbeddedStore) -> None:
-    """The same over HTTP, with or without a slash at the end."""
+    """The same over HTTP, with or without a trailing slash."""
     pull(f"{site.address}/", target, ENOUGH)
     assert content(target) == content(store)
 
 
 def test_a_web_server_is_published_to(store: EmbeddedStore, site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    """All files are put, the manifest last, with the credentials of the environment."""
+    """All files are uploaded, the manifest last, with the credentials of the environment."""
     monkeypatch.setenv("KG_REMOTE_TOKEN", "secret")
     with store.read() as snapshot:
         manifest = publish(snapshot, f"{site.address}/robots", "https://example.org/")
@@ -135,7 +135,7 @@ def test_a_web_server_is_published_to(store: EmbeddedStore, site: Site, monkeypa
 
 
 def test_publishing_again_replaces(store: EmbeddedStore, published: Path, target: EmbeddedStore) -> None:
-    """The graph before is gone from the folder, and pulling again brings the new one."""
+    """The earlier graph is deleted from the folder, and pulling again gets the new one."""
     pull(str(published), target, ENOUGH)
     with store.write("test") as transaction:
         transaction.append(GRAPH, b"<urn:a> <urn:b> <urn:new> .\n")
@@ -149,7 +149,7 @@ def test_publishing_again_replaces(store: EmbeddedStore, published: Path, target
 
 
 def test_a_folder_with_something_else_is_not_written_to(store: EmbeddedStore, tmp_path: Path) -> None:
-    """KG566, and what is there stays."""
+    """KG566, and the files remain."""
     (tmp_path / "thesis").mkdir()
     (tmp_path / "thesis" / "thesis.tex").write_text("")
     with store.read() as snapshot, pytest.raises(KgError) as caught:
@@ -172,13 +172,13 @@ def test_a_store_that_was_built_is_not_replaced(store: EmbeddedStore, published:
     ["../escaped", "/escaped", "rules/../../escaped", "rules/.hidden", "rules//x.rq", "rules", "manifest.json", ""],
 )
 def test_no_path_leads_out_of_the_folder(published: Path, target: EmbeddedStore, path: str) -> None:
-    """A manifest that names any other file than those of a snapshot is refused before it is fetched."""
+    """A manifest that names any other file is refused before fetching."""
     changed(published, lambda manifest: manifest["rules"][0].update(path=path))
     refused(published, target, "KG307")
 
 
 def test_files_are_compared_with_their_digests(published: Path, target: EmbeddedStore) -> None:
-    """One byte that differs is noticed, in a graph that can be unpacked too."""
+    """A single different byte is detected, even if the graph can be unpacked."""
     (graph,) = published.glob("graph-*")
     graph.write_bytes(gzip.compress(gzip.decompress(graph.read_bytes()).replace(b"urn:a", b"urn:z"), mtime=0))
     changed(published, lambda manifest: manifest["graph"].update(bytes=graph.stat().st_size))
@@ -186,7 +186,7 @@ def test_files_are_compared_with_their_digests(published: Path, target: Embedded
 
 
 def test_a_bomb_is_not_unpacked(published: Path, target: EmbeddedStore) -> None:
-    """A graph that unpacks to more than the manifest says is cut."""
+    """A graph that unpacks to more than its size in the manifest is cut."""
     (graph,) = published.glob("graph-*")
     graph.write_bytes(gzip.compress(b"<urn:a> <urn:b> <urn:c> .\n" * 10_000))
     digest = hashlib.blake2b(graph.read_bytes(), digest_size=16).hexdigest()
@@ -195,12 +195,12 @@ def test_a_bomb_is_not_unpacked(published: Path, target: EmbeddedStore) -> None:
 
 
 def test_a_large_snapshot_is_refused(published: Path, target: EmbeddedStore) -> None:
-    """The limit counts what is unpacked."""
+    """The limit applies to the unpacked size."""
     refused(published, target, "KG308", limit=20)
 
 
 def test_a_server_that_sends_without_end_is_cut(target: EmbeddedStore) -> None:
-    """A manifest is read up to a limit, whatever the server sends."""
+    """A manifest is only read up to a limit."""
 
     class Endless(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
@@ -213,7 +213,7 @@ def test_a_server_that_sends_without_end_is_cut(target: EmbeddedStore) -> None:
                 return
 
         def log_message(self, *_: object) -> None:
-            """Say nothing."""
+            """Log nothing."""
 
     server = ThreadingHTTPServer(("127.0.0.1", 0), Endless)
     thread = threading.Thread(target=server.serve_forever, args=(0.01,))
@@ -228,13 +228,13 @@ def test_a_server_that_sends_without_end_is_cut(target: EmbeddedStore) -> None:
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"form": 1}', "\xff"])
 def test_what_is_no_manifest_is_refused(published: Path, target: EmbeddedStore, text: str) -> None:
-    """Any other JSON, and what is none, is KG307."""
+    """Other JSON, and invalid JSON, is KG307."""
     (published / "manifest.json").write_bytes(text.encode("latin-1"))
     refused(published, target, "KG307")
 
 
 def test_a_graph_that_is_not_valid_is_refused(published: Path, target: EmbeddedStore) -> None:
-    """A syntax error in a graph whose digests are right is KG601, and no generation comes of it."""
+    """A syntax error in a graph with correct digests is KG601, and creates no generation."""
     text = b"<urn:a> <urn:b> .\n"
     (graph,) = published.glob("graph-*")
     graph.write_bytes(gzip.compress(text))
@@ -254,11 +254,11 @@ def test_a_graph_that_is_not_valid_is_refused(published: Path, target: EmbeddedS
     ],
 )
 def test_addresses_that_are_refused(target: EmbeddedStore, address: str, code: str) -> None:
-    """Other schemes, credentials on the command line, and folders that are not there."""
+    """Other schemes, credentials on the command line, and missing folders are refused."""
     refused(address, target, code)
 
 
 def test_credentials_are_not_sent_in_the_clear(target: EmbeddedStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A token of the environment goes to another machine by https only."""
+    """A token in the environment is only sent to another machine over https."""
     monkeypatch.setenv("KG_REMOTE_TOKEN", "secret")
     refused("http://example.invalid/x", target, "KG225")

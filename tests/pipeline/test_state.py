@@ -1,4 +1,4 @@
-"""Tests of what a build leaves for the next."""
+"""Tests of the state saved for the next build."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ STATE = State("v", "h", 3, ("/x",), {"local/x": SOURCE})
 
 
 def test_round_trip(tmp_path: Path) -> None:
-    """What is saved is loaded as it was."""
+    """The saved state loads unchanged."""
     save(tmp_path, STATE)
     assert load(tmp_path) == STATE
 
@@ -45,7 +45,7 @@ def test_what_cannot_be_read_is_empty(tmp_path: Path, content: str | None) -> No
 
 
 def test_discard(tmp_path: Path) -> None:
-    """A discarded state is empty; there need not be one."""
+    """A discarded state is empty; discarding a missing one is not an error."""
     discard(tmp_path)
     save(tmp_path, STATE)
     discard(tmp_path)

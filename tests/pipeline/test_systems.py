@@ -1,4 +1,4 @@
-"""Tests of systems inside builds: after any edit they are those that a build from scratch gives."""
+"""Tests of systems inside builds: after any edit they equal those of a clean build."""
 
 from __future__ import annotations
 
@@ -61,12 +61,12 @@ class Site:
     store: EmbeddedStore
 
     def write(self, path: str, text: str) -> None:
-        """Write a file below the folder."""
+        """Write a file in the folder."""
         (self.folder / path).parent.mkdir(parents=True, exist_ok=True)
         (self.folder / path).write_text(text)
 
     def package(self, path: str, *, topic: str | None = None, heard: str = "talk") -> None:
-        """Write a package, with a node where it has a topic."""
+        """Write a package, with a node if it has a topic."""
         name = path.rpartition("/")[2]
         self.write(f"{path}/package.xml", MANIFEST.format(name=name))
         self.write(f"{path}/CMakeLists.txt", CMAKE.format(name=name) if topic else f"project({name})\n")
@@ -74,7 +74,7 @@ class Site:
             self.write(f"{path}/src/talker.cpp", NODE.format(topic=topic, heard=heard))
 
     def fill(self) -> None:
-        """Write what both sources begin with."""
+        """Write the initial files of both sources."""
         self.package("one/nodes", topic="talk")
         self.package("one/starts")
         self.write("one/starts/launch/a.launch", LAUNCH.format(name="a"))
@@ -85,7 +85,7 @@ class Site:
         self.write("two/other/launch/inner.launch", INNER.format(name="inner", heard="talk"))
 
     def sources(self) -> list[str]:
-        """Return the sources that there are."""
+        """Return the existing sources."""
         return [str(self.folder / name) for name in ("one", "two") if (self.folder / name).is_dir()]
 
     def build(self, store: EmbeddedStore | None = None, *, rules: bool = False) -> BuildReport:
@@ -93,7 +93,7 @@ class Site:
         return build(self.sources(), store or self.store, settings(), rules=rules)
 
     def content(self, store: EmbeddedStore | None = None) -> dict[str, list[str]]:
-        """Return the triples of the graphs of launch files, and those inferred."""
+        """Return the triples of the graphs of launch files, and the inferred ones."""
         with (store or self.store).read() as snapshot:
             graphs = [graph for graph in snapshot.graphs() if "/graph/launch/" in str(graph)]
             return {
@@ -102,19 +102,19 @@ class Site:
             }
 
     def anew(self) -> dict[str, list[str]]:
-        """Return what a build from scratch gives."""
+        """Return the result of a clean build."""
         shutil.rmtree(self.folder / "fresh", ignore_errors=True)
         store = EmbeddedStore.create(self.folder / "fresh")
         self.build(store, rules=True)
         return self.content(store)
 
     def launches(self) -> str:
-        """Return all that is said about launch files."""
+        """Return all output about launch files."""
         return "\n".join(line for lines in self.content().values() for line in lines)
 
 
 def different(found: dict[str, list[str]], wanted: dict[str, list[str]]) -> list[str]:
-    """Return what differs between two contents: what is there and should not be, and what is missing."""
+    """Return the differences between two contents: unexpected and missing triples."""
     lines = {
         content: {f"{graph} {line}" for graph, held in content_.items() for line in held}
         for content, content_ in (("+", found), ("-", wanted))
@@ -181,7 +181,7 @@ WALKS = (
 
 @pytest.mark.parametrize("walk", WALKS)
 def test_after_edits_systems_are_those_of_a_build_from_scratch(site: Site, walk: tuple[str, ...]) -> None:
-    """The graphs of launch files, and what is inferred, are the same to the byte, whatever way led there."""
+    """The graphs of launch files, and the inferences, are the same to the byte, whatever edits came before."""
     for name in walk:
         EDITS[name](site)
         site.build(rules=True)
@@ -189,7 +189,7 @@ def test_after_edits_systems_are_those_of_a_build_from_scratch(site: Site, walk:
 
 
 def test_a_forgotten_source_leaves_instances_without_type(site: Site) -> None:
-    """Where the source of node types is forgotten, what other sources start of them has no type any more."""
+    """After removing the source of node types, instances of other sources have no type."""
     assert "other/launch/inner.launch#instance/inner/publisher/scan" in site.launches()
     forget(site.store, settings(), ["local/one"])
     assert "other/launch/inner.launch#instance/inner" in site.launches()
@@ -198,7 +198,7 @@ def test_a_forgotten_source_leaves_instances_without_type(site: Site) -> None:
 
 
 def test_a_file_that_no_scan_lists(site: Site) -> None:
-    """A file of parameters with another ending is read again when it changes."""
+    """A parameter file with another suffix is read again when it changes."""
     site.write("one/starts/launch/a.launch", LAUNCH.format(name="a").replace("p.yaml", "p.settings"))
     site.write("two/config/config/p.settings", "topic: before\n")
     site.build()
@@ -209,7 +209,7 @@ def test_a_file_that_no_scan_lists(site: Site) -> None:
 
 
 def test_what_others_wrote_meanwhile_does_not_stay(site: Site) -> None:
-    """A graph of a launch file that something else wrote since the last build is written again; no other stays."""
+    """A graph of a launch file changed since the last build is written again; unknown ones are removed."""
     before = site.content()
     iri = "https://w3id.org/rnkg/graph/launch/local/one/-/"
     with site.store.write("test") as transaction:
@@ -220,7 +220,7 @@ def test_what_others_wrote_meanwhile_does_not_stay(site: Site) -> None:
 
 
 def test_other_code_wires_again(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With another version of kg all systems are wired again, also where packages give the same results."""
+    """With another version of kg all systems are wired again, even if packages have the same results."""
     monkeypatch.setattr("kg.pipeline.build.version", lambda *_: "another")
     monkeypatch.setattr("kg.pipeline.systems.system_triples", lambda *_: b"<urn:a> <urn:b> <urn:c> .\n")
     site.build()
@@ -232,7 +232,7 @@ def test_other_code_wires_again(site: Site, monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_launch_file_that_kg_trips_over_costs_the_others_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A defect in the wiring of one launch file is reported and noted with it; the others are wired."""
+    """A defect in the wiring of one launch file is reported with it; the others are wired."""
 
     def fails(configuration: LaunchConfiguration, types: NodeTypes) -> System:
         if configuration.path.endswith("inner.launch"):

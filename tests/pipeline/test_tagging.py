@@ -39,7 +39,7 @@ def test_a_build_stores_the_phrases_of_descriptions(tmp_path: Path) -> None:
 
 
 def test_what_was_tagged_before_is_not_tagged_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A package that changes elsewhere keeps the phrases of its texts, and spaCy is not even loaded."""
+    """A package with other changes keeps the phrases of its texts, and spaCy is not even loaded."""
     (tmp_path / "src").mkdir()
     (tmp_path / "src" / "package.xml").write_text(MANIFEST, encoding="utf-8")
     store = EmbeddedStore.create(tmp_path / "store")
@@ -57,7 +57,7 @@ def test_what_was_tagged_before_is_not_tagged_again(tmp_path: Path, monkeypatch:
 
 
 def test_a_pipeline_that_cannot_be_loaded_ends_the_build(tmp_path: Path) -> None:
-    """It ends before anything is read, and the store is as it was."""
+    """It ends before anything is read, and the store is unchanged."""
     (tmp_path / "src").mkdir()
     (tmp_path / "src" / "package.xml").write_text(MANIFEST, encoding="utf-8")
     store = EmbeddedStore.create(tmp_path / "store")
@@ -81,7 +81,7 @@ def test_another_pipeline_reads_everything_again(tmp_path: Path) -> None:
 
 
 def test_paths_of_pipelines_are_relative_to_the_settings(tmp_path: Path) -> None:
-    """A name stays a name, a path is below the folder of kg.toml."""
+    """A name is unchanged, a path is relative to the folder of kg.toml."""
     (tmp_path / "kg.toml").write_text('nlp_model = "./models/own"\n', encoding="utf-8")
     assert load({}, environment={}, folder=tmp_path).nlp_model == str(tmp_path / "models" / "own")
     assert load({"nlp_model": "en_core_web_sm"}, environment={}, folder=tmp_path).nlp_model == "en_core_web_sm"

@@ -1,4 +1,4 @@
-"""Launch files with each boolean argument the other way, and with environment variables that turn branches on."""
+"""Launch files with each boolean argument inverted, and with environment variables that enable branches."""
 
 from __future__ import annotations
 
@@ -63,14 +63,14 @@ def settings(tmp_path: Path) -> Settings:
 
 
 def test_each_boolean_argument_and_variable_is_tried_alone(settings: Settings) -> None:
-    """Arguments that are no truth values, and those that are given, stay as they are."""
+    """Arguments that are not booleans, and those that are given, are unchanged."""
     found = variants(settings, existing(settings), "rover.launch", {"deep": "false"}, {})
     assert [label for label, _ in found.others] == ["camera:=true", "fast:=false", "ROVER_ARM=1"]
     assert [one.name for one in found.system.instances] == ["/base"]
 
 
 def test_what_only_variants_have_says_in_which(settings: Settings) -> None:
-    """Nodes and names of a variant stand beside those of the defaults."""
+    """Nodes and names of a variant are added to those of the defaults."""
     system = united(variants(settings, existing(settings), "rover.launch", {}, {}))
     assert {one.name: one.started.condition for one in system.instances} == {
         "/base": None,
@@ -83,7 +83,7 @@ def test_what_only_variants_have_says_in_which(settings: Settings) -> None:
 
 
 def test_findings_of_variants_say_in_which(settings: Settings, tmp_path: Path) -> None:
-    """The missing file is found although it is included in a variant only; the defaults' findings stay as they are."""
+    """The missing file is found although only a variant includes it; the defaults' findings are unchanged."""
     usual = check_store(settings, Question("rover.launch"), tmp_path).report.findings
     checked = check_store(settings, Question("rover.launch", variants=True), tmp_path).report.findings
     assert set(usual) <= set(checked)
@@ -92,7 +92,7 @@ def test_findings_of_variants_say_in_which(settings: Settings, tmp_path: Path) -
 
 
 def test_there_are_not_too_many_variants(settings: Settings, tmp_path: Path) -> None:
-    """Those above a limit are named and not evaluated."""
+    """Variants above a limit are listed and not evaluated."""
     file = tmp_path / "src" / "rover" / "launch" / "rover.launch"
     many = "".join(f'<arg name="flag{number:02}" default="false"/>' for number in range(MOST_VARIANTS + 2))
     file.write_text(f"<launch>{many}</launch>")
@@ -102,7 +102,7 @@ def test_there_are_not_too_many_variants(settings: Settings, tmp_path: Path) -> 
 
 
 def test_variants_are_those_of_one_launch_file(settings: Settings, tmp_path: Path) -> None:
-    """Without a launch file the error says so."""
+    """Without a launch file there is an error."""
     with pytest.raises(UsageError, match="needs a launch file"):
         check_store(settings, Question(variants=True), tmp_path)
     assert isinstance(existing(settings), EmbeddedStore)

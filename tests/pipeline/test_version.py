@@ -1,4 +1,4 @@
-"""Tests of the version that results depend on: code and data by their contents, libraries, settings."""
+"""Tests of the version that results depend on: contents of code and data, libraries, settings."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 PACKAGE = Path(kg.__file__).resolve().parent
 NOT_RESULTS = ("codes", "errors", "pipeline.report", "resources", "store")
-"""What reading a package loads besides: words of errors, where things are, how files are written."""
+"""Other modules loaded when reading a package: error texts, locations, writing of files."""
 IMPORTS = """
 import json, sys
 import kg.pipeline.work, kg.launch.files.ros2.python.reading, kg.language.shipping, kg.language.lemmas
@@ -34,14 +34,14 @@ print(json.dumps([module.__file__ for name, module in sys.modules.items() if nam
 
 
 def code() -> Iterator[Path]:
-    """Yield the modules that `CODE` names."""
+    """Yield the modules in `CODE`."""
     for name in CODE:
         path = PACKAGE / name
         yield from path.rglob("*.py") if path.is_dir() else [path]
 
 
 def test_a_fresh_installation_has_the_same_version(tmp_path: Path) -> None:
-    """Neither bytecode nor the times of files count."""
+    """Bytecode and the times of files do not count."""
     shutil.copytree(PACKAGE / "extract", tmp_path / "extract", ignore=shutil.ignore_patterns("__pycache__"))
     before = resources.digest([tmp_path / "extract"])
     assert compileall.compile_dir(tmp_path / "extract" / "python", quiet=1)
@@ -54,7 +54,7 @@ def test_a_fresh_installation_has_the_same_version(tmp_path: Path) -> None:
 def test_an_edit_of_data_of_the_same_size_and_time_is_another_version(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str
 ) -> None:
-    """The contents of files of data count, and nothing else of them."""
+    """Only the contents of data files count."""
     settings, copy = load({}, environment={}), tmp_path / "ontology"
     installed = version(settings)
     shutil.copytree(resources.folder("ontology"), copy)
@@ -68,7 +68,7 @@ def test_an_edit_of_data_of_the_same_size_and_time_is_another_version(
 
 
 def test_names_of_files_count(tmp_path: Path) -> None:
-    """A file under another name is another digest, and so is one whose content moved to the next."""
+    """A renamed file changes the digest; so does content moved to the next file."""
     (tmp_path / "a").mkdir()
     (tmp_path / "a" / "one.py").write_text("x")
     (tmp_path / "a" / "two.py").write_text("")
@@ -80,14 +80,14 @@ def test_names_of_files_count(tmp_path: Path) -> None:
 
 
 def test_settings_that_results_depend_on_count() -> None:
-    """The base of names, the limit of files and the pipeline count; the number of workers does not."""
+    """The base of names, the size limit of files and the pipeline count; the number of workers does not."""
     chosen: list[dict[str, object]] = [{}, {"base": "https://x.org/"}, {"max_file_bytes": 7}, {"nlp_model": "other"}]
     assert len({version(load(options, environment={})) for options in chosen}) == len(chosen)
     assert version(load({"jobs": 7}, environment={})) == version(load({}, environment={}))
 
 
 def test_all_code_that_reads_packages_counts() -> None:
-    """What a worker imports is part of the version."""
+    """The imports of a worker are part of the version."""
     run = subprocess.run([sys.executable, "-c", IMPORTS], capture_output=True, check=True)
     loaded = {Path(one) for one in json.loads(run.stdout)}
     exempt = {PACKAGE / "__init__.py", PACKAGE / "pipeline" / "__init__.py"}
@@ -96,7 +96,7 @@ def test_all_code_that_reads_packages_counts() -> None:
 
 
 def test_all_libraries_that_read_packages_count() -> None:
-    """The distributions that this code imports are part of the version."""
+    """The distributions imported by this code are part of the version."""
     distributions = packages_distributions()
     imported: set[str] = set()
     for path in code():
@@ -110,7 +110,7 @@ def test_all_libraries_that_read_packages_count() -> None:
 
 
 def test_an_edit_of_an_ontology_is_the_same_version(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ontologies are read by rules alone: packages need not be read again."""
+    """Only rules read ontologies, so packages need not be read again."""
     settings, copy = load({}, environment={}), tmp_path / "ontology"
     installed = version(settings)
     shutil.copytree(resources.folder("ontology"), copy)

@@ -29,7 +29,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def watched(steps: list[Callable[[], object]], *named: str) -> list[Glance]:
-    """Return what is told at first and after each step; a step is taken while the watcher waits."""
+    """Return the reports at first and after each step; a step runs while the watcher waits."""
     waiting: Iterator[Callable[[], object]] = iter(steps)
     return list(islice(glances(load({}, environment={}), named, lambda _: next(waiting)()), len(steps) + 1))
 
@@ -42,7 +42,7 @@ def edit(path: Path, old: str, new: str) -> None:
 
 
 def test_a_rule_is_looked_at_when_it_is_saved(folder: Path) -> None:
-    """At first all of one's own are, then those that change: findings, examples, and the difference in the store."""
+    """At first all user rules are reported, then changed ones: findings, examples, and the difference in the store."""
     build(folder / ".kg")
     rule = folder / "rules" / "wiring" / "talks-to.rq"
     first, second, third, fourth = watched(
@@ -68,7 +68,7 @@ def test_a_rule_is_looked_at_when_it_is_saved(folder: Path) -> None:
 
 
 def test_pages_of_examples_are_watched_too(folder: Path) -> None:
-    """Saving the examples runs them; a rule that goes is named."""
+    """Saving the examples runs them; a deleted rule is named."""
     page = folder / "rules" / "wiring" / "talks-to.md"
     rule = folder / "rules" / "wiring" / "silent.rq"
     _, second, third = watched([lambda: edit(page, "## A planner", "## The planner"), rule.unlink], "wiring")
@@ -77,14 +77,14 @@ def test_pages_of_examples_are_watched_too(folder: Path) -> None:
 
 
 def test_without_a_store_there_is_nothing_to_compare_with(folder: Path) -> None:
-    """Findings and examples are told all the same."""
+    """Findings and examples are still reported."""
     (first,) = watched([], "talks-to")
     assert (first.difference, first.view, len(first.results)) == (None, None, 2)
     assert folder.exists()
 
 
 def test_others_that_cannot_be_read_keep_the_difference_away(folder: Path) -> None:
-    """The problem is told; the rest is."""
+    """The problem is reported; so is the rest."""
     build(folder / ".kg")
     (folder / "rules" / "wiring" / "bad.rq").write_text("CONSTRUCT {")
     (first,) = watched([], "talks-to")
@@ -94,7 +94,7 @@ def test_others_that_cannot_be_read_keep_the_difference_away(folder: Path) -> No
 
 
 def test_rules_not_named_are_not_told(folder: Path) -> None:
-    """With names only those rules are; an unknown name is KG001."""
+    """With names, only those rules are reported; an unknown name is KG001."""
     rules = folder / "rules" / "wiring"
 
     def save_two() -> None:

@@ -23,7 +23,7 @@ FILES: dict[str, str | bytes] = {
 
 
 def read(root: Path) -> PackageFacts:
-    """Return what the package `demo` of these files has."""
+    """Return the facts of the package `demo` in these files."""
     workspace = written(root, FILES)
     found = workspace.package("demo")
     assert found is not None
@@ -31,7 +31,7 @@ def read(root: Path) -> PackageFacts:
 
 
 def test_launch_files_are_read_with_their_package(tmp_path: Path) -> None:
-    """What launch files start, the files that were read for it, and what is wrong in them are facts of the package."""
+    """The starts of launch files, the files read for them, and their problems are facts of the package."""
     facts = read(tmp_path)
     assert [one.path for one in facts.launches] == ["demo/launch/a.launch", "demo/launch/b.launch"]
     assert [node.name for node in facts.launches[0].nodes] == ["talk"]
@@ -42,7 +42,7 @@ def test_launch_files_are_read_with_their_package(tmp_path: Path) -> None:
 def test_a_defect_in_the_reader_of_launch_files_costs_only_what_they_start(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What it trips over is a problem KG121 that names the place; the facts of code and definitions stay."""
+    """It becomes a problem KG121 with the place; the facts of code and definitions remain."""
 
     def fails(*_: object) -> tuple[()]:
         raise ZeroDivisionError("oops")

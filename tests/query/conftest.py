@@ -45,9 +45,9 @@ def snapshot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedSnaps
 
 @pytest.fixture(scope="session")
 def examples(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedSnapshot]:
-    """The example workspace, and beside it the odd packages of `cases/odd`, in one store."""
+    """The example workspace, and the odd packages of `cases/odd`, in one store."""
     root = tmp_path_factory.mktemp("examples")
-    # Outside of any checkout, so that the names of the sources do not depend on where the tests stand.
+    # Outside of any checkout, so the names of the sources do not depend on the location of the tests.
     shutil.copytree(folder("examples") / "workspace", root / "examples")
     shutil.copytree(Path(__file__).parent / "cases" / "odd", root / "odd")
     store = EmbeddedStore.create(root / ".kg")

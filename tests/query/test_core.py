@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 PRODUCT = "SELECT (COUNT(*) AS ?n) {" + " ".join(f"?a{i} ?b{i} ?c{i} ." for i in range(9)) + "}"
-"""Takes seconds, and not for ever: the engine goes on behind the deadline, in the process of the tests."""
+"""Takes seconds, but not forever: the engine continues after the deadline, in the process of the tests."""
 
 
 def rows(snapshot: EmbeddedSnapshot, text: str, **parameters: str) -> list[tuple[object, ...]]:
@@ -33,7 +33,7 @@ def rows(snapshot: EmbeddedSnapshot, text: str, **parameters: str) -> list[tuple
 
 
 def failure(snapshot: EmbeddedSnapshot, text: str) -> QueryError:
-    """Return the error that a query ends in."""
+    """Return the error of a query."""
     with pytest.raises(QueryError) as caught:
         run(snapshot, text)
     return caught.value
@@ -45,12 +45,12 @@ def test_prefixes_are_known(snapshot: EmbeddedSnapshot) -> None:
 
 
 def test_a_declared_prefix_wins(snapshot: EmbeddedSnapshot) -> None:
-    """A prefix that the query declares itself overrides the well-known one."""
+    """A prefix declared in the query overrides the well-known one."""
     assert rows(snapshot, "PREFIX rnkg: <https://example.org/> SELECT ?n { ?s rnkg:size ?n }") == [("3",)]
 
 
 def test_forms_of_answers(snapshot: EmbeddedSnapshot) -> None:
-    """SELECT answers rows, ASK yes or no, CONSTRUCT and DESCRIBE a graph, all with the snapshot's identity."""
+    """SELECT returns rows, ASK a boolean, CONSTRUCT and DESCRIBE a graph, all with the snapshot's identity."""
     answers = [
         run(snapshot, "SELECT * { ?s ?p ?o }"),
         run(snapshot, "ASK { ?s ?p ?o }"),
@@ -63,7 +63,7 @@ def test_forms_of_answers(snapshot: EmbeddedSnapshot) -> None:
 
 @pytest.mark.parametrize(("limit", "count", "cut"), [(None, 7, None), (7, 7, None), (6, 6, 6), (0, 0, 0)])
 def test_truncation_is_said(snapshot: EmbeddedSnapshot, limit: int | None, count: int, cut: int | None) -> None:
-    """The answer says when there were more rows than the limit, and only then."""
+    """The result records whether there were more rows than the limit."""
     result = run(snapshot, "SELECT * { ?s ?p ?o }", limit=limit)
     assert isinstance(result, Solutions)
     assert len(result.rows) == count
@@ -71,7 +71,7 @@ def test_truncation_is_said(snapshot: EmbeddedSnapshot, limit: int | None, count
 
 
 def test_deadline(snapshot: EmbeddedSnapshot) -> None:
-    """A query that runs too long is ended near its deadline, with the exit code of timeouts."""
+    """A query that runs too long ends near its deadline, with the exit code of timeouts."""
     began = time.perf_counter()
     with pytest.raises(QueryError) as caught:
         run(snapshot, PRODUCT, timeout=0.2)
@@ -100,7 +100,7 @@ def test_deadline(snapshot: EmbeddedSnapshot) -> None:
 def test_syntax_errors_have_a_place(
     snapshot: EmbeddedSnapshot, text: str, line: int, column: int, words: str | None
 ) -> None:
-    """An error of syntax names line and column in characters, shows the line, and says what is wrong there."""
+    """A syntax error has line and column in characters, the line itself, and a description."""
     error = failure(snapshot, text)
     assert error.code == "KG501"
     assert error.place is not None
@@ -110,19 +110,19 @@ def test_syntax_errors_have_a_place(
 
 
 def test_unknown_prefix_is_guessed(snapshot: EmbeddedSnapshot) -> None:
-    """A prefix typed almost right is suggested."""
+    """A misspelt prefix gets a suggestion."""
     assert "`rdfs:`" in (failure(snapshot, "SELECT * { ?s rdf_s:label ?o }").hint or "")
 
 
 @pytest.mark.parametrize("depth", [400])
 def test_what_the_guard_lets_pass_does_not_crash(snapshot: EmbeddedSnapshot, depth: int) -> None:
-    """The stack of the thread is large enough for what is within the limits."""
+    """The stack of the thread is large enough for queries within the limits."""
     run(snapshot, "ASK " + "{" * depth + "}" * depth)
     run(snapshot, "ASK {FILTER(" + "?a||" * (MAX_CHAIN - 10) + "true)}")
 
 
 def test_parameters_replace_their_block(snapshot: EmbeddedSnapshot) -> None:
-    """A value takes the place of the default between the braces; without one the default holds."""
+    """A value replaces the default between the braces; without one the default applies."""
     text = 'SELECT DISTINCT ?s { VALUES ?name { "a" } ?s rnkg:name ?name }'
     assert rows(snapshot, text) == [("https://example.org/a",)]
     assert rows(snapshot, text, name="b|c") == [("https://example.org/b",)]
@@ -130,7 +130,7 @@ def test_parameters_replace_their_block(snapshot: EmbeddedSnapshot) -> None:
 
 
 def test_parameters_of_free_queries(snapshot: EmbeddedSnapshot) -> None:
-    """A variable without a block of data is bound in the outermost group, behind a CONSTRUCT template too."""
+    """A variable without a VALUES block is bound in the outermost group, also after a CONSTRUCT template."""
     assert rows(snapshot, "SELECT DISTINCT ?s { ?s rnkg:name ?name }", name="a") == [("https://example.org/a",)]
     result = run(snapshot, "CONSTRUCT { ?s ?p ?n } { ?s ?p ?n }", parameters={"n": Literal("a")})
     assert isinstance(result, Graph)
@@ -138,14 +138,14 @@ def test_parameters_of_free_queries(snapshot: EmbeddedSnapshot) -> None:
 
 
 def test_unknown_parameter(snapshot: EmbeddedSnapshot) -> None:
-    """A value for a variable that the query does not have is KG505."""
+    """A value for an unknown variable is KG505."""
     with pytest.raises(QueryError) as caught:
         run(snapshot, "SELECT * { ?s ?p ?o }", parameters={"x": NamedNode("a:a")})
     assert caught.value.code == "KG505"
 
 
 def test_errors_are_placed_in_the_text_as_typed(snapshot: EmbeddedSnapshot) -> None:
-    """Values of parameters do not move the place of an error behind them."""
+    """Values of parameters do not shift the place of a later error."""
     text = 'SELECT * { VALUES ?n { "a" } ?s rnkg:name ?n . ) }'
     with pytest.raises(QueryError) as caught:
         run(snapshot, text, parameters={"n": Literal("a much longer value")})
@@ -155,7 +155,7 @@ def test_errors_are_placed_in_the_text_as_typed(snapshot: EmbeddedSnapshot) -> N
 
 @given(st.text())
 def test_a_value_never_becomes_query(value: str) -> None:
-    """Whatever a value holds, the bound query has the same tokens around it and reads the same value back."""
+    """Whatever its value, the bound query has the same other tokens and reads the same value back."""
     value = value.encode("utf-8", "ignore").decode()
     bound = bind('SELECT ?n { VALUES ?n { "a" } }', {"n": Literal(value)})
     answer = pyoxigraph.Store().query(bound)

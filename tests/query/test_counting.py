@@ -1,4 +1,4 @@
-"""Tests of the figures of a graph as RNKG counts it."""
+"""Tests of the figures of a graph in the terms of RNKG."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def test_entities_are_those_of_the_kinds_of_rnkg(examples: EmbeddedSnapshot) -> None:
-    """Nodes, packages and repositories are all there; hardware and functions only where a node has them."""
+    """All nodes, packages and repositories count; hardware and functions only if a node has them."""
     found = counted(examples)
     kinds, every = dict(found.by_kind), dict(statistics(examples).entities)
     assert kinds["node"] == every["node"]
@@ -31,7 +31,7 @@ def test_entities_are_those_of_the_kinds_of_rnkg(examples: EmbeddedSnapshot) -> 
 
 
 def test_paths_lead_to_the_nearest_entity_of_a_kind() -> None:
-    """From each node that is connected to hardware, the shortest path counts; other nodes do not count."""
+    """The shortest path from each node connected to hardware counts; other nodes do not."""
     kinds = ["node", "topic", "node", "hardware", "node", "hardware"]
     neighbours = [{1}, {0, 2}, {1, 3, 5}, {2}, set(), {2}]
     assert _path(kinds, neighbours, "hardware") == approx((3 + 1) / 2)
@@ -39,7 +39,7 @@ def test_paths_lead_to_the_nearest_entity_of_a_kind() -> None:
 
 
 def test_median_of_paths() -> None:
-    """The median of an even number of lengths lies between the two in the middle; without paths it is 0."""
+    """The median of an even number of lengths is the mean of the two in the middle; without paths it is 0."""
     assert connectivity(Neighbours.of(4, [(0, 1), (1, 2), (2, 3)])).path_median == approx(1.5)
     assert connectivity(Neighbours.of(3, [(0, 1), (1, 2)])).path_median == 1
     assert connectivity(Neighbours.of(1, [])).path_median == 0

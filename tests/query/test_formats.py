@@ -1,4 +1,4 @@
-"""Tests of writing answers, read back with other programs where there are any."""
+"""Tests of serializing results, read back with other programs if possible."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ TABLES = st.lists(st.tuples(TERMS, TERMS), max_size=4).map(lambda rows: Solution
 @given(TABLES)
 @pytest.mark.parametrize("name", ["JSON", "TSV"])
 def test_rows_read_back_by_the_engine(name: str, table: Solutions) -> None:
-    """What is written as JSON or TSV reads back as the same terms; the engine trims the texts of XML."""
+    """JSON and TSV read back as the same terms; the engine trims the texts of XML."""
     parsed = pyoxigraph.parse_query_results(write(table, name.lower()), getattr(QueryResultsFormat, name))
     assert isinstance(parsed, pyoxigraph.QuerySolutions)
     assert [variable.value for variable in parsed.variables] == ["x", "y"]
@@ -61,7 +61,7 @@ def test_rows_read_back_by_the_engine(name: str, table: Solutions) -> None:
 @given(TABLES)
 @pytest.mark.parametrize("name", ["json", "xml"])
 def test_rows_read_back_by_rdflib(name: str, table: Solutions) -> None:
-    """A second library, which leaves rows without any binding out, reads the same values."""
+    """A second library, which drops rows without bindings, reads the same values."""
     parsed = RdflibResult.parse(io.BytesIO(write(table, name)), format=name)
     found = [
         tuple(None if term is None else str(term) for term in row)
@@ -74,7 +74,7 @@ def test_rows_read_back_by_rdflib(name: str, table: Solutions) -> None:
 @given(TABLES)
 @pytest.mark.parametrize("name", ["json", "xml"])
 def test_kinds_of_terms_read_back_by_rdflib(name: str, table: Solutions) -> None:
-    """C5: a second library finds the same languages, data types, IRIs and blank nodes."""
+    """C5: a second library finds the same languages, datatypes, IRIs and blank nodes."""
     parsed = RdflibResult.parse(io.BytesIO(write(table, name)), format=name)
     found = [
         tuple(None if term is None else told(term) for term in row)
@@ -84,14 +84,14 @@ def test_kinds_of_terms_read_back_by_rdflib(name: str, table: Solutions) -> None
 
 
 def told(term: object) -> tuple[str, str | None, str | None]:
-    """Return what a term of rdflib is, with language and data type."""
+    """Return the value, language and datatype of an rdflib term."""
     if isinstance(term, rdflib.Literal):
         return "literal", term.language, None if term.datatype is None else str(term.datatype)
     return ("iri" if isinstance(term, rdflib.URIRef) else "blank"), None, None
 
 
 def kind(term: object) -> tuple[str, str | None, str | None] | None:
-    """Return what a term is, as `told` does."""
+    """Return the value, language and datatype of a term, as `told`."""
     if isinstance(term, Literal):
         datatype = None if term.language or term.datatype.value == XSD + "string" else term.datatype.value
         return "literal", term.language and term.language.lower(), datatype
@@ -99,7 +99,7 @@ def kind(term: object) -> tuple[str, str | None, str | None] | None:
 
 
 def test_what_rdf_12_adds() -> None:
-    """C5: base directions and triple terms are written as SPARQL 1.2 does, in every format that has a way to."""
+    """C5: base directions and triple terms are written as in SPARQL 1.2, in every format that supports them."""
     table = Solutions(("t", "d", "u"), ((TRIPLE, DIRECTED, None),), 0.0, "1")
     for name in ("JSON", "TSV"):
         parsed = pyoxigraph.parse_query_results(write(table, name.lower()), getattr(QueryResultsFormat, name))
@@ -122,7 +122,7 @@ def test_what_rdf_12_adds() -> None:
 @given(st.lists(LITERALS, max_size=4))
 @pytest.mark.parametrize("name", GRAPH_FORMATS)
 def test_literals_of_graphs_read_back(name: str, literals: list[Literal]) -> None:
-    """C5: whatever a literal holds, the graph reads back as the same triples."""
+    """C5: whatever a literal contains, the graph reads back as the same triples."""
     triples = tuple(Triple(TRIPLE.subject, TRIPLE.predicate, literal) for literal in dict.fromkeys(literals))
     quads = pyoxigraph.parse(write(Graph(triples, 0.0, "1"), name), GRAPH_FORMATS[name])
     assert {quad.triple for quad in quads} == set(triples)
@@ -130,7 +130,7 @@ def test_literals_of_graphs_read_back(name: str, literals: list[Literal]) -> Non
 
 @pytest.mark.parametrize("sign", ["\x00", "\x01", "\x0b", "\x1f", "\ufffe", "\uffff"])
 def test_what_xml_cannot_hold_is_refused(sign: str) -> None:
-    """C7: a character that XML has no way to write is KG504 naming it, not a document that nobody can read."""
+    """C7: a character that XML cannot represent is KG504 with that character, not an unreadable document."""
     literal = Literal(f"a{sign}b")
     with pytest.raises(QueryError, match=f"KG504.*U\\+{ord(sign):04X}"):
         write(Solutions(("x",), ((literal,),), 0.0, "1"), "xml")
@@ -142,7 +142,7 @@ def test_what_xml_cannot_hold_is_refused(sign: str) -> None:
 
 @pytest.mark.parametrize("predicate", ["https://example.org/", "https://example.org/1", "https://example.org/p?x=2"])
 def test_predicates_that_are_no_names(predicate: str) -> None:
-    """C7: a predicate that ends in no name of XML is KG504 in RDF/XML, and fine in Turtle."""
+    """C7: a predicate without a local name in XML is KG504 in RDF/XML, and valid in Turtle."""
     graph = Graph((Triple(TRIPLE.subject, NamedNode(predicate), Literal("x")),), 0.0, "1")
     with pytest.raises(QueryError, match="KG504"):
         write(graph, "rdfxml")
@@ -150,7 +150,7 @@ def test_predicates_that_are_no_names(predicate: str) -> None:
 
 
 def test_numbers_that_json_does_not_have() -> None:
-    """Infinity, figures of other scripts and numbers that are none stay texts."""
+    """Infinity, digits of other scripts and malformed numbers remain texts."""
     for value, datatype in [
         ("INF", "double"),
         ("1e999", "double"),
@@ -165,7 +165,7 @@ def test_numbers_that_json_does_not_have() -> None:
 @pytest.mark.parametrize("count", [0, 1, 63, 64, 65, 200])
 @pytest.mark.parametrize("name", SOLUTION_FORMATS)
 def test_rows_are_written_while_they_are_found(name: str, count: int) -> None:
-    """What is written part by part, with few rows or none, is what is written whole; nothing waits for the last row."""
+    """Streamed and whole serializations are equal, with few rows or none; nothing waits for the last row."""
     rows = tuple((Literal(number), None) for number in range(count))
     parts: list[bytes] = []
     seen: list[int] = []
@@ -183,7 +183,7 @@ def test_rows_are_written_while_they_are_found(name: str, count: int) -> None:
 @settings(deadline=None)
 @given(TABLES)
 def test_csv_reads_back(table: Solutions) -> None:
-    """CSV holds the bare values, quoted where they need it."""
+    """CSV contains the bare values, quoted if necessary."""
     lines = list(csv.reader(io.StringIO(write(table, "csv").decode(), newline="")))
     expected = [["x", "y"]]
     for row in table.rows:
@@ -193,7 +193,7 @@ def test_csv_reads_back(table: Solutions) -> None:
 
 
 def test_jsonl_has_plain_values(snapshot: EmbeddedSnapshot) -> None:
-    """Numbers and booleans are such, other terms are text, unbound is null."""
+    """Numbers and booleans are plain, other terms are text, unbound is null."""
     text = "SELECT ?s ?n ?f ?u { ?s <https://example.org/size> ?n ; <https://example.org/flag> ?f }"
     line = json.loads(write(run(snapshot, text), "jsonl"))
     assert line == {"s": "https://example.org/a", "n": 3, "f": True, "u": None}
@@ -207,7 +207,7 @@ def test_markdown_escapes_bars(snapshot: EmbeddedSnapshot) -> None:
 
 @pytest.mark.parametrize("name", GRAPH_FORMATS)
 def test_graphs_read_back_by_rdflib(snapshot: EmbeddedSnapshot, name: str) -> None:
-    """A graph in each format is the same graph for a second library."""
+    """A second library reads the same graph from each format."""
     result = run(snapshot, "CONSTRUCT { ?s ?p ?o } { ?s ?p ?o FILTER(!isBlank(?o)) }")
     names = {"ntriples": "nt", "rdfxml": "xml", "jsonld": "json-ld"}
     graph = rdflib.Dataset(default_union=True)
@@ -217,7 +217,7 @@ def test_graphs_read_back_by_rdflib(snapshot: EmbeddedSnapshot, name: str) -> No
 
 @pytest.mark.parametrize("name", BOOLEAN_FORMATS)
 def test_yes_or_no(name: str) -> None:
-    """Each format says true."""
+    """Each format can represent a boolean."""
     assert "true" in write(Boolean(value=True, seconds=0.0, snapshot="1"), name).decode()
 
 
@@ -232,7 +232,7 @@ def test_yes_or_no(name: str) -> None:
 def test_wrong_format_names_the_right_ones(
     snapshot: EmbeddedSnapshot, text: str, name: str, named: dict[str, object]
 ) -> None:
-    """A format that cannot hold the answer is KG504, with those that can."""
+    """A format that cannot represent the result is KG504, with those that can."""
     with pytest.raises(QueryError) as caught:
         write(run(snapshot, text), name)
     assert caught.value.code == "KG504"
@@ -240,12 +240,12 @@ def test_wrong_format_names_the_right_ones(
 
 
 def test_formats_are_the_engines() -> None:
-    """Names of graph formats stand for the formats of the same media types."""
+    """Names of graph formats map to formats of the same media types."""
     assert GRAPH_FORMATS["turtle"] == RdfFormat.TURTLE
 
 
 def test_parquet_has_columns_of_types() -> None:
-    """Columns of numbers and booleans are that, any other is text; what is not bound is null."""
+    """Columns of numbers and booleans have these types, any other is text; unbound is null."""
     parquet = pytest.importorskip("pyarrow.parquet")
     iri, huge = NamedNode("https://example.org/a"), Literal(1 << 70)
     rows = (
@@ -264,7 +264,7 @@ def test_parquet_has_columns_of_types() -> None:
 
 
 def test_parquet_says_what_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without pyarrow the way out is told."""
+    """Without pyarrow the error contains the way out."""
     monkeypatch.setattr("kg.query.writing.parquet.is_installed", lambda: False)
     with pytest.raises(QueryError, match="pyarrow") as raised:
         write(Solutions(("x",), (), 0.0, "1", None), "parquet")

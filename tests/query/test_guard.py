@@ -1,4 +1,4 @@
-"""Tests of what a query must not do."""
+"""Tests of the guard against harmful queries."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def refused(text: str) -> str | None:
-    """Return the message of the guard, None when it lets the text pass."""
+    """Return the message of the guard, None if it accepts the text."""
     text = normalise(text)
     try:
         check(tokens(text), text)
@@ -65,7 +65,7 @@ def test_too_deep_or_too_long_a_chain_is_refused(text: str) -> None:
     ],
 )
 def test_what_only_looks_deep_passes(text: str) -> None:
-    """Brackets in strings, IRIs and comments do not count, nor do long lists."""
+    """Brackets in strings, IRIs and comments do not count; neither do long lists."""
     assert refused(text) is None
 
 
@@ -84,7 +84,7 @@ def test_what_only_looks_deep_passes(text: str) -> None:
     ],
 )
 def test_the_words_pass_where_they_are_no_keywords(text: str) -> None:
-    """SERVICE and LOAD pass in strings, IRIs, comments, variables and names."""
+    """SERVICE and LOAD are accepted in strings, IRIs, comments, variables and names."""
     assert refused(text) is None
 
 
@@ -111,7 +111,7 @@ CALLS = [
 
 @pytest.mark.parametrize("text", [*CALLS, "LOAD <IRI>", "LOAD:a", "CLEAR ALL;LOADSILENT:a", "LOAD SILENT <IRI>"])
 def test_calls_to_other_servers_are_refused(text: str) -> None:
-    """Every way to write SERVICE or LOAD is refused, also where the engine needs no blank around it."""
+    """Every form of SERVICE or LOAD is refused, also without whitespace around it."""
     assert refused(text.replace("<IRI>", "<http://127.0.0.1:9/>"))
 
 
@@ -144,7 +144,7 @@ PIECES = st.sampled_from(WRITTEN.split())
 @settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.lists(st.tuples(PIECES, st.sampled_from(["", " ", "\n", "\r"])), max_size=14))
 def test_no_query_that_passes_connects(server: tuple[int, list[bool]], pieces: list[tuple[str, str]]) -> None:
-    """Whatever is put together, the engine makes no connection for what the guard let pass."""
+    """Whatever the query, the engine makes no connection if the guard accepted it."""
     port, hits = server
     iri = f"<http://127.0.0.1:{port}/>"
     body = "".join(piece + blank for piece, blank in pieces).replace("<IRI>", iri)
@@ -161,13 +161,13 @@ def test_no_query_that_passes_connects(server: tuple[int, list[bool]], pieces: l
 
 
 def _exhaust(answer: object) -> None:
-    """Take all rows of an answer, since the engine calls others only when their rows are wanted."""
+    """Read all rows of a result, because the engine only calls other servers for rows that are read."""
     if isinstance(answer, pyoxigraph.QuerySolutions):
         list(answer)
 
 
 def test_the_engine_does_connect_without_the_guard(server: tuple[int, list[bool]]) -> None:
-    """The tests above would see a connection: the calls that hide best do connect when nothing refuses them."""
+    """The tests above would detect a connection: the best hidden calls do connect without the guard."""
     port, hits = server
     iri = f"<http://127.0.0.1:{port}/>"
     store = pyoxigraph.Store()

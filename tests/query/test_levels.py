@@ -1,4 +1,4 @@
-"""Statistics and most questions are about node types: what launch files start beside them changes no answer."""
+"""Statistics and most questions are about node types: launch files do not affect their results."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 OF_SYSTEMS = {"explore/actions", "explore/services", "explore/who-publishes", "explore/who-subscribes"}
-"""Those that answer by the names in launched systems too."""
+"""Queries that also read names in launched systems."""
 QUERIES = {
     name: query for name, query in discover().items() if not name.startswith("robot/") and name not in OF_SYSTEMS
 }
-"""All but those about robots, which ask what systems can do: that is what instances are for."""
+"""All others, except those about robots, whose subject is the capabilities of systems."""
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def levels(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[EmbeddedS
 
 
 def _types_alone(root: Path, full: EmbeddedStore) -> EmbeddedStore:
-    """Return a copy of a store without the graphs of launch files, with what follows then."""
+    """Return a copy of a store without the graphs of launch files, with updated inferences."""
     copied(full.layout.root, root / "types")
     store = EmbeddedStore.create(root / "types")
     with store.write("test") as transaction:
@@ -53,7 +53,7 @@ def _types_alone(root: Path, full: EmbeddedStore) -> EmbeddedStore:
 
 @pytest.mark.parametrize("name", QUERIES)
 def test_instances_change_no_answer(levels: tuple[EmbeddedSnapshot, EmbeddedSnapshot], name: str) -> None:
-    """Each stored query answers the same with and without the graphs of launch files."""
+    """Each stored query has the same result with and without the graphs of launch files."""
     query = QUERIES[name]
     with_instances, without = (ask(snapshot, query, {}) for snapshot in levels)
     assert isinstance(with_instances, Solutions)

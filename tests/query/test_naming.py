@@ -1,4 +1,4 @@
-"""Facts as people type them: terms written out, prefixed names, literals, and names of things in the store."""
+"""Facts typed by users: terms in full, prefixed names, literals, and names of things in the store."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ INSERT DATA {
 
 
 class Snapshot:
-    """A store that answers as a snapshot does."""
+    """A store with the interface of a snapshot."""
 
     def __init__(self) -> None:
         self.store = Store()
@@ -60,26 +60,26 @@ BASE = "https://w3id.org/rnkg/"
     ],
 )
 def test_words(word: str, term: object) -> None:
-    """A word means the term that it spells, or the thing that is called so."""
+    """A word resolves to the term that it spells, or to the thing with that name."""
     assert terms(STORE, word) == [term]
 
 
 def test_a_fact_that_is_held_says_which_thing_is_meant() -> None:
-    """Of two things of one name the one is meant of which the store holds the fact."""
+    """Of two things with the same name, the one whose fact is in the store is chosen."""
     found, held = facts(STORE, "talker", "publishes", "chatter")
     assert held
     assert [fact.subject for fact in found] == [NamedNode(BASE + "talker")]
 
 
 def test_a_fact_that_is_not_held_goes_by_what_the_property_is_used_with() -> None:
-    """Of two things of one name the one is meant that has the property, or is of the kind that has."""
+    """Of two things with the same name, the one that has the property, or is of a class that has it, is chosen."""
     found, held = facts(STORE, "talker", "publishes", "odom")
     assert not held
     assert [fact.subject for fact in found] == [NamedNode(BASE + "talker")]
 
 
 def test_unknown_words_get_suggestions() -> None:
-    """A name or property that nothing has is refused with the nearest."""
+    """A name or property that nothing has is refused with suggestions."""
     with pytest.raises(UnknownNameError) as name:
         terms(STORE, "talkr")
     assert name.value.hint == "Did you mean `talker`?"
@@ -94,7 +94,7 @@ def test_unknown_words_get_suggestions() -> None:
 
 
 def test_ambiguous_words_are_asked_about() -> None:
-    """Where nothing tells things of one name apart, their IRIs are listed."""
+    """If a name remains ambiguous, the IRIs are listed."""
     with pytest.raises(UsageError) as error:
         facts(STORE, "listener", "publishes", "talker")
     assert BASE + "exe" in (error.value.hint or "")
@@ -110,28 +110,28 @@ def test_labels_in_a_language_and_ends_of_iris() -> None:
 
 
 def test_prefixes_of_rules_and_unknown_ones() -> None:
-    """Prefixes that are given count; an unknown one is named."""
+    """Given prefixes apply; an unknown one is an error."""
     assert terms(STORE, "my:x", prefixes={"my": "https://m.org/"}) == [NamedNode("https://m.org/x")]
     with pytest.raises(UnknownNameError, match="`my:` is not a known prefix"):
         terms(STORE, "my:x", property_=True)
 
 
 def test_a_property_that_nothing_has_is_named_before_things_are_asked_about() -> None:
-    """A misspelt property is the error, not the name that several things have."""
+    """A misspelt property is reported before an ambiguous name."""
     with pytest.raises(UnknownNameError) as error:
         facts(STORE, "talker", "rnkg:publishs", "odom")
     assert "`rnkg:publishes`" in (error.value.hint or "")
 
 
 def test_exact_names_leave_out_what_only_ends_in_them() -> None:
-    """A word means what has it as a name; what only ends in it is found too unless the name has to be exact."""
+    """A word resolves to exact names; ends of IRIs are included unless exact names are required."""
     assert terms(STORE, "exe", among=None) == []
     assert terms(STORE, "exe") == [NamedNode(BASE + "exe")]
     assert terms(STORE, "chatter", among=None) == terms(STORE, "chatter")
 
 
 def test_held_facts_need_no_names_that_only_end_in_words() -> None:
-    """A fact whose things have the names is found without reading all that is named, which takes seconds."""
+    """A fact with exact names is found without reading all names, which takes seconds."""
     asked: list[str] = []
 
     class Told(Snapshot):

@@ -1,4 +1,4 @@
-"""What typed names mean in a fact, compared with a plain search of all that is named, on random stores."""
+"""Resolution of typed names in a fact, compared with an exhaustive search on random stores."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LABELS = ("one", "two", "/one", "/two", "other")
 
 
 class Snapshot:
-    """A store that answers as a snapshot does."""
+    """A store with the interface of a snapshot."""
 
     def __init__(self, triples: set[tuple[str, str, str]]) -> None:
         self.store = Store()
@@ -42,7 +42,7 @@ class Snapshot:
 
 
 def triples() -> st.SearchStrategy[set[tuple[str, str, str]]]:
-    """Labels, kinds and uses of a few things."""
+    """Return labels, classes and uses of a few things."""
     thing = st.sampled_from(THINGS)
     labels = st.tuples(thing, st.just(LABEL), st.sampled_from(LABELS))
     kinds = st.tuples(thing, st.just(KIND), st.sampled_from([BASE + "A", BASE + "B"]))
@@ -53,7 +53,7 @@ def triples() -> st.SearchStrategy[set[tuple[str, str, str]]]:
 @settings(deadline=None, max_examples=300)
 @given(triples())
 def test_names_mean_what_a_search_of_all_names_finds(known: set[tuple[str, str, str]]) -> None:
-    """Looking at few names finds the things, or the error, that looking at all finds."""
+    """Reading few names finds the same things, or the same error, as reading all."""
     try:
         found, held = facts(Snapshot(known), "one", USES, "two")
         outcome: object = ({(fact.subject.value, fact.object.value) for fact in found}, held)  # type: ignore[union-attr]  # IRIs
@@ -63,7 +63,7 @@ def test_names_mean_what_a_search_of_all_names_finds(known: set[tuple[str, str, 
 
 
 def meaning(known: set[tuple[str, str, str]]) -> object:
-    """Return the facts that are meant and whether they are held, or the code of an error."""
+    """Return the resolved facts and whether the store contains them, or the code of an error."""
     having = [[one for one in THINGS if {(one, LABEL, word), (one, LABEL, "/" + word)} & known] for word in WORDS]
     every = [
         ones + [one for one in THINGS if one not in ones and ends(one, word, known)]
@@ -88,12 +88,12 @@ WORDS = ("one", "two")
 
 
 def ends(thing: str, word: str, known: set[tuple[str, str, str]]) -> bool:
-    """Tell whether a thing with a label has an IRI that ends in a word."""
+    """Return whether a thing with a label has an IRI that ends in a word."""
     return thing.endswith(("/" + word, "#" + word)) and any(one == thing and prop == LABEL for one, prop, _ in known)
 
 
 def choice(ones: list[str], word: str, used: set[str], known: set[tuple[str, str, str]]) -> list[str]:
-    """Return those that are used, or are of a kind that is, and of these those with exactly the name."""
+    """Return those that are used, or are of a class that is, and of these those with exactly the name."""
     kinds = {kind for one, prop, kind in known if prop == KIND and one in used}
     alike = [one for one in ones if any((one, KIND, kind) in known for kind in kinds)]
     fitting = [one for one in ones if one in used] or alike or ones

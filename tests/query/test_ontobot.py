@@ -1,7 +1,8 @@
-"""The competency questions of OntoBOT, unchanged, over what was inferred of the example systems.
+"""The competency questions of OntoBOT, unchanged, over inferences about the example systems.
 
-Questions 1 to 3, and the first halves of the others, are about activities, of which the graph of `kg` has none; they
-are asked over activities in the terms of OntoBOT. The second halves of 4, 5 and 6 ask what robots can do.
+Questions 1 to 3, and the first halves of the others, are about activities, which the graph of `kg` does not contain;
+they are asked over activities in the terms of OntoBOT. The second halves of 4, 5 and 6 are about capabilities of
+robots.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 FOLDER = Path(__file__).parent / "ontobot"
 PREFIXES = {"prov": "http://www.w3.org/ns/prov#"}
-"""What the notebook binds to its graphs, and question 5 does not declare."""
+"""Bound to the graphs in the notebook, and not declared in question 5."""
 SOMA = "http://www.ease-crc.org/ont/SOMA.owl#"
 ROBOTS = {
     "rover_robot/launch/rover.launch": {"LookingAt"},
@@ -37,14 +38,14 @@ def activities() -> Store:
 
 
 def asked(of: Store | EmbeddedSnapshot, name: str) -> list[tuple[str, ...]]:
-    """Return the rows of a question, the terms of SOMA by their local names, sorted."""
+    """Return the rows of a question, with local names for the terms of SOMA, sorted."""
     rows = of.query((FOLDER / f"{name}.rq").read_text("utf-8"), prefixes=PREFIXES)
     assert isinstance(rows, QuerySolutions)
     return sorted(tuple(str(getattr(term, "value", "")).removeprefix(SOMA) for term in row) for row in rows)
 
 
 def able(examples: EmbeddedSnapshot, name: str) -> dict[str, set[str]]:
-    """Return what each robot affords, by its label."""
+    """Return the affordances of each robot, by its label."""
     found: defaultdict[str, set[str]] = defaultdict(set)
     for robot, affordance in asked(examples, name):
         found[robot].add(affordance)
@@ -53,12 +54,12 @@ def able(examples: EmbeddedSnapshot, name: str) -> dict[str, set[str]]:
 
 @pytest.mark.parametrize("name", ["cq4-part2", "cq5-part2", "cq6-part2"])
 def test_which_robot_affords_what(examples: EmbeddedSnapshot, name: str) -> None:
-    """Launched systems answer as robots, with the affordances that their capabilities enable."""
+    """Launched systems are robots, with the affordances enabled by their capabilities."""
     assert able(examples, name) == ROBOTS
 
 
 def test_which_robot_can_do_an_activity(examples: EmbeddedSnapshot, activities: Store) -> None:
-    """CQ 4: all four can look, which is all that tidying up takes here."""
+    """CQ 4: all four can look, which is the only requirement for tidying up here."""
     required = {affordance for (affordance,) in asked(activities, "cq4-part1")}
     assert required == {"LookingAt"}
     assert {robot for robot, found in able(examples, "cq4-part2").items() if required <= found} == set(ROBOTS)
@@ -72,7 +73,7 @@ def test_which_robot_can_do_both_activities(examples: EmbeddedSnapshot, activiti
 
 
 def test_what_robots_lack_for_which_step(examples: EmbeddedSnapshot, activities: Store) -> None:
-    """CQ 6: the rover does not go to a table, and nobody pours."""
+    """CQ 6: the rover does not go to a table, and no robot pours."""
     steps = asked(activities, "cq6-part1")
     lacking = {
         robot: [step for _, step, affordance in steps if affordance not in found]
@@ -87,7 +88,7 @@ def test_what_robots_lack_for_which_step(examples: EmbeddedSnapshot, activities:
 
 
 def test_questions_about_activities(examples: EmbeddedSnapshot, activities: Store) -> None:
-    """CQ 1 to 3 are answered by activities, and by nothing that the graph of kg has."""
+    """CQ 1 to 3 are answered by activities, and by nothing in the graph of kg."""
     assert [affordance for _, affordance in asked(activities, "cq1")] == ["Pouring", "Navigating"]
     assert {action for *_, action in asked(activities, "cq2")} == {"Drive", "Pour"}
     assert len(asked(activities, "cq3")) == 3

@@ -1,4 +1,4 @@
-"""Tests of the thread that a query runs in: what it answers, its deadline, and what it leaves."""
+"""Tests of the thread that runs a query: its result, its deadline, and its end."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ for number in range(100):
 
 
 def test_what_it_raises_is_raised() -> None:
-    """An error is that of the work, also one that looks like a deadline; the next work is not touched by it."""
+    """The exception of the work is raised, also one that looks like a deadline; the next work is unaffected."""
     for error in (KeyError("gone"), TimeoutError("of a socket")):
 
         def work(error: Exception = error) -> None:
@@ -40,7 +40,7 @@ def test_what_it_raises_is_raised() -> None:
 
 
 def test_a_deadline_ends_the_waiting() -> None:
-    """Work that goes on is left behind when its time is over: KG503."""
+    """Work that continues after its deadline is abandoned: KG503."""
     over = Event()
     with pytest.raises(DeadlineError) as raised:
         in_thread(lambda: over.wait(patient(60)), 0.05)
@@ -49,14 +49,14 @@ def test_a_deadline_ends_the_waiting() -> None:
 
 
 def test_nothing_is_left() -> None:
-    """When an answer is there its thread has ended, and threads that are started next have the usual stack."""
+    """The thread has ended when the result is returned, and later threads have the usual stack."""
     size = threading.stack_size()
     assert not in_thread(threading.current_thread, None).is_alive()
     assert threading.stack_size() == size
 
 
 def test_room_for_a_stack_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The stack of the thread before may be given back a moment late; where there is never room, the error is told."""
+    """The previous stack may be released late; if there is never enough address space, an error is raised."""
     start, refusals = threading.Thread.start, iter(range(3))
 
     def late(thread: threading.Thread) -> None:
@@ -74,7 +74,7 @@ def test_room_for_a_stack_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_stacks_stay_usual_when_many_begin() -> None:
-    """Queries that begin at the same time leave the size of other stacks as it was."""
+    """Queries that start at the same time do not change the stacks of other threads."""
     with ThreadPoolExecutor(8) as pool:
         assert list(pool.map(lambda number: in_thread(lambda: number, None), range(400))) == list(range(400))
     assert threading.stack_size() == 0
@@ -82,6 +82,6 @@ def test_stacks_stay_usual_when_many_begin() -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="how large a process is is read in /proc")
 def test_one_stack_at_a_time() -> None:
-    """Where address space is bounded, one query after the other finds room for its stack."""
+    """With limited address space, successive queries find space for their stacks."""
     done = subprocess.run([sys.executable, "-c", BOUNDED], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")

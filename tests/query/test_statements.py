@@ -34,14 +34,14 @@ def test_queries_are_told_apart(text: str, found: list[str]) -> None:
     ("offset", "begin"), [(0, "SELECT"), (20, "SELECT"), (60, "SELECT"), (75, "PREFIX"), (999, "PREFIX")]
 )
 def test_the_query_at_the_cursor_is_found(offset: int, begin: str) -> None:
-    """The query is the one that the cursor stands in or behind; before all of them it is the first."""
+    """The query contains or precedes the cursor; before all of them it is the first."""
     found = statement_at(_TWO, offset)
     assert found is not None
     assert found.text.startswith(begin)
 
 
 def test_a_segment_has_what_is_behind_its_query() -> None:
-    """Blanks behind a query belong to its segment, so that completion knows where the cursor stands."""
+    """Whitespace after a query belongs to its segment, for completion there."""
     text = "ASK { ?s \nASK {} "
     assert segment_at(text, 8).text == "ASK { ?s \nASK {} "
     assert segment_at("ASK {} \nSELECT * { ?s ", 21) == ("SELECT * { ?s ", 8, 22)
@@ -50,7 +50,7 @@ def test_a_segment_has_what_is_behind_its_query() -> None:
 
 @given(_PARTS.map("".join) | st.text())
 def test_queries_follow_each_other(text: str) -> None:
-    """Queries stand in the text in order, and segments cover it."""
+    """Queries are in the order of the text, and segments cover it."""
     text = normalise(text)
     end = 0
     for one in statements(text):

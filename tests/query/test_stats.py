@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @settings(deadline=None)
 @given(st.sets(st.tuples(st.integers(0, 12), st.integers(0, 12)).filter(lambda edge: edge[0] < edge[1])))
 def test_connectivity_is_that_of_all_pairs(edges: set[tuple[int, int]]) -> None:
-    """Degrees, parts and lengths of paths are those that comparing all ways finds (Floyd and Warshall)."""
+    """Degrees, parts and lengths of paths are those of an exhaustive algorithm (Floyd and Warshall)."""
     size, far = 13, 99
     both = edges | {(other, one) for one, other in edges}
     far_apart = {pair: 0 if pair[0] == pair[1] else 1 if pair in both else far for pair in _pairs(size)}
@@ -48,7 +48,7 @@ def _pairs(size: int) -> list[tuple[int, int]]:
 
 
 def test_a_large_graph_is_sampled() -> None:
-    """Paths of a large graph are followed from a sample, and the figures say so; the mean of a ring is known."""
+    """Paths of a large graph are followed from a sample, which the figures record; the mean of a ring is known."""
     size = 2001
     found = connectivity(Neighbours.of(size, [(vertex, (vertex + 1) % size) for vertex in range(size)]))
     assert not found.exact
@@ -63,7 +63,7 @@ def test_a_large_graph_is_sampled() -> None:
 )
 @settings(deadline=None, max_examples=20)
 def test_paths_from_a_sample_are_those_of_a_search_from_each(edges: list[tuple[int, int]]) -> None:
-    """Following all sources at once finds the lengths that following one after the other finds; loops are no paths."""
+    """Following all sources at once finds the same lengths as one after the other; loops are not paths."""
     size = 600
     around: dict[int, set[int]] = {vertex: set() for vertex in range(size)}
     for one, other in edges:
@@ -85,7 +85,7 @@ def test_paths_from_a_sample_are_those_of_a_search_from_each(edges: list[tuple[i
 
 
 def test_a_long_chain_is_followed_to_its_end() -> None:
-    """The cost of a step is that of the vertices that it reaches, so a chain costs no more than other graphs."""
+    """The cost of a step depends on the vertices that it reaches, so a chain costs no more than other graphs."""
     size = 5_000
     found = connectivity(Neighbours.of(size, [(vertex, vertex + 1) for vertex in range(size - 1)]))
     assert (found.parts, found.largest) == (1, size)
@@ -93,7 +93,7 @@ def test_a_long_chain_is_followed_to_its_end() -> None:
 
 
 def test_entities_per_node_are_the_means_of_the_stored_query(examples: EmbeddedSnapshot) -> None:
-    """The figures for all nodes at once are the means of what the query for one node counts."""
+    """The figures for all nodes are the means of the query for single nodes."""
     result = run(examples, stored.find("completeness/entities-per-node").text)
     assert isinstance(result, Solutions)
     columns = zip(result.variables[2:], list(zip(*result.rows, strict=True))[2:], strict=True)
@@ -102,7 +102,7 @@ def test_entities_per_node_are_the_means_of_the_stored_query(examples: EmbeddedS
 
 
 def test_statistics_of_the_examples(examples: EmbeddedSnapshot) -> None:
-    """The figures agree with the queries they come from and with each other."""
+    """The figures agree with their queries and with each other."""
     found = statistics(examples)
     entities = dict(found.entities)
     assert entities["node"] == 19

@@ -1,4 +1,4 @@
-"""Tests of stored queries: each answers rows that stand in a file, and their headers say what is true."""
+"""Tests of stored queries: each returns the rows in a file, and its header is correct."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ EXPECTED = Path(__file__).parent / "expected"
 QUERIES = {name: query for name, query in discover().items() if not name.startswith("demo/")}
 FILES = sorted(resources.folder("queries").rglob("*.rq"))
 VARYING = {"commit", "dirty"}
-"""What differs between a checkout and an installation."""
+"""Differences between a checkout and an installation."""
 
 
 def _example(name: str) -> dict[str, str]:
-    """Return the example of the first parameter of a query, for those that have one."""
+    """Return the example of the first parameter of a query, if any."""
     return {parameter.name: parameter.example for parameter in QUERIES[name].parameters[:1]}
 
 
@@ -41,7 +41,7 @@ def _table(result: Solutions) -> list[list[str]]:
 
 @pytest.mark.parametrize("name", QUERIES)
 def test_rows(examples: EmbeddedSnapshot, name: str) -> None:
-    """The query answers the rows of its file, which has some; KG_WRITE_EXPECTED=1 writes the files anew."""
+    """The query returns the rows of its file, at least one; KG_WRITE_EXPECTED=1 rewrites the files."""
     values = _example(name)
     result = ask(examples, QUERIES[name], values)
     assert isinstance(result, Solutions)
@@ -53,14 +53,14 @@ def test_rows(examples: EmbeddedSnapshot, name: str) -> None:
             csv.writer(file, lineterminator="\n").writerows(table)
     with path.open(newline="", encoding="utf-8") as file:
         expected = list(csv.reader(file))
-    # Those about references find none in this store; tests/evaluate asks them where references are kept.
+    # Queries about references find none in this store; tests/evaluate runs them with references.
     assert len(expected) > 1 or "/reference-" in name
     assert table == expected
 
 
 @pytest.mark.parametrize("name", [name for name, query in QUERIES.items() if query.parameters])
 def test_examples_restrict(examples: EmbeddedSnapshot, name: str) -> None:
-    """The value of the example leaves some of the rows that the query answers without it, and only those."""
+    """With the example's value, the query returns a proper subset of the rows without it."""
     whole, part = ask(examples, QUERIES[name], {}), ask(examples, QUERIES[name], _example(name))
     assert isinstance(whole, Solutions)
     assert isinstance(part, Solutions)
@@ -70,12 +70,12 @@ def test_examples_restrict(examples: EmbeddedSnapshot, name: str) -> None:
 
 @pytest.mark.parametrize("name", QUERIES)
 def test_headers(name: str) -> None:
-    """Each query has a title and says what it answers."""
+    """Each query has a title and a description."""
     assert QUERIES[name].title != name
 
 
 def test_every_expectation_has_its_query() -> None:
-    """No file of expected rows is left over."""
+    """Every file of expected rows belongs to a query."""
     assert {path.relative_to(EXPECTED).with_suffix("").as_posix() for path in EXPECTED.rglob("*.csv")} == set(QUERIES)
 
 
@@ -89,7 +89,7 @@ def test_names_with_or_without_slash(examples: EmbeddedSnapshot) -> None:
 
 
 def test_find_by_last_part_and_by_guess() -> None:
-    """The last part of a name is enough, and a slip is answered by what was meant."""
+    """The last part of a name is enough, and a misspelt name gets a suggestion."""
     assert find("who-publishes") is not None
     assert find("explore/who-publishes").name == "explore/who-publishes"
     with pytest.raises(UsageError) as caught:
@@ -99,7 +99,7 @@ def test_find_by_last_part_and_by_guess() -> None:
 
 
 def test_folders_of_users(tmp_path: Path) -> None:
-    """Queries of a user's folder are found beside those of kg, and one of the same name takes its place."""
+    """Queries of a user's folder are found together with those of kg, and take precedence."""
     (tmp_path / "mine.rq").write_text("# Mine\nSELECT * { ?s ?p ?o }\n")
     (tmp_path / "explore").mkdir()
     (tmp_path / "explore" / "topics.rq").write_text("# My topics\nASK { ?s ?p ?o }\n")
@@ -110,7 +110,7 @@ def test_folders_of_users(tmp_path: Path) -> None:
 
 
 def test_unknown_parameter() -> None:
-    """A parameter that a query does not have is KG505 with those it has."""
+    """An unknown parameter is KG505 with the known ones."""
     with pytest.raises(QueryError) as caught:
         find("who-publishes").bind({"topik": "/scan"})
     assert caught.value.code == "KG505"
@@ -121,7 +121,7 @@ def test_unknown_parameter() -> None:
     ("kind", "good", "bad"), [("integer", "7", "seven"), ("boolean", "yes", "maybe"), ("iri", "urn:a", "no iri")]
 )
 def test_values_have_types(tmp_path: Path, kind: str, good: str, bad: str) -> None:
-    """A value that is not of its parameter's type is KG505 with the example."""
+    """A value that does not have its parameter's type is KG505 with the example."""
     path = tmp_path / "q.rq"
     path.write_text(f'# T\n# @param x {kind} "{good}" a value\nSELECT ?x {{ VALUES ?x {{ UNDEF }} }}\n')
     query = read(path, "q")
@@ -136,7 +136,7 @@ def test_values_have_types(tmp_path: Path, kind: str, good: str, bad: str) -> No
     "text", ["# T\n# @param x\nSELECT ?x { VALUES ?x { UNDEF } }", '# T\n# @param y string "" a value\nSELECT ?x { }']
 )
 def test_wrong_headers_have_a_place(tmp_path: Path, text: str) -> None:
-    """A header that describes no parameter, or none of the query, is told with file and line."""
+    """A header that describes no parameter, or an unknown one, is reported with file and line."""
     path = tmp_path / "q.rq"
     path.write_text(text)
     with pytest.raises(QueryError) as caught:
@@ -146,21 +146,21 @@ def test_wrong_headers_have_a_place(tmp_path: Path, text: str) -> None:
 
 
 def test_suggestions(examples: EmbeddedSnapshot) -> None:
-    """When a value is not in the store, those alike are suggested; when it is, nothing is."""
+    """Similar values are suggested for a value missing from the store, and only then."""
     query = find("who-publishes")
     assert "`/scan_filtered`" in (suggestion(examples, query, {"topic": "/scan_filterd"}) or "")
     assert suggestion(examples, query, {"topic": "/scan_filtered"}) is None
 
 
 def test_internal_queries_are_not_listed() -> None:
-    """Queries that kg itself uses are read by name, not offered."""
+    """Internal queries are found by name, but not listed."""
     assert "SELECT" in internal("relations")
     assert not any(name.startswith("internal/") for name in QUERIES)
     assert (resources.folder("queries") / "internal").is_dir()
 
 
 def test_one_row(examples: EmbeddedSnapshot) -> None:
-    """A row of the answer is named by its number from one, and comes with the query that has the values in it."""
+    """A row of the result is selected by its number from one, and returned with the bound query."""
     query = find("who-publishes", ())
     every = ask(examples, query, {"topic": "/odom"})
     assert isinstance(every, Solutions)
@@ -172,7 +172,7 @@ def test_one_row(examples: EmbeddedSnapshot) -> None:
 
 
 def _behind_optional(text: str) -> Iterator[str]:
-    """Yield the variables of patterns behind an OPTIONAL of their group; those in brackets are of expressions."""
+    """Yield the variables of patterns after an OPTIONAL in its group; those in brackets belong to expressions."""
     groups, brackets, before = [False], 0, ""
     openers: list[str] = []
     for token in tokens(text):
@@ -192,12 +192,12 @@ def _behind_optional(text: str) -> Iterator[str]:
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_what_is_optional_stands_last(path: Path) -> None:
-    """No pattern stands behind an OPTIONAL: the engine evaluates it for the whole store, whatever came before."""
+    """No pattern follows an OPTIONAL: the engine would evaluate it for the whole store, whatever came before."""
     assert not list(_behind_optional(path.read_text("utf-8")))
 
 
 def test_patterns_behind_what_is_optional_are_found() -> None:
-    """The check finds a pattern behind an OPTIONAL, and passes conditions, data and what stands in other groups."""
+    """The check finds a pattern after an OPTIONAL, and accepts conditions, data and other groups."""
     assert list(_behind_optional("SELECT * { ?a ?b ?c OPTIONAL { ?a ?d ?e } ?f ?g 1 }")) == ["?f", "?g"]
     assert not list(_behind_optional("SELECT * { { ?a a 1 OPTIONAL { ?a a 2 } } ?b a 3 . OPTIONAL { ?b a 4 } }"))
     assert not list(_behind_optional("SELECT * { OPTIONAL { ?a a 1 } FILTER(?a = 1) VALUES ?a { 1 } } ORDER BY ?a"))

@@ -22,7 +22,7 @@ DATA = f"""
 
 @pytest.fixture
 def snapshot(tmp_path: Path) -> EmbeddedSnapshot:
-    """Return a store with two terms that are defined and one that is only used."""
+    """Return a store with two defined terms and one that is only used."""
     from pyoxigraph import NamedNode  # noqa: PLC0415 - the fixture alone needs it
 
     store = EmbeddedStore.create(tmp_path / ".kg")
@@ -45,5 +45,5 @@ def snapshot(tmp_path: Path) -> EmbeddedSnapshot:
 def test_misspelt_terms_are_named_with_what_was_meant(
     snapshot: EmbeddedSnapshot, query: str, sentences: list[str]
 ) -> None:
-    """Names in code are looked up, those in texts and comments and data types are not; each is named once."""
+    """Names in code are looked up, those in texts, comments and datatypes are not; each is reported once."""
     assert unknown_terms(snapshot, query) == sentences

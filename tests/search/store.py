@@ -1,4 +1,4 @@
-"""A small content to search in, written by hand: a few nodes of three packages, one of them a copy of another."""
+"""A small hand-written content: a few nodes of three packages, one of them a copy of another."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ INDEX: Final = build(CONTENT)
 
 
 def test_an_index_read_back_answers_alike(tmp_path: Path) -> None:
-    """What was kept gives the same hits with the same reasons."""
+    """The cached index gives the same hits with the same reasons."""
     cache.save(tmp_path, "7", INDEX)
     found = cache.load(tmp_path, "7")
     assert found is not None
@@ -33,7 +33,7 @@ def test_an_index_read_back_answers_alike(tmp_path: Path) -> None:
 
 
 def test_the_index_of_another_generation_is_removed(tmp_path: Path) -> None:
-    """Only the index that was written last stays."""
+    """Only the index written last remains."""
     cache.save(tmp_path, "7", INDEX)
     cache.save(tmp_path, "8", INDEX)
     assert cache.load(tmp_path, "7") is None
@@ -43,7 +43,7 @@ def test_the_index_of_another_generation_is_removed(tmp_path: Path) -> None:
 @given(st.data())
 @settings(max_examples=40)
 def test_a_damaged_index_is_no_index(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
-    """Bytes that changed, or are missing, are noticed; the index is built again instead of believed."""
+    """Changed or missing bytes are detected; the index is built again."""
     folder = tmp_path_factory.mktemp("cache")
     cache.save(folder, "1", INDEX)
     file = folder / "search" / "1"
@@ -58,14 +58,14 @@ def test_a_damaged_index_is_no_index(tmp_path_factory: pytest.TempPathFactory, d
 
 
 def test_an_index_of_other_code_or_data_is_no_index(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Terms depend on the lexicon, and what they are worth on the code, so an index is of one of each."""
+    """Terms depend on the lexicon, and scores on the code, so an index is only valid for both."""
     cache.save(tmp_path, "1", INDEX)
     monkeypatch.setattr(kept, "_version", lambda: 1)
     assert cache.load(tmp_path, "1") is None
 
 
 def test_one_builds_while_others_wait(tmp_path: Path) -> None:
-    """Who wants to build an index while another does so waits until that one has ended."""
+    """A process that needs the index waits while another builds it."""
     order: list[str] = []
     began = Event()
 

@@ -10,7 +10,7 @@ SEARCH = Search(build(CONTENT))
 
 
 def test_the_question_that_splits_best_is_asked() -> None:
-    """Each answer is a value of a filter, with how many hits it leaves."""
+    """Each answer is a value of a filter, with its number of remaining hits."""
     hits = SEARCH.find("scan camera driver merger").hits
     asked = question(hits, {})
     assert asked is not None
@@ -21,7 +21,7 @@ def test_the_question_that_splits_best_is_asked() -> None:
 
 
 def test_what_was_asked_is_not_asked_again() -> None:
-    """Question after question the choices run out."""
+    """After enough questions no choice remains."""
     hits = SEARCH.find("scan camera driver merger").hits
     asked: dict[str, object] = {}
     while (one := question(hits, asked)) is not None:
@@ -31,5 +31,5 @@ def test_what_was_asked_is_not_asked_again() -> None:
 
 
 def test_one_hit_needs_no_question() -> None:
-    """Nothing splits it."""
+    """A single hit cannot be split."""
     assert question(SEARCH.find("camera").hits[:1], {}) is None

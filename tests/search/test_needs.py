@@ -52,7 +52,7 @@ PIECES: Final = [
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["text"] or "nothing")
 def test_filters_and_preferences_are_understood(case: dict[str, Any]) -> None:
-    """A text gives the filters and preferences that its case names, and no other filters."""
+    """A text has the filters and preferences of its case, and no other filters."""
     wishes = parse(case["text"], NAMES).wishes
     strict = {feature.replace(":", " ", 1) for wish in wishes if wish.strict for feature in wish.features}
     rather = {feature.replace(":", " ", 1) for wish in wishes if not wish.strict for feature in wish.features}
@@ -61,7 +61,7 @@ def test_filters_and_preferences_are_understood(case: dict[str, Any]) -> None:
 
 
 def test_what_is_told_beside_the_point_counts_less() -> None:
-    """Words of a purpose, and of what is not wanted, weigh less than those of the node itself."""
+    """Words of a purpose, or of something excluded, weigh less than those of the node itself."""
     weights = {one.text: one.weight for one in parse("make a merged scan of lasers for navigation", NAMES).wordings}
     assert weights["navigation"] < weights["scan"] == 1
     asides = {one.text: one.aside for one in parse("remove points on a floor before mapping", NAMES).wordings}
@@ -76,7 +76,7 @@ def test_the_object_of_for_at_the_beginning_is_no_purpose() -> None:
 
 
 def test_synonyms_stand_beside_what_was_typed() -> None:
-    """A word brings the labels of the concept that it names, which weigh less than itself."""
+    """A word adds the labels of the concept that it names, with less weight."""
     (wording,) = parse("lidar", NAMES).wordings
     assert ("laser", "scan") in {one.terms for one in wording.alternatives[1:]}
     (wording,) = parse("GPS", NAMES).wordings
@@ -85,7 +85,7 @@ def test_synonyms_stand_beside_what_was_typed() -> None:
 
 
 def test_words_that_no_node_knows_are_named() -> None:
-    """They stand in the need as typed, with the spellings that are searched for instead, if any."""
+    """They are listed as typed, with the spellings searched instead, if any."""
     need = parse("RPLIDAR driver for a camra", NAMES)
     assert need.unknown == ("RPLIDAR", "camra")
     assert {one.text: one.near for one in need.wordings}["camra"] == ("camera",)
@@ -100,7 +100,7 @@ def test_capitals_make_a_name_of_a_word_of_grammar() -> None:
 
 @given(st.one_of(st.text(), st.lists(st.sampled_from(PIECES), max_size=12).map(" ".join)))
 def test_any_text_is_a_need(text: str) -> None:
-    """No text is refused, and the same text is understood the same way each time."""
+    """No text is refused, and parsing is deterministic."""
     need = parse(text, NAMES)
     assert need == parse(text, NAMES)
     assert all(wording.alternatives[0].terms for wording in need.wordings)

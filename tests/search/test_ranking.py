@@ -17,7 +17,7 @@ PACKAGE = CONTENT.packages[PLAIN.package]
 
 
 def worth(*asked: str, **changes: object) -> float:
-    """Return the prior of the node that is told most of, after changes."""
+    """Return the prior of the node with the most texts, after changes."""
     node = msgspec.structs.replace(PLAIN, package=0, **changes)
     return float(prior(build(Content([PACKAGE], [node])), frozenset(asked))[0])
 
@@ -36,7 +36,7 @@ DOWN = lexicon().weights["down"]
     ],
 )
 def test_what_is_rarely_meant_is_worth_less(changes: dict[str, object], cause: str) -> None:
-    """Tests, examples and old versions by their names and folders, and nodes without a description."""
+    """Tests, examples and old versions by their names and folders, and nodes without a description, rank lower."""
     assert worth() == worth(path="src/test.cpp") == 1.0
     assert worth(**changes) == pytest.approx(1 - DOWN[cause])
 
@@ -51,7 +51,7 @@ def test_what_launch_files_start_is_worth_more() -> None:
 
 @pytest.mark.parametrize("text", ["merge the scans of two lasers", "zusammenlegen", "camera"])
 def test_what_a_node_covers_is_a_share(text: str) -> None:
-    """It is from 0 to 1, whatever the need."""
+    """The coverage is from 0 to 1, whatever the need."""
     found = Search(build(CONTENT))
     shares = covered(found.index, found.find(text).need)
     assert ((shares >= 0) & (shares <= 1)).all()
@@ -70,7 +70,7 @@ def test_what_a_node_covers_is_a_share(text: str) -> None:
     ],
 )
 def test_where_nothing_fits_hits_are_only_the_nearest(text: str, fits: bool) -> None:  # noqa: FBT001 - of a table
-    """A need whose name no node mentions is met by none of them; a slip of the pen changes nothing."""
+    """A need with an unknown name fits no node; a typing error changes nothing."""
     answer = Search(build(CONTENT)).find(text)
     assert answer.fits is fits
     assert all(hit.fits is fits for hit in answer.hits)
@@ -80,13 +80,13 @@ def test_where_nothing_fits_hits_are_only_the_nearest(text: str, fits: bool) -> 
     "word", ["tests", "examples", "demo", "samples", "tutorials", "mock", "simulated", "simulator"]
 )
 def test_words_that_mark_down_are_compared_as_stems(word: str) -> None:
-    """Whatever the form of the word in a name or a folder."""
+    """The form of the word in a name or a folder does not matter."""
     assert stem(word) in MARKS
     assert all(stem(one) == one for one in MARKS)
 
 
 def test_what_was_asked_for_is_not_marked_down() -> None:
-    """Who asks for a test means one; other marks stay."""
+    """A request for a test lifts its mark; other marks remain."""
     assert worth("test", name="test_merger") == 1.0
     assert worth("test", path="tests/tutorials/merger.cpp") == pytest.approx(1 - DOWN["mark"])
     assert worth("merger", name="test_merger") == pytest.approx(1 - DOWN["mark"])

@@ -25,14 +25,14 @@ def _found(text: str = "", filters: dict[str, list[str]] | None = None) -> list[
 
 
 def test_the_node_that_does_it_comes_first() -> None:
-    """Words of names and descriptions find a node, by other words for them too."""
+    """Words of names and descriptions find a node; so do synonyms."""
     assert _found("merge the scans of two lasers into one")[0] == "scan_merger_node"
     assert _found("combine range scans of lidars")[0] == "scan_merger_node"
     assert _found("turn a laser scan into a point cloud")[0] == "ScanToCloud"
 
 
 def test_variants_and_copies_are_one_hit() -> None:
-    """The nodelet of a program, and a copy of it elsewhere, are no hits of their own; the maintained one is."""
+    """The nodelet of a program, and its copy elsewhere, belong to one hit; the maintained one is shown."""
     hit = SEARCH.find("merge laser scans").hits[0]
     assert hit.package.iri == "p:lasers"
     assert {node.iri for _, node in hit.others} == {
@@ -43,7 +43,7 @@ def test_variants_and_copies_are_one_hit() -> None:
 
 
 def test_hits_say_why_with_a_line() -> None:
-    """Each reason of a hit is a part of its worth, with the line that shows it."""
+    """Each reason of a hit is a part of its score, with the line that shows it."""
     why = [str(reason) for reason in SEARCH.find("merge the scans of two lasers into one").hits[0].why]
     assert "publishes sensor_msgs/LaserScan at src/node.cpp:12" in why
     assert any(text.startswith("named scan_merger_node at src/merger.cpp:3") for text in why)
@@ -69,7 +69,7 @@ def test_hits_say_why_with_a_line() -> None:
     ],
 )
 def test_filters_leave_out_what_does_not_fulfil_them(filters: dict[str, list[str]], expected: set[str]) -> None:
-    """Every filter has to hold, with or without words; types may be short, classes the wider or other names."""
+    """Every filter applies, with or without words; types may be abbreviated, classes broader or synonyms."""
     assert set(_found("", filters)) == expected
     assert set(_found("anything else", filters)) == expected
 
@@ -84,7 +84,7 @@ def test_filters_leave_out_what_does_not_fulfil_them(filters: dict[str, list[str
     ],
 )
 def test_unknown_names_are_refused_with_near_ones(kind: str, value: str, code: str, hint: str) -> None:
-    """A filter that no node can fulfil is an error that names what was probably meant."""
+    """A filter that no node fulfils is an error with suggestions."""
     with pytest.raises(UsageError) as caught:
         SEARCH.find("", {kind: [value]})
     assert caught.value.code == code
@@ -94,7 +94,7 @@ def test_unknown_names_are_refused_with_near_ones(kind: str, value: str, code: s
 @given(st.text(max_size=60))
 @settings(max_examples=40)
 def test_any_text_can_be_searched_for(text: str) -> None:
-    """Every text has an answer, the same each time, in order of falling worth, that is JSON."""
+    """Every text has a deterministic result, in order of decreasing score, that is valid JSON."""
     answer = SEARCH.find(text)
     assert answer == SEARCH.find(text)
     assert [hit.score for hit in answer.hits] == sorted((hit.score for hit in answer.hits), reverse=True)
@@ -102,7 +102,7 @@ def test_any_text_can_be_searched_for(text: str) -> None:
 
 
 def test_a_program_finds_nodes_in_a_store(tmp_path: Path) -> None:
-    """`kg.find` reads a store that was built, keeps its index, and notices that the store has changed."""
+    """`kg.find` reads a built store, caches its index, and detects changes of the store."""
     store = tmp_path / "store"
     kg.build([ROOT / "examples" / "workspace" / "rover"], store=store, jobs=1)
     hits = kg.find("remove far measurements from laser scans", store=store)

@@ -21,7 +21,7 @@ SPLIT = {
 
 @pytest.mark.parametrize(("name", "expected"), SPLIT.items())
 def test_identifiers_are_split_into_words(name: str, expected: str) -> None:
-    """Words of identifiers are split at signs, capitals and digits; known compounds and abbreviations too."""
+    """Identifiers are split at signs, capitals and digits; known compounds and abbreviations too."""
     assert " ".join(words(name)).replace("rgb d", "rgbd").replace("navigation", "nav") == expected
 
 
@@ -41,13 +41,13 @@ def test_spellings_of_both_sides_of_the_ocean_have_one_stem(british: str, americ
 
 
 def test_words_that_tell_nothing_are_left_out() -> None:
-    """Function words and what every node has are no terms, but they count for phrases."""
+    """Grammatical words and those of every node are not terms, but count in phrases."""
     assert terms("a node that publishes the robot's topic") == terms("publishes robot")
     assert len(phrase("body of the robot")) == 4
 
 
 def test_what_a_name_is_without_is_no_term_of_it() -> None:
-    """A name that says `NoKinect` is not found by kinect."""
+    """A name that contains `NoKinect` is not found by kinect."""
     assert "kinect" not in name_terms("individualMarkersNoKinect")
     assert "kinect" in name_terms("individualMarkersKinect")
 
@@ -57,14 +57,14 @@ def test_what_a_name_is_without_is_no_term_of_it() -> None:
     [("InfluxDB", ["influxdb"]), ("Wi-Fi signal", ["wifi"]), ("laser scan", []), ("voxel_grid", [])],
 )
 def test_names_of_several_words_are_one_word_too(name: str, expected: list[str]) -> None:
-    """What some write as one word is found by both."""
+    """Words that may be written as one are found by both spellings."""
     assert list(joined(name)) == expected
     assert set(expected) <= set(terms(name))
 
 
 @given(st.text())
 def test_any_text_has_terms(text: str) -> None:
-    """Terms are in lower case and the same each time."""
+    """Terms are in lower case and deterministic."""
     found = terms(text)
     assert found == terms(text)
     assert all(term == term.lower() for term in found)

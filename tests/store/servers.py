@@ -1,4 +1,4 @@
-"""SPARQL servers for tests: one of Oxigraph on a free port of this machine, and one that answers as it is told."""
+"""SPARQL servers for tests: Oxigraph on a free port of this machine, and Virtuoso."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ ServerThreads = 5
 
 @contextmanager
 def oxigraph_server() -> Iterator[str]:
-    """Run `oxigraph serve` in memory and yield its address; skip the test where the program is not installed."""
-    # pip puts it beside the Python that runs the tests, which need not be on the path.
+    """Run `oxigraph serve` in memory and yield its address; skip the test if it is not installed."""
+    # pip installs it next to the Python that runs the tests, which need not be on the path.
     program = shutil.which("oxigraph", path=str(Path(sys.executable).parent)) or shutil.which("oxigraph")
     if program is None:
         pytest.skip("oxigraph is not installed (pip install oxigraph)")
@@ -54,9 +54,9 @@ def oxigraph_server() -> Iterator[str]:
 
 @contextmanager
 def virtuoso_server(folder: Path) -> Iterator[str]:
-    """Run Virtuoso in a folder and yield the address of its SPARQL endpoint, which anybody may update.
+    """Run Virtuoso in a folder and yield the address of its SPARQL endpoint, with public updates.
 
-    Skip the test where the programs of Debian's package are not installed.
+    Skip the test if the programs of Debian's package are not installed.
     """
     programs = [shutil.which(name) for name in ("virtuoso-t", "isql-vt")]
     if None in programs:

@@ -1,4 +1,4 @@
-"""Tests of giving freed memory back."""
+"""Tests of returning freed memory."""
 
 from __future__ import annotations
 
@@ -33,6 +33,6 @@ print(before - held())
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="Linux tells what a process holds there")
 def test_freed_memory_goes_back() -> None:
-    """What threads took and freed is not held any more."""
+    """Memory freed by threads is returned to the system."""
     found = subprocess.run([sys.executable, "-c", FREED], capture_output=True, text=True, check=True)
     assert int(found.stdout) > 100

@@ -1,4 +1,4 @@
-"""C30: copies of a store, made while it is written, that open, hold what they say and can be put back."""
+"""C30: backups made while the store is written open, are complete, and can be restored."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def filled(folder: Path) -> EmbeddedStore:
 
 @pytest.mark.parametrize("name", ["copy", "copy.nq", "copy.nq.gz"])
 def test_a_backup_is_put_back(tmp_path: Path, name: str) -> None:
-    """What is restored is what was backed up, as a new snapshot, whatever happened in between."""
+    """The restored content is that of the backup, as a new snapshot, whatever happened in between."""
     store, target = filled(tmp_path), tmp_path / "below" / name
     with store.read() as snapshot:
         before = canonical(snapshot.quads())
@@ -57,7 +57,7 @@ def test_a_backup_is_put_back(tmp_path: Path, name: str) -> None:
 
 
 def test_dump_load_dump_is_byte_equal(tmp_path: Path) -> None:
-    """A file of N-Quads is the same after its content was restored elsewhere, packed or not."""
+    """An N-Quads file is the same after restoring and dumping its content elsewhere, compressed or not."""
     store = filled(tmp_path)
     back_up(store.layout, tmp_path / "one.nq")
     back_up(store.layout, tmp_path / "one.nq.gz")
@@ -84,7 +84,7 @@ def test_names_of_blank_nodes_depend_on_the_data_alone(edges: list[tuple[int, in
 
 
 def test_a_backup_while_somebody_writes(tmp_path: Path) -> None:
-    """Each backup opens as a store and holds as many quads as the snapshot that it names."""
+    """Each backup opens as a store and contains as many quads as its manifest says."""
     store = EmbeddedStore.create(tmp_path / ".kg")
     sizes: dict[int, int] = {}
     stop = threading.Event()
@@ -122,7 +122,7 @@ def test_a_backup_while_somebody_writes(tmp_path: Path) -> None:
 
 
 def test_what_is_there_is_not_overwritten(tmp_path: Path) -> None:
-    """A backup takes no name that something has, and leaves nothing behind when it fails."""
+    """A backup never overwrites anything, and leaves no files when it fails."""
     store = filled(tmp_path)
     (tmp_path / "taken").mkdir()
     with pytest.raises(KgError) as caught:
@@ -134,19 +134,19 @@ def test_what_is_there_is_not_overwritten(tmp_path: Path) -> None:
 
 
 def damaged_manifest(target: Path) -> None:
-    """Let a backup say that it holds more."""
+    """Make the manifest claim more quads than there are."""
     manifest = target / "backup.json"
     manifest.write_text(manifest.read_text().replace('"quads": ', '"quads": 1'))
 
 
 def no_manifest(target: Path) -> None:
-    """Let a backup say nothing that can be read."""
+    """Make the manifest unreadable."""
     (target / "backup.json").write_text("{}")
 
 
 @pytest.mark.parametrize("damage", [damaged_manifest, no_manifest])
 def test_what_is_not_whole_is_not_restored(tmp_path: Path, damage: object) -> None:
-    """A backup that is not what it says, a file that was cut, and what is not there; the store stays as it was."""
+    """A backup with a wrong manifest, a truncated file, and a missing one are refused; the store is unchanged."""
     store = filled(tmp_path)
     back_up(store.layout, tmp_path / "copy")
     damage(tmp_path / "copy")  # type: ignore[operator]  # one of the functions above

@@ -1,4 +1,4 @@
-"""Blank nodes keep their labels in a store, whatever is written, and files never share one."""
+"""Blank nodes keep their labels in a store in all writes, and files never share one."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def content_of(store: EmbeddedStore) -> set[Quad]:
 def test_replacing_any_share_of_a_store_keeps_the_rest(
     before: set[Quad], replaced: set[NamedNode], new: set[Quad]
 ) -> None:
-    """What stays keeps its labels, and so does what comes: a node of several graphs is one node afterwards."""
+    """Remaining and new quads keep their labels: a node in several graphs is one node afterwards."""
     with TemporaryDirectory() as folder:
         store = filled(folder, before)
         coming = {graph: [quad for quad in new if quad.graph_name == graph] for graph in replaced}
@@ -69,7 +69,7 @@ def test_replacing_any_share_of_a_store_keeps_the_rest(
 @given(st.sets(quads, max_size=30), st.sets(quads, max_size=30), st.sampled_from(GRAPHS))
 @settings(deadline=None, max_examples=examples(6, 20))
 def test_every_way_of_writing_keeps_labels(before: set[Quad], added: set[Quad], graph: NamedNode) -> None:
-    """Patches, additions and small graphs speak of the nodes that the store has, and so do removals."""
+    """Patches, additions, small graphs and removals refer to the nodes of the store."""
     here = [quad for quad in before if quad.graph_name == graph]
     came = {Quad(quad.subject, quad.predicate, quad.object, graph) for quad in added}
     with TemporaryDirectory() as folder:
@@ -88,7 +88,7 @@ def test_every_way_of_writing_keeps_labels(before: set[Quad], added: set[Quad], 
 
 
 def test_a_node_of_a_large_graph_is_one_node(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A graph is loaded in several batches, and a hub that all of them name stays one."""
+    """A hub in several batches of a large graph remains one node."""
     monkeypatch.setattr(bulk, "_LEAST_BYTES", 1000)
     lines = b"".join(b"_:hub <urn:test:p> <urn:test:%d> .\n" % number for number in range(1000))
     store = EmbeddedStore.create(tmp_path / ".kg")
@@ -100,7 +100,7 @@ def test_a_node_of_a_large_graph_is_one_node(tmp_path: Path, monkeypatch: pytest
 @given(st.sets(quads, max_size=20))
 @settings(deadline=None, max_examples=examples(6, 20))
 def test_files_scope_their_blank_nodes(content: set[Quad]) -> None:
-    """Files with the same labels share no node, not even with what the store has; within one a node stays one."""
+    """Files with the same labels share no node with each other or the store; within one, a node remains one."""
     with TemporaryDirectory() as folder:
         store = filled(folder, content)
         files = [Path(folder) / name for name in ("a.nq", "b.nq")]
@@ -113,7 +113,7 @@ def test_files_scope_their_blank_nodes(content: set[Quad]) -> None:
         found = content_of(store)
         assert content <= found
         assert len({term for quad in found for term in _blanks(quad)}) == 3 * len(labels)
-        # Of each file the store has a copy: with the labels of one left out, the rest is the content once more.
+        # The store contains a copy of each file: without the labels of one copy, the rest is the content again.
         labelled = {quad for quad in content if any(True for _ in _blanks(quad))}
         assert len(found) == len(content) + 2 * len(labelled)
 
@@ -122,7 +122,7 @@ def test_files_scope_their_blank_nodes(content: set[Quad]) -> None:
 @given(content=st.sets(quads, max_size=20))
 @settings(deadline=None, max_examples=examples(3, 10))
 def test_a_restored_store_has_the_same_nodes(name: str, content: set[Quad]) -> None:
-    """A folder keeps the labels, a file names them anew; both keep a node of several graphs one."""
+    """A folder preserves the labels, a file renames them; in both, a node in several graphs remains one."""
     with TemporaryDirectory() as folder:
         store = filled(folder, content)
         back_up(store.layout, Path(folder) / name)

@@ -15,7 +15,7 @@ ONE, TWO = b"<urn:a> <urn:b> <urn:c> .\n", b"<urn:a> <urn:b> <urn:d> .\n"
 
 
 def test_generations_tell_which_graphs_they_changed(tmp_path: Path) -> None:
-    """Patches follow one another; a graph that was written anew has none."""
+    """Patches follow one another; a graph that was replaced has none."""
     store = EmbeddedStore.create(tmp_path / ".kg")
     with store.write("test") as transaction:
         transaction.replace_graphs({G: [ONE], H: [ONE]})
@@ -29,7 +29,7 @@ def test_generations_tell_which_graphs_they_changed(tmp_path: Path) -> None:
 
 
 def test_what_may_write_anywhere_is_not_known(tmp_path: Path) -> None:
-    """An update in SPARQL, a missing record and a record of an older generation leave nothing known."""
+    """After a SPARQL update, a missing record or a record of an older generation, nothing is known."""
     store = EmbeddedStore.create(tmp_path / ".kg")
     with store.write("test") as transaction:
         transaction.load(G, [ONE])
@@ -42,7 +42,7 @@ def test_what_may_write_anywhere_is_not_known(tmp_path: Path) -> None:
 
 
 def test_patches_with_blank_nodes_say_what_is_in_the_store(tmp_path: Path) -> None:
-    """A blank node keeps its label, so a patch that names it is as good as any other."""
+    """A blank node keeps its label, so a patch that names it is valid."""
     store, line = EmbeddedStore.create(tmp_path / ".kg"), b"_:a <urn:b> _:c .\n"
     with store.write("test") as transaction:
         transaction.append(G, ONE)

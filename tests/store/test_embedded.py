@@ -1,4 +1,4 @@
-"""Tests of transactions, snapshots and what is left when a transaction fails."""
+"""Tests of transactions, snapshots and failed transactions."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ A, B = NamedNode("https://example.org/a"), NamedNode("https://example.org/b")
 
 
 def triples(count: int, tag: str = "x") -> bytes:
-    """Return `count` N-Triples that belong to `tag`."""
+    """Return `count` N-Triples that contain `tag`."""
     lines = (
         f"<https://example.org/{tag}{i}> <https://example.org/p> <https://example.org/o> .\n" for i in range(count)
     )
@@ -41,19 +41,19 @@ def store(tmp_path: Path) -> EmbeddedStore:
 
 
 def counts(store: EmbeddedStore) -> dict[str, int]:
-    """Return how many quads each graph of the store holds."""
+    """Return the number of quads in each graph of the store."""
     with store.read() as snapshot:
         return {graph.value[-1]: snapshot.count(graph) for graph in snapshot.graphs()}
 
 
 def test_replace_graphs_loads_all_chunks(store: EmbeddedStore) -> None:
-    """All chunks of a graph are loaded, each graph on its own."""
+    """All chunks of a graph are loaded, for each graph separately."""
     assert counts(store) == {"a": 3, "b": 2}
 
 
 @pytest.mark.parametrize("size", [1, 500])
 def test_replacing_one_graph_keeps_the_others(store: EmbeddedStore, size: int) -> None:
-    """Other graphs and the default graph stay, whether the new generation begins empty or as a checkpoint."""
+    """Other graphs and the default graph remain, whether the new generation begins empty or as a checkpoint."""
     with store.write("test") as transaction:
         transaction.replace_graphs({B: [triples(size, "b")]})
         transaction.update("INSERT DATA { <urn:s> <urn:p> <urn:o> }")
@@ -65,7 +65,7 @@ def test_replacing_one_graph_keeps_the_others(store: EmbeddedStore, size: int) -
 
 
 def test_each_transaction_gets_its_own_number(store: EmbeddedStore) -> None:
-    """The number of a generation grows with each change, and old generations are removed."""
+    """The number of a generation grows with each change, and old generations are deleted."""
     with store.write("test") as transaction:
         transaction.append(A, triples(1, "n"))
     with store.read() as snapshot:
@@ -74,14 +74,14 @@ def test_each_transaction_gets_its_own_number(store: EmbeddedStore) -> None:
 
 
 def test_no_change_no_generation(store: EmbeddedStore) -> None:
-    """A transaction that changes nothing leaves the generation in force."""
+    """A transaction without changes creates no generation."""
     with store.write("test"):
         pass
     assert store.layout.current() == 1
 
 
 def test_a_snapshot_does_not_change(store: EmbeddedStore) -> None:
-    """A reader keeps what it opened while a writer goes on, and the generation goes when the reader does."""
+    """A reader keeps its data while a writer continues, and the generation is deleted after the reader closes it."""
     with store.read() as snapshot:
         with store.write("test") as transaction:
             transaction.drop_graph(A)
@@ -94,7 +94,7 @@ def test_a_snapshot_does_not_change(store: EmbeddedStore) -> None:
 
 
 def test_an_exception_leaves_the_store_as_it_was(store: EmbeddedStore) -> None:
-    """When the body of a transaction raises, nothing of it remains."""
+    """If the body of a transaction raises, nothing of it remains."""
 
     def interrupted() -> Iterator[bytes]:
         yield triples(10)
@@ -107,7 +107,7 @@ def test_an_exception_leaves_the_store_as_it_was(store: EmbeddedStore) -> None:
 
 
 def test_interrupted_right_after_the_switch(store: EmbeddedStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    """An interrupt that comes when the new generation is already in force does not remove it."""
+    """An interrupt after the new generation became current does not delete it."""
     switch = Layout.switch
 
     def interrupted(layout: Layout, generation: int) -> None:
@@ -121,14 +121,14 @@ def test_interrupted_right_after_the_switch(store: EmbeddedStore, monkeypatch: p
 
 
 def test_patch_graph_changes_only_the_lines_given(store: EmbeddedStore) -> None:
-    """Removed lines go, added lines come, the rest of the graph stays."""
+    """Removed lines go, added lines come, the rest of the graph is unchanged."""
     with store.write("test") as transaction:
         transaction.patch_graph(A, removed=triples(1, "y"), added=triples(3, "n"))
     assert counts(store) == {"a": 5, "b": 2}
 
 
 def test_a_busy_store_names_its_writer(store: EmbeddedStore) -> None:
-    """A second writer is told the process, the command and since when."""
+    """The error of a second writer contains the process, the command and the start time of the first."""
     with store.write("kg build src"), pytest.raises(StoreError) as caught, store.write("other"):
         pass
     assert caught.value.code == "KG302"
@@ -137,7 +137,7 @@ def test_a_busy_store_names_its_writer(store: EmbeddedStore) -> None:
 
 
 def test_damaged_generation(store: EmbeddedStore) -> None:
-    """A generation whose files are damaged is KG303, not an exception of the engine."""
+    """A damaged generation is KG303, not an exception of the engine."""
     (store.layout.generation(1) / "CURRENT").write_text("junk")
     with pytest.raises(StoreError) as caught:
         store.read()
@@ -145,7 +145,7 @@ def test_damaged_generation(store: EmbeddedStore) -> None:
 
 
 def test_missing_generation(store: EmbeddedStore) -> None:
-    """A pointer to a generation that is not there is KG303."""
+    """A pointer to a missing generation is KG303."""
     store.layout.switch(7)
     with pytest.raises(StoreError) as caught:
         store.read()
@@ -153,14 +153,14 @@ def test_missing_generation(store: EmbeddedStore) -> None:
 
 
 def test_empty_store(tmp_path: Path) -> None:
-    """Reading a store that nothing was written to is KG301."""
+    """Reading an empty store is KG301."""
     with pytest.raises(StoreError) as caught:
         EmbeddedStore.create(tmp_path / ".kg").read()
     assert caught.value.code == "KG301"
 
 
 def test_disk_full_at_the_switch(store: EmbeddedStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A disk that fills up while the pointer is written is KG304, and the store is as before."""
+    """A full disk while writing the pointer is KG304, and the store is unchanged."""
 
     def full(_handle: int) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
@@ -174,7 +174,7 @@ def test_disk_full_at_the_switch(store: EmbeddedStore, monkeypatch: pytest.Monke
 
 
 def test_disk_full_in_the_engine(tmp_path: Path) -> None:
-    """A disk that fills up under the engine is KG304, and the store is as before."""
+    """A full disk in the engine is KG304, and the store is unchanged."""
     mounted = subprocess.run(
         ["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", str(tmp_path)],
         check=False,
@@ -196,7 +196,7 @@ def test_disk_full_in_the_engine(tmp_path: Path) -> None:
 
 
 def test_a_store_that_cannot_be_written(store: EmbeddedStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A read-only store is read as ever; a writer is told that it cannot be written."""
+    """A read-only store can be read; writing is an error."""
 
     def closed(*_: object, **__: object) -> None:
         raise OSError(errno.EROFS, "Read-only file system")
@@ -224,7 +224,7 @@ with store.write("writer") as transaction:
 
 
 def test_killed_writer_leaves_the_store(store: EmbeddedStore) -> None:
-    """After kill -9 of a writer the store opens as it was, and the next writer is not kept out."""
+    """After kill -9 of a writer the store is unchanged, and the next writer is not blocked."""
     command = [sys.executable, "-c", WRITER, str(store.layout.root)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
@@ -239,7 +239,7 @@ def test_killed_writer_leaves_the_store(store: EmbeddedStore) -> None:
 
 @pytest.mark.parametrize("name", ["N_QUADS", "TRIG", "JSON_LD", "TURTLE", "RDF_XML", "N_TRIPLES"])
 def test_dump_and_load_give_the_same_triples(store: EmbeddedStore, tmp_path: Path, name: str) -> None:
-    """What is dumped in any format loads again as the same triples."""
+    """A dump in any format loads as the same triples."""
     rdf_format = getattr(RdfFormat, name)
     path = tmp_path / f"dump.{rdf_format.file_extension}"
     with store.read() as snapshot:
@@ -257,7 +257,7 @@ def test_dump_and_load_give_the_same_triples(store: EmbeddedStore, tmp_path: Pat
 
 @pytest.mark.parametrize("filled", [False, True])
 def test_what_a_file_has_without_a_graph_is_placed(tmp_path: Path, filled: bool) -> None:  # noqa: FBT001 - a case
-    """It goes into the graph that is named; quads go where they say, and the default graph stays as it was."""
+    """Triples go into the given graph; quads keep their graph, and the default graph is unchanged."""
     default = tmp_path / "default.nt"
     default.write_text("<urn:d> <urn:d> <urn:d> .\n")
     path = tmp_path / "both.nq"
@@ -275,7 +275,7 @@ def test_what_a_file_has_without_a_graph_is_placed(tmp_path: Path, filled: bool)
 
 
 def test_ctrl_c_ends_a_load(store: EmbeddedStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The file is read by Python code, which is where a signal ends it; nothing of the file is loaded."""
+    """The file is read by Python code, which a signal interrupts; nothing of the file is loaded."""
 
     def interrupted(_file: object, _size: int = -1) -> bytes:
         raise KeyboardInterrupt
@@ -289,7 +289,7 @@ def test_ctrl_c_ends_a_load(store: EmbeddedStore, tmp_path: Path, monkeypatch: p
 
 
 def test_load_file_tells_the_line_of_an_error(store: EmbeddedStore, tmp_path: Path) -> None:
-    """A file that is not valid is KG601 with its line, and nothing of it is loaded."""
+    """An invalid file is KG601 with the line, and nothing of it is loaded."""
     path = tmp_path / "bad.ttl"
     path.write_text("@prefix a: <urn:a> .\na:b a:c d e .\n")
     with pytest.raises(GraphError) as caught, store.write("test") as transaction:
@@ -306,7 +306,7 @@ def test_load_file_that_is_not_there(store: EmbeddedStore, tmp_path: Path) -> No
 
 
 def test_files_are_merged_after_large_loads_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What fills a store is merged before it comes into force, unless it is small; no small load pays for the whole."""
+    """A large load into an empty store is merged before it becomes current; small loads are not."""
     store = EmbeddedStore.create(tmp_path / ".kg")
     graph = NamedNode("https://example.org/graph")
     lines = b"".join(b'<https://example.org/s%d> <https://example.org/p> "%d" .\n' % (n, n) for n in range(20_000))

@@ -1,4 +1,4 @@
-"""The embedded store is a store as the interface describes it; the checker of types reads this file too."""
+"""The embedded store conforms to the interface; the type checker reads this file too."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ GRAPH = NamedNode("https://example.org/g")
 
 
 def _use(store: QuadStore) -> tuple[str, int, bytes]:
-    """Write and read through nothing but the interface."""
+    """Write and read through the interface only."""
     with store.write("test") as transaction:
         transaction.replace_graphs({GRAPH: [b"<urn:a> <urn:b> <urn:c> .\n"]})
         transaction.append(GRAPH, b"<urn:a> <urn:b> <urn:d> .\n")
@@ -27,5 +27,5 @@ def _use(store: QuadStore) -> tuple[str, int, bytes]:
 
 
 def test_the_embedded_store_keeps_to_the_interface(tmp_path: Path) -> None:
-    """What is written through the interface is read through it."""
+    """Data written through the interface is read back through it."""
     assert _use(EmbeddedStore.create(tmp_path / ".kg")) == ("1", 1, b"<urn:a> <urn:b> <urn:d> .\n")

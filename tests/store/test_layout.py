@@ -24,7 +24,7 @@ def test_found_upwards(tmp_path: Path) -> None:
 
 
 def test_missing_store_names_the_folders_searched(tmp_path: Path) -> None:
-    """When there is no store the folders searched are named."""
+    """The error about a missing store lists the searched folders."""
     with pytest.raises(StoreError) as caught:
         find(tmp_path)
     assert caught.value.code == "KG301"
@@ -33,7 +33,7 @@ def test_missing_store_names_the_folders_searched(tmp_path: Path) -> None:
 
 
 def test_store_of_another_layout(tmp_path: Path) -> None:
-    """A store written with another layout is refused by name."""
+    """A store with another layout version is refused."""
     layout = create(tmp_path / ".kg")
     layout.pointer.write_text(json.dumps({"layout": 99, "generation": 1}))
     with pytest.raises(StoreError) as caught:
@@ -43,7 +43,7 @@ def test_store_of_another_layout(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("content", ["", "{", "[]", '{"layout": 1}', '{"layout": 1, "generation": "x"}'])
 def test_damaged_pointer(tmp_path: Path, content: str) -> None:
-    """A pointer that says nothing is a damaged store."""
+    """A malformed pointer is a damaged store."""
     layout = create(tmp_path / ".kg")
     layout.pointer.write_text(content)
     with pytest.raises(StoreError) as caught:
@@ -52,12 +52,12 @@ def test_damaged_pointer(tmp_path: Path, content: str) -> None:
 
 
 def test_version_control_leaves_the_store_out(tmp_path: Path) -> None:
-    """The folder ignores itself."""
+    """The folder contains an ignore file for itself."""
     assert (create(tmp_path / ".kg").root / ".gitignore").read_text() == "*\n"
 
 
 def test_what_is_in_force_is_there_or_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A generation that is replaced and removed while it is looked for is not taken for data that is gone."""
+    """A generation replaced and deleted during the look-up does not count as lost data."""
     layout = create(tmp_path / ".kg")
     assert layout.in_force() is None
     layout.generation(1).mkdir()
@@ -80,7 +80,7 @@ def test_what_is_in_force_is_there_or_gone(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_two_that_write_a_file_at_once_both_write_it_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Who writes a file that another thread is writing disturbs it in nothing; one of the two contents stays."""
+    """Two threads that write a file at once do not interfere; one of the two contents remains."""
     file = tmp_path / "file"
     found: list[bytes] = []
 

@@ -20,7 +20,7 @@ from kg.store.locks import busy, hold_generation, remove_unused, writer
 
 
 def test_busy_tells_who_writes(tmp_path: Path) -> None:
-    """Who asks without writing is told the writer, and nothing when there is none."""
+    """Without writing, a process can get the error about the current writer, or None."""
     layout = create(tmp_path / ".kg")
     assert busy(layout) is None
     with writer(layout, "kg build x"):
@@ -31,7 +31,7 @@ def test_busy_tells_who_writes(tmp_path: Path) -> None:
 
 
 def test_a_writer_that_says_nothing_yet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A lock that is held on without a name in it is still a busy store."""
+    """A lock held without a record in it still means a busy store."""
     monkeypatch.setattr(locks, "_PATIENCE", 0.05)
     layout = create(tmp_path / ".kg")
     with writer(layout, "x"):
@@ -43,7 +43,7 @@ def test_a_writer_that_says_nothing_yet(tmp_path: Path, monkeypatch: pytest.Monk
 
 @pytest.mark.parametrize("left", ["", '{"pid": %d, "command": "kg build", "since": "then"}', "[]"])
 def test_who_only_looks_keeps_no_writer_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, left: str) -> None:
-    """A lock in which nobody who lives is named is let go of in a moment, which a writer waits for."""
+    """A lock without a live owner on record is released soon, and a writer waits for it."""
     layout = create(tmp_path / ".kg")
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
@@ -59,7 +59,7 @@ def test_who_only_looks_keeps_no_writer_out(tmp_path: Path, monkeypatch: pytest.
 
 @pytest.mark.parametrize("raised", [False, True])
 def test_a_copy_of_the_lock_keeps_no_writer_out(tmp_path: Path, raised: bool) -> None:  # noqa: FBT001 - a case of the table
-    """What a process that was forked meanwhile still holds is free when the writer ends, however it does."""
+    """If a forked process holds a copy of the lock, it is still released when the writer ends."""
     layout = create(tmp_path / ".kg")
     copy = -1
     with suppress(ZeroDivisionError), writer(layout, "first"):
@@ -79,7 +79,7 @@ def _leads(link: Path, file: Path) -> bool:
 
 
 def test_the_generation_goes_while_it_is_being_held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A reader that meets the removal of the generation it was about to hold takes the new one."""
+    """If its generation is deleted at that moment, a reader takes the new one."""
     layout = create(tmp_path / ".kg")
     layout.generation(1).mkdir()
     layout.switch(1)
@@ -102,7 +102,7 @@ def test_the_generation_goes_while_it_is_being_held(tmp_path: Path, monkeypatch:
 
 
 def test_held_generations_stay(tmp_path: Path) -> None:
-    """What a reader holds is not removed until it lets go; temporary files are."""
+    """A held generation is not deleted until it is released; temporary files are."""
     layout = create(tmp_path / ".kg")
     layout.generation(1).mkdir()
     layout.switch(1)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def test_a_store_is_made_where_there_is_none_and_stays_when_written(tmp_path: Path) -> None:
-    """The folder named is made; what was written into it is found again."""
+    """The named folder is created, and its content is found again."""
     given = settings.load({"store": tmp_path / "mine"})
     with writable(given) as store, store.write("test") as transaction:
         transaction.append(
@@ -27,7 +27,7 @@ def test_a_store_is_made_where_there_is_none_and_stays_when_written(tmp_path: Pa
 
 
 def test_a_new_store_into_which_nothing_came_is_removed(tmp_path: Path) -> None:
-    """A command that fails leaves no empty store behind."""
+    """A failing command leaves no empty store."""
     given = settings.load({"store": tmp_path / "mine"})
     with pytest.raises(ZeroDivisionError), writable(given):
         raise ZeroDivisionError
@@ -35,7 +35,7 @@ def test_a_new_store_into_which_nothing_came_is_removed(tmp_path: Path) -> None:
 
 
 def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
-    """What the user had is never removed, store or not."""
+    """Existing files of the user are never deleted, store or not."""
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "file").touch()
     with pytest.raises(ZeroDivisionError), writable(settings.load({"store": tmp_path / "mine"})):
@@ -44,7 +44,7 @@ def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
 
 
 def test_a_file_is_no_store(tmp_path: Path) -> None:
-    """Where a file stands in place of the folder it is said so, and the file stays."""
+    """A file in place of the folder is an error, and the file remains."""
     (tmp_path / "mine").write_text("mine")
     with (
         pytest.raises(StoreError, match="a store is a folder") as caught,

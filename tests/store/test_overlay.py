@@ -32,13 +32,13 @@ def filled(folder: Path) -> EmbeddedStore:
 
 
 def size(snapshot: Any) -> int:
-    """Return how many triples a query sees."""
+    """Return the number of triples visible to a query."""
     (row,) = snapshot.query(COUNT)
     return int(row["n"].value)
 
 
 def test_what_is_added_is_seen_beside_the_rest_and_nowhere_else(tmp_path: Path) -> None:
-    """The copy has both, under the number of the generation; the store has neither a triple nor a file more."""
+    """The copy has both, with the number of the generation; the store has no new triples and no new files."""
     store = filled(tmp_path)
     with store.read() as snapshot:
         with overlaid(snapshot, ADDED, [lines(20, 25), lines(25, 30)], store.layout.cache) as extended:
@@ -50,7 +50,7 @@ def test_what_is_added_is_seen_beside_the_rest_and_nowhere_else(tmp_path: Path) 
 
 
 def test_the_copy_is_removed_when_a_query_fails(tmp_path: Path) -> None:
-    """Whatever ends the body."""
+    """The copy is deleted whatever ends the body."""
     store = filled(tmp_path)
     with store.read() as snapshot, pytest.raises(KeyError), overlaid(snapshot, ADDED, [], store.layout.cache):
         raise KeyError
@@ -58,7 +58,7 @@ def test_the_copy_is_removed_when_a_query_fails(tmp_path: Path) -> None:
 
 
 def test_a_cache_that_cannot_be_written_is_done_without(tmp_path: Path) -> None:
-    """The copy is then in the system's folder for temporary files."""
+    """The copy is then in the system's temporary folder."""
     store = filled(tmp_path)
     (tmp_path / "file").write_text("")
     with store.read() as snapshot, overlaid(snapshot, ADDED, [lines(20, 21)], tmp_path / "file") as extended:

@@ -1,4 +1,4 @@
-"""A SPARQL server is a store as the interface describes it."""
+"""A SPARQL server conforms to the interface of stores."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def store(address: str) -> RemoteStore:
 
 
 def _use(store: QuadStore) -> tuple[int, bytes]:
-    """Write and read through nothing but the interface."""
+    """Write and read through the interface only."""
     with store.write("test") as transaction:
         transaction.replace_graphs({GRAPH: [b"<urn:a> <urn:b> <urn:c> .\n"]})
         transaction.append(GRAPH, b"<urn:a> <urn:b> <urn:d> .\n")
@@ -53,7 +53,7 @@ def _use(store: QuadStore) -> tuple[int, bytes]:
 
 
 def test_a_server_keeps_to_the_interface(store: RemoteStore) -> None:
-    """What is written through the interface is read through it."""
+    """Data written through the interface is read back through it."""
     assert _use(store) == (1, b"<urn:a> <urn:b> <urn:d> .\n")
 
 
@@ -61,7 +61,7 @@ def test_a_server_keeps_to_the_interface(store: RemoteStore) -> None:
 def test_each_kind_of_query_gives_its_kind_of_result(
     store: RemoteStore, monkeypatch: pytest.MonkeyPatch, in_memory: int
 ) -> None:
-    """SELECT, ASK and CONSTRUCT over the union of graphs give what the embedded engine gives."""
+    """SELECT, ASK and CONSTRUCT over the union of graphs have the same results as in the embedded engine."""
     monkeypatch.setattr("kg.store.http._IN_MEMORY", in_memory)
     _use(store)
     snapshot: Snapshot = store.read()
@@ -77,7 +77,7 @@ def test_each_kind_of_query_gives_its_kind_of_result(
 
 
 def test_all_graphs_are_listed_counted_and_dumped(store: RemoteStore, tmp_path: Path) -> None:
-    """A file of quads loads into its graphs and the default graph; a format without graphs gets each triple once."""
+    """A file of quads loads into its graphs and the default graph; a format without graphs has each triple once."""
     quads = tmp_path / "data.nq"
     quads.write_text("<urn:a> <urn:b> _:c <urn:g> .\n<urn:a> <urn:b> 'x' .\n".replace("'", '"'))
     with store.write("test") as transaction:
@@ -101,7 +101,7 @@ def test_a_body_that_raises_changes_nothing(store: RemoteStore) -> None:
 
 
 def test_dropping_a_graph_leaves_the_others(store: RemoteStore) -> None:
-    """A graph that is not there is dropped without a word."""
+    """Dropping a missing graph is not an error."""
     _use(store)
     with store.write("test") as transaction:
         transaction.drop_graph(GRAPH)
@@ -110,7 +110,7 @@ def test_dropping_a_graph_leaves_the_others(store: RemoteStore) -> None:
 
 
 def test_a_refused_request_tells_status_and_first_line(store: RemoteStore) -> None:
-    """The server's own words are in the message, the address is the place."""
+    """The message contains the server's text, and the place is the address."""
     with pytest.raises(
         StoreError, match=r"^http://127.0.0.1:\d+/update: KG225: the server answered 400 Bad Request: e"
     ):
@@ -118,7 +118,7 @@ def test_a_refused_request_tells_status_and_first_line(store: RemoteStore) -> No
 
 
 def test_a_server_that_is_not_there_is_tried_again_and_named_without_password() -> None:
-    """Neither user and password nor parameters of the address are shown."""
+    """User, password and parameters of the address are not shown."""
     with own_port() as port:
         store = RemoteStore(f"http://me:secret@127.0.0.1:{port}/query?key=secret")
         with pytest.raises(StoreError, match="cannot connect") as caught:
@@ -130,13 +130,13 @@ def test_a_server_that_is_not_there_is_tried_again_and_named_without_password() 
 
 
 def test_an_address_that_is_none_is_refused() -> None:
-    """Only http and https are spoken."""
+    """Only http and https are supported."""
     with pytest.raises(StoreError, match="not the address of a server"):
         RemoteStore("file:///etc/passwd")
 
 
 class _Told(BaseHTTPRequestHandler):
-    """Answers by the path: /moved, /secret, /html, /broken, and breaks the first connection of /flaky."""
+    """Responds by path: /moved, /secret, /html, /broken, and breaks the first connection of /flaky."""
 
     seen: ClassVar[list[tuple[str, str | None]]] = []
 
@@ -159,12 +159,12 @@ class _Told(BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def log_message(self, *_: object) -> None:
-        """Say nothing."""
+        """Log nothing."""
 
 
 @pytest.fixture
 def told() -> Iterator[str]:
-    """Run a server that answers as it is told."""
+    """Run a server with scripted responses."""
     _Told.seen.clear()
     with HTTPServer(("127.0.0.1", 0), _Told) as server:
         thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
@@ -175,7 +175,7 @@ def told() -> Iterator[str]:
 
 
 def test_how_long_was_waited_is_told() -> None:
-    """A server that is silent is told with the time that this request gave it."""
+    """The error about a silent server contains the timeout of this request."""
     with socket.create_server(("127.0.0.1", 0)) as silent:
         store = RemoteStore(f"http://127.0.0.1:{silent.getsockname()[1]}/query")
         with pytest.raises(StoreError, match=r"did not answer within 0\.05 s"):
@@ -192,20 +192,20 @@ def test_how_long_was_waited_is_told() -> None:
     ],
 )
 def test_answers_that_are_no_results_are_errors(told: str, path: str, message: str) -> None:
-    """A redirection, a refusal, a page, and half of an answer end with a code and the way out."""
+    """A redirection, a refusal, an HTML page, and half a response are errors with a code and the way out."""
     with pytest.raises(StoreError, match=message):
         RemoteStore(f"http://{told}{path}").read().count()
 
 
 def test_user_and_password_are_sent(told: str) -> None:
-    """Basic authentication, with signs that an address must escape."""
+    """Basic authentication works with characters that an address must escape."""
     with pytest.raises(StoreError):
         RemoteStore(f"http://me:a%40b@{told}/secret").read().count()
     assert _Told.seen == [("/secret", "Basic bWU6YUBi")]
 
 
 def test_a_query_is_sent_again_when_the_connection_breaks_and_an_update_is_not(told: str) -> None:
-    """An update may have been run although its answer was lost."""
+    """An update may have run although its response was lost."""
     store = RemoteStore(f"http://{told}/flaky")
     assert store.read().query("ASK {}", union=False)
     _Told.seen.clear()
@@ -215,7 +215,7 @@ def test_a_query_is_sent_again_when_the_connection_breaks_and_an_update_is_not(t
 
 
 def test_an_address_that_takes_queries_only_is_told(address: str) -> None:
-    """An update that is refused there leads to the option for the other address."""
+    """The error about an address that refuses updates names the option for the other address."""
     with pytest.raises(StoreError, match="KG225") as caught:
         RemoteStore(f"{address}/query").update("DROP ALL")
     assert "--update-url" in (caught.value.hint or "")

@@ -38,12 +38,12 @@ def test_cells_are_spelt_as_a_dump_of_the_store_spells_them(objects: list[Litera
 
 
 def test_a_text_without_rows_has_no_cells() -> None:
-    """Nothing gives nothing."""
+    """An empty text gives no cells."""
     assert cells(b"", 2) == []
 
 
 def test_each_column_may_hold_short_forms() -> None:
-    """Repair looks at every column, whatever stands in the others."""
+    """Every column is corrected independently of the others."""
     assert cells(b"1\t<urn:a>\n<urn:b>\ttrue\n", 2) == [
         b'"1"^^<http://www.w3.org/2001/XMLSchema#integer>',
         b"<urn:a>",
@@ -63,13 +63,13 @@ def test_each_column_may_hold_short_forms() -> None:
     ],
 )
 def test_constants_are_spelt_as_a_store_gives_them_back(text: str, datatype: str, spelt: bytes) -> None:
-    """A store keeps values: a constant of a rule that is written otherwise still meets its data."""
+    """A store keeps values: a constant of a rule with another spelling still matches its data."""
     assert spell(Literal(text, datatype=NamedNode(XSD + datatype))) == spelt % XSD.encode()
 
 
 @given(st.lists(terms, max_size=8), st.booleans())
 def test_lines_are_cut_into_terms_that_a_store_has(objects: list[Literal], padded: bool) -> None:  # noqa: FBT001 - drawn
-    """Terms of a text are those that a store has after loading it, whether the text is cut or parsed."""
+    """Terms of a text are those of a store after loading it, whether the text is split or parsed."""
     lines = b"".join(b"<urn:s%d> <urn:p> %s .\n" % (number, written(term)) for number, term in enumerate(objects))
     found = parts_of_lines(lines + (b"# end\n" if padded else b""))
     store = Store()
@@ -80,19 +80,19 @@ def test_lines_are_cut_into_terms_that_a_store_has(objects: list[Literal], padde
 
 @pytest.mark.parametrize("text", ["", "<urn:a> <urn:b>", "<urn:a> . <urn:b> <urn:c> <urn:d>", "a", '"a', "<a b>"])
 def test_text_that_is_not_one_term_is_refused(text: str) -> None:
-    """A term is read from exactly one."""
+    """A term is parsed from exactly one term."""
     with pytest.raises(SyntaxError):
         of_spelling(text)
 
 
 @given(terms)
 def test_terms_are_read_back(term: Literal) -> None:
-    """A spelling stands for the term that the store has."""
+    """A spelling parses as the term in the store."""
     assert spell(of_spelling(spell(term))) == spell(term)
 
 
 def written(term: Literal | Triple) -> bytes:
-    """Return a term as N-Triples, with the value as it is written."""
+    """Return a term as N-Triples, with its original value."""
     if isinstance(term, Triple):
         return b"<<( <urn:p> <urn:p> %s )>>" % written(term.object)  # type: ignore[arg-type]  # what `terms` has inside
     return str(term).encode()

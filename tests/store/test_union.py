@@ -1,4 +1,4 @@
-"""Several stores are read as the union of their graphs."""
+"""Tests of the union of several stores."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def _made(folder: Path, graphs: dict[NamedNode, bytes]) -> EmbeddedStore:
 
 
 def test_graphs_are_united_and_blank_nodes_kept_apart(tmp_path: Path) -> None:
-    """A graph of the same name has the triples of both; a label means another node in another store."""
+    """A graph with the same name has the triples of both; the same label means different nodes in different stores."""
     stores = [
         _made(tmp_path / "a", {FIRST: b"<urn:a> <urn:p> <urn:b> .\n_:x <urn:p> <urn:c> .\n"}),
         _made(tmp_path / "b", {FIRST: b"_:x <urn:p> <urn:c> .\n", SECOND: b"<urn:d> <urn:p> <urn:e> .\n"}),
@@ -39,7 +39,7 @@ def test_graphs_are_united_and_blank_nodes_kept_apart(tmp_path: Path) -> None:
 
 
 def test_a_graph_that_both_have_alike_is_there_once(tmp_path: Path) -> None:
-    """Equal graphs, as those of an ontology, do not double their blank nodes."""
+    """Equal graphs, for example of an ontology, do not duplicate their blank nodes."""
     content = b"_:x <urn:p> <urn:c> .\n"
     stores = [_made(tmp_path / name, {FIRST: content}) for name in ("a", "b")]
     with ExitStack() as stack, union_of([stack.enter_context(store.read()) for store in stores]) as union:

@@ -1,4 +1,4 @@
-"""One change in one transaction: the request, and the inferences from the resulting data."""
+"""Make one change in one transaction, including the resulting inferences."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def apply(
     """Make a change, with its inferences unless `rules` is false; with `dry_run` nothing is written.
 
     Raises:
-        KgError: what `Writer.update` names; the store is then as it was.
+        KgError: as `Writer.update`; the store is then unchanged.
     """
     applier = Applier(store, settings)
     updated = applier.apply(change, rules=rules, dry_run=dry_run)
@@ -39,7 +39,7 @@ def apply(
 
 
 class Applier:
-    """Makes changes of one store, one after the other, and keeps the memory of the rules in between."""
+    """Makes changes of one store, one after the other, and retains the memory of the rules between them."""
 
     def __init__(self, store: EmbeddedStore, settings: Settings) -> None:
         self._store = store
@@ -48,13 +48,13 @@ class Applier:
         self._unsaved = 0
 
     def warm(self) -> None:
-        """Load the rules and the memory of their last run, which saves the first change the wait."""
+        """Load the rules and the memory of their last run, to speed up the first change."""
         # The first change reports the error.
         with suppress(KgError):
             self._inference.prepare()
 
     def apply(self, change: Change, *, rules: bool = True, dry_run: bool = False) -> Updated:
-        """Make a change; see `apply`. The memory of the rules is kept in this process until `save`."""
+        """Make a change; see `apply`. The memory of the rules stays in this process until `save`."""
         try:
             return self._apply(change, rules=rules, dry_run=dry_run)
         except BaseException:
@@ -70,7 +70,7 @@ class Applier:
 
     @property
     def unsaved(self) -> int:
-        """How many changes were made since `save`."""
+        """Number of changes since `save`."""
         return self._unsaved
 
     def _apply(self, change: Change, *, rules: bool, dry_run: bool) -> Updated:

@@ -1,4 +1,4 @@
-"""Requests for changes, and their results; both travel between processes as MessagePack."""
+"""Requests for changes, and their results; both are sent between processes as MessagePack."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ import msgspec
 
 
 class Update(msgspec.Struct, frozen=True, tag="update", kw_only=True):
-    """A SPARQL update: operations of which all happen or none.
+    """A SPARQL update: its operations are atomic.
 
-    `using` and `using_named` replace the data set of each WHERE (SPARQL 1.1 Protocol, section 2.2.3). With `snapshot`
-    it happens only to the data of that identity. Relative IRIs are relative to `base`. `path` is the place of the text
-    in errors.
+    `using` and `using_named` replace the dataset of each WHERE (SPARQL 1.1 Protocol, section 2.2.3). `snapshot`
+    requires data of that identity. Relative IRIs are resolved against `base`. `path` is the path of the text in errors.
     """
 
     text: str
@@ -26,9 +25,9 @@ class Update(msgspec.Struct, frozen=True, tag="update", kw_only=True):
 class GraphChange(msgspec.Struct, frozen=True, tag="graph", kw_only=True):
     """A write of one graph (SPARQL 1.1 Graph Store HTTP Protocol); `graph` None is the default graph.
 
-    `put` gives it the content of `parts`, `post` adds that, `delete` removes it. Each part is RDF with its media type
-    or the name of its format (`ttl`, `nt`, `rdf`, ...); relative IRIs are relative to `base`, else to the graph. With
-    `snapshot` it happens only to the data of that identity.
+    `put` replaces its content by `parts`, `post` adds them, `delete` removes it. Each part is RDF with its media type
+    or the name of its format (`ttl`, `nt`, `rdf`, ...); relative IRIs are resolved against `base`, else against the
+    graph. `snapshot` requires data of that identity.
     """
 
     action: Literal["put", "post", "delete"]
@@ -44,11 +43,11 @@ Change: TypeAlias = Update | GraphChange
 class Updated(msgspec.Struct, frozen=True, kw_only=True):
     """Result of a change.
 
-    `snapshot` is the identity of the data that holds now, a new one only where `changed`. `graphs` counts the triples
-    removed from and added to each graph that was written ("" is the default graph). `inferred` counts what rules infer
-    now, `inferred_added` and `inferred_removed` what of it is new and gone; `mode` is how rules ran: `full`,
-    `incremental`, or `none` where they did not. `created` is whether the graph of a `GraphChange` is new. `warnings`
-    are for people. `seconds` is wall time.
+    `snapshot` is the identity of the current data, a new one only if `changed`. `graphs` contains the numbers of
+    triples removed from and added to each graph that was written ("" is the default graph). `inferred` is the number of
+    inferred triples, `inferred_added` and `inferred_removed` are the differences; `mode` is how rules ran: `full`,
+    `incremental`, or `none`. `created` is whether the graph of a `GraphChange` is new. `warnings` are sentences for the
+    user. `seconds` is wall time.
     """
 
     snapshot: str
@@ -64,10 +63,10 @@ class Updated(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def removed(self) -> int:
-        """How many triples were taken out, those of rules not counted."""
+        """Number of triples removed, without inferred ones."""
         return sum(removed for removed, _ in self.graphs.values())
 
     @property
     def added(self) -> int:
-        """How many triples were put in, those of rules not counted."""
+        """Number of triples added, without inferred ones."""
         return sum(added for _, added in self.graphs.values())

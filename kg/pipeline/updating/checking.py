@@ -1,4 +1,4 @@
-"""Checks of an update before anything runs: syntax, and parts that would harm the engine."""
+"""Check an update before anything runs: syntax, and operations that would harm the engine."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 
 
 _FAILING: Final = "CLEAR GRAPH <urn:kg:no-such-graph>; "
-"""Put before the operations of an update, they are parsed, and then none runs: this one fails first."""
+"""Prefix to an update that makes the engine parse all operations but run none, as this one fails first."""
 _NESTING: Final = frozenset({"(", ")", "[", "]", "<<", ">>"})
 
 
 def parsed(text: str, path: str, base: str | None) -> tuple[str, list[Operation]]:
-    """Return an update with its ends of lines normalised, and its operations.
+    """Return an update with normalised line ends, and its operations.
 
     Raises:
-        QueryError: KG501 with the place of what is not SPARQL; KG502 for what would call another server; KG516 for
-            what nests too deep or chains too much.
+        QueryError: KG501 with the place of a syntax error; KG502 for calls of another server; KG516 for too much
+            nesting or chaining.
     """
     text = normalise(text)
     for part in _guarded(text):
@@ -47,7 +47,7 @@ def parsed(text: str, path: str, base: str | None) -> tuple[str, list[Operation]
 
 
 def _check_each(found: list[Operation], text: str, path: str, base: str | None) -> None:
-    """Have the engine parse one operation after the other: it ignores prologues after the first one."""
+    """Have the engine parse each operation separately, as it ignores prologues after the first one."""
     labels: dict[str, Operation] = {}
     for number, operation in enumerate(found):
         alone = _alone(text, found[: number + 1])
@@ -63,7 +63,7 @@ def _check_each(found: list[Operation], text: str, path: str, base: str | None) 
 
 
 def _alone(text: str, found: list[Operation]) -> str:
-    """Return the last of some operations with all that was declared before, every character in its place."""
+    """Return the last of some operations with all earlier declarations, every character at its original offset."""
     *earlier, last = found
     signs = list(text[: last.end])
     for operation in earlier:
@@ -73,7 +73,7 @@ def _alone(text: str, found: list[Operation]) -> str:
 
 
 def _is_sound(text: str, begin: int, base: str | None) -> bool:
-    """Return whether the engine can parse an update whose first operation is at `begin`; nothing of it runs."""
+    """Return whether the engine can parse an update whose first operation is at `begin`; nothing is executed."""
     try:
         pyoxigraph.Store().update(text[:begin] + _FAILING + text[begin:], base_iri=base, prefixes=dict(PREFIXES))
     except SyntaxError:
@@ -84,7 +84,7 @@ def _is_sound(text: str, begin: int, base: str | None) -> bool:
 
 
 def _explained(text: str, path: str, base: str | None) -> QueryError | None:
-    """Return the error about an update that the engine cannot parse; None where it can."""
+    """Return the error about an update that the engine cannot parse; None if it can."""
 
     def parse(beginning: str) -> None:
         pyoxigraph.Store().update(beginning, base_iri=base, prefixes=dict(PREFIXES))
@@ -101,7 +101,7 @@ def _explained(text: str, path: str, base: str | None) -> QueryError | None:
 
 
 def _shown(error: QueryError, text: str) -> QueryError:
-    """Return an error with the line as it was typed."""
+    """Return an error with the line as the user typed it."""
     if error.place is not None and error.place.line is not None:
         line = text.split("\n")[error.place.line - 1]
         error.place = replace(error.place, excerpt=line)
@@ -109,7 +109,7 @@ def _shown(error: QueryError, text: str) -> QueryError:
 
 
 def _guarded(text: str) -> Iterator[list[Token]]:
-    """Yield the tokens of each operation that count for the guard: data may have any number of signs and graphs."""
+    """Yield the tokens of each operation that the guard checks; data may have any number of signs and graphs."""
     found: list[Token] = []
     depth = 0
     data = False

@@ -1,4 +1,4 @@
-"""The process of a `Writer`: `python -m kg.pipeline.updating.child` makes changes until its input is closed."""
+"""Process of a `Writer`: `python -m kg.pipeline.updating.child` makes changes until its input is closed."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from kg.store.embedded import EmbeddedStore
 from kg.store.layout import Layout
 
 _STACK_BYTES: Final = 256 << 20
-"""The engine recurses over an update; what the guards let through needs less than this (reserved, not used)."""
+"""The engine recurses over an update. Updates that pass the guards need less stack (reserved, not used)."""
 
 _SAVED_EVERY: Final = 16
-"""What rules know is saved after so many changes, and at the end; a process that is killed costs the next one these."""
+"""Number of changes after which the memory of the rules is saved; a killed process loses at most these."""
 
 _CHANGES: Final = msgspec.msgpack.Decoder[Change](Change)
 
 
 def _serve(requests: BinaryIO, answers: BinaryIO) -> None:
-    """Make one change after the other until the requests end."""
+    """Make one change after the other until the input is closed."""
     configuration = received(requests)
     if not isinstance(configuration, Configuration):
         return
@@ -50,7 +50,7 @@ def _serve(requests: BinaryIO, answers: BinaryIO) -> None:
 
 
 def _cap_memory(most: int | None) -> None:
-    """Bound the address space of this process: past it the engine ends the process. On Linux alone."""
+    """Limit the address space of this process; the engine aborts the process at the limit. Only on Linux."""
     import resource  # noqa: PLC0415 - not on every system
 
     if most is not None and sys.platform == "linux":
@@ -58,13 +58,13 @@ def _cap_memory(most: int | None) -> None:
 
 
 def main() -> None:
-    """Serve until standard input ends; all prints go to standard error."""
+    """Serve until standard input is closed; all prints go to standard error."""
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     threading.stack_size(_STACK_BYTES)
     thread = threading.Thread(target=_serve, args=(sys.stdin.buffer, answers), daemon=True)
     thread.start()
-    # The threads that read and load columns need no such stack.
+    # The threads that read and load columns need no large stack.
     threading.stack_size(0)
     thread.join()
 

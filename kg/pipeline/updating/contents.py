@@ -1,4 +1,4 @@
-"""Contents of graphs as they are sent: RDF in one of the formats that hold one graph."""
+"""Contents of graphs in requests: RDF in one of the formats for a single graph."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 def quads(parts: Iterable[tuple[bytes, str]], graph: NamedNode | DefaultGraph, base: str | None) -> Iterator[Quad]:
     """Yield the triples of parts, each with its media type or the name of its format, as quads of a graph.
 
-    Relative IRIs are relative to `base`. Blank nodes are new ones; no part shares any with another.
+    Relative IRIs are resolved against `base`. Blank nodes are new ones; parts do not share them.
 
     Raises:
-        QueryError: KG562 with the place in a part that does not parse, KG563 for a format that holds no single graph.
+        QueryError: KG562 with the place of a syntax error, KG563 for a format that is not for a single graph.
     """
     for number, (content, kind) in enumerate(parts, 1):
         rdf_format = _format(kind)
@@ -33,7 +33,7 @@ def quads(parts: Iterable[tuple[bytes, str]], graph: NamedNode | DefaultGraph, b
 
 
 def _format(name: str) -> RdfFormat:
-    """Return the format with a media type, or an ending of file names."""
+    """Return the format with a media type, or a file name suffix."""
     plain = name.partition(";")[0].strip().lower()
     found = RdfFormat.from_media_type(plain) if "/" in plain else RdfFormat.from_extension(plain)
     if found is None or (found.supports_datasets and found != RdfFormat.JSON_LD):

@@ -1,7 +1,7 @@
-"""Operations of an update, run one after the other inside a transaction, with the changes of each.
+"""Run the operations of an update one after the other inside a transaction, and record their changes.
 
-The engine's own updates do not tell what they changed. So only the WHERE of an operation is the engine's work, as a
-query; templates are filled here, and what of them is new or gone is written as a patch.
+The engine's own updates do not report their changes. So the engine only evaluates the WHERE of an operation, as a
+query. Templates are filled here, and the differences are written as a patch.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ class Executor:
         self.added: Counter[str] = Counter()
         self.touched: set[str] = set()
         self.kept: set[NamedNode] = set()
-        """Protected graphs that an operation on all graphs left alone."""
+        """Protected graphs that an operation on all graphs skipped."""
 
     def run(self, operation: Operation, text: str, using: Sequence[str], using_named: Sequence[str]) -> None:
         """Run one operation of the update `text`.
 
         Raises:
-            QueryError: KG560 where a graph is there already, or is not; KG561 for a protected graph; KG565 for `using`
-                beside USING or WITH.
+            QueryError: KG560 if a graph exists already, or does not exist; KG561 for a protected graph; KG565 for
+                `using` combined with USING or WITH.
         """
         match operation:
             case Data():
@@ -69,14 +69,14 @@ class Executor:
             self._transaction.patch_quads(gone, new)
 
     def create(self, graph: NamedNode | DefaultGraph) -> None:
-        """Make an empty graph of a name, unless it is there; KG561."""
+        """Create an empty graph, unless it exists; KG561."""
         self.allow(graph)
         if isinstance(graph, NamedNode) and not self._transaction.has_graph(graph):
             self._transaction.create_graph(graph)
             self.touched.add(graph.value)
 
     def graphs(self) -> dict[str, tuple[int, int]]:
-        """Return how many triples were removed from and added to each graph that was written."""
+        """Return the numbers of triples removed from and added to each graph that was written."""
         return {name: (self.removed[name], self.added[name]) for name in sorted(self.touched)}
 
     def allow(self, graph: Any) -> None:
@@ -104,7 +104,7 @@ class Executor:
         removed: dict[Quad, None] = {}
         added: dict[Quad, None] = {}
         pickers = [(_picker(one, variables), one, removed if one is delete else added) for one in templates]
-        # Nothing holds the solutions longer than this: they would hold the store open.
+        # Do not hold the solutions longer than this, as they keep the store open.
         for row in self._transaction.solutions(query, default=default, named=named, prefixes=PREFIXES):
             for picker, template, into in pickers:
                 into.update(dict.fromkeys(template.fill([row[number] for number in picker])))
@@ -113,7 +113,7 @@ class Executor:
     def _data_set(
         self, operation: Modify, graph: NamedNode | DefaultGraph, using: Sequence[str], using_named: Sequence[str]
     ) -> tuple[list[NamedNode | DefaultGraph], list[NamedNode] | None]:
-        """Return the graphs of the default graph, and the named graphs, None for all of them, of a WHERE."""
+        """Return the graphs of the default graph, and the named graphs (None for all), of a WHERE."""
         if using or using_named:
             return [NamedNode(name) for name in using], [NamedNode(name) for name in using_named]
         if operation.using or operation.named:
@@ -152,7 +152,7 @@ class Executor:
                 self.remove(target, drop=operation.verb == "drop")
 
     def remove(self, graph: NamedNode | DefaultGraph, *, drop: bool) -> None:
-        """Empty a graph, and with `drop` remove its name; KG561."""
+        """Clear a graph, and with `drop` remove it; KG561."""
         self.allow(graph)
         triples = self._transaction.count(graph)
         if isinstance(graph, NamedNode) and drop:
@@ -167,7 +167,10 @@ class Executor:
         return _DEFAULT if name == "DEFAULT" else iris(operation.prologue, [name])[0]
 
     def _check_exists(self, operation: Manage, graph: NamedNode | DefaultGraph, *, wanted: bool) -> bool:
-        """Return whether a graph is there as `wanted`; where not, KG560 is raised unless the operation is SILENT."""
+        """Return whether the existence of a graph is as `wanted`.
+
+        If not, raise KG560 unless the operation is SILENT.
+        """
         if isinstance(graph, DefaultGraph) or self._transaction.has_graph(graph) == wanted:
             return True
         if operation.silent:

@@ -1,7 +1,7 @@
-"""From the text of a SPARQL update to its operations (SPARQL 1.1 Update, section 3), read from its tokens.
+"""Split the text of a SPARQL update into operations (SPARQL 1.1 Update, section 3), by its tokens.
 
-The engine has parsed the whole text before, so this only has to find where parts begin and end; what is unusual enough
-not to be found is refused as if it were not SPARQL.
+The engine has parsed the whole text before, so this only has to find the boundaries of parts. An unusual text whose
+parts are not found is rejected as a syntax error.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _GROUPS: Final = frozenset({"default", "named", "all"})
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """What is between two braces: `begin` is the offset behind the first, `end` that of the last."""
+    """The text between two braces: `begin` is the offset after the first, `end` that of the last."""
 
     begin: int
     end: int
@@ -38,8 +38,8 @@ class Part:
 class Data:
     """`INSERT DATA` or `DELETE DATA`.
 
-    Of each operation, `prologue` is all that was declared before it, as text; `begin` and `end` are where it is,
-    with the `;` behind it.
+    In each operation, `prologue` contains all earlier declarations as text; `begin` and `end` are its offsets,
+    including the `;` after it.
     """
 
     prologue: str
@@ -51,9 +51,9 @@ class Data:
 
 @dataclass(frozen=True, slots=True)
 class Modify:
-    """`WITH ... DELETE ... INSERT ... USING ... WHERE`, of which `DELETE WHERE` is a short form.
+    """`WITH ... DELETE ... INSERT ... USING ... WHERE`, or its short form `DELETE WHERE`.
 
-    `graph` is that of WITH, `using` and `named` those of USING and USING NAMED, as the text writes them.
+    `graph` is the graph of WITH, `using` and `named` those of USING and USING NAMED, as written in the text.
     """
 
     prologue: str
@@ -71,7 +71,7 @@ class Modify:
 class Manage:
     """`CLEAR`, `DROP`, `CREATE` (of `target`), `ADD`, `MOVE` or `COPY` (of `source` to `target`).
 
-    Graphs are as the text writes them, or `DEFAULT`, `NAMED`, `ALL`.
+    Graphs are as written in the text, or `DEFAULT`, `NAMED`, `ALL`.
     """
 
     prologue: str
@@ -87,12 +87,12 @@ Operation: TypeAlias = Data | Modify | Manage
 
 
 def operations(text: str, path: str, base: str | None) -> Iterator[Operation]:
-    """Yield the operations of a normalised update that the engine can parse; KG501 where one is not found."""
+    """Yield the operations of a normalised update that the engine can parse; KG501 if one is not found."""
     return _Reading(text, path).operations(f"BASE <{base}> " if base else "")
 
 
 class _Reading:
-    """A position among the tokens of an update."""
+    """A position in the tokens of an update."""
 
     def __init__(self, text: str, path: str) -> None:
         self._text = text
@@ -169,7 +169,7 @@ class _Reading:
         return token.text
 
     def _braces(self) -> Part:
-        """Return the part between a `{` and the `}` that closes it."""
+        """Return the part between a `{` and its closing `}`."""
         opening = self._at
         self._expect("{")
         depth = 1

@@ -1,4 +1,4 @@
-"""Ownership of graphs: those that only rules and builds write, and those that the next build rewrites."""
+"""Owners of graphs: those that only rules and builds write, and those that the next build rewrites."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def protected_graphs(settings: Settings) -> list[NamedNode]:
 
 
 def warnings(executor: Executor, settings: Settings, inferred: Inferred | None) -> Iterator[str]:
-    """Yield warnings about a change that was made."""
+    """Yield warnings about a completed change."""
     built = tuple(f"{settings.base}graph/{name}" for name in _BUILT)
     found = [f"<{name}>" for name in sorted(executor.touched) if name.startswith(built)]
     if found:

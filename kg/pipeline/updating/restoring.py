@@ -1,4 +1,4 @@
-"""Restore a backup, and drop the caches of the data that it replaces."""
+"""Restore a backup, and clear the caches of the replaced data."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Restored:
-    """Result of a restore: the identity of the data, the number of quads, and the snapshot that was backed up."""
+    """Result of a restore: the identity of the data, the number of quads, and the snapshot in the backup."""
 
     snapshot: int
     quads: int
@@ -24,7 +24,7 @@ class Restored:
 
 
 def restore(store: EmbeddedStore, source: Path) -> Restored:
-    """Put a backup, a folder or a file, in the place of all that a store holds, as a new snapshot.
+    """Replace the whole content of a store by a backup, a folder or a file, as a new snapshot.
 
     The next build reads every source again. Raises as `kg.store.backups.restore`, and StoreError KG302 while another
     process writes.

@@ -1,7 +1,7 @@
 """Templates of quads with variables, filled with the solutions of a WHERE (SPARQL 1.1 Update, section 3.1.3).
 
-The engine parses a template: each variable is replaced by an IRI that nobody can guess, and the whole is inserted, as
-data, into an empty store.
+The engine parses a template: each variable is replaced by an unguessable IRI, and the text is inserted, as data, into
+an empty store.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def data(prologue: str, quads: str) -> list[Quad]:
 
 
 def iris(prologue: str, names: Iterable[str]) -> list[NamedNode]:
-    """Return the IRIs that names stand for, as the text writes them (in full or with a prefix)."""
+    """Return the IRIs of names as written in the text (in full or with a prefix)."""
     found = []
     for name in names:
         (quad,) = data(prologue, f"<{_MARK}> <{_MARK}> {name}")
@@ -41,10 +41,10 @@ def iris(prologue: str, names: Iterable[str]) -> list[NamedNode]:
 
 
 class Template:
-    """The template of a DELETE or an INSERT; quads without a graph are of `graph`.
+    """Template of a DELETE or an INSERT; `graph` is the graph of quads that do not name one.
 
-    `variables` are the names that it uses, in the order in which `fill` is given their values; `fresh` tells whether
-    each solution makes blank nodes.
+    `variables` contains its variables in the order of the values for `fill`; `fresh` is whether each solution creates
+    blank nodes.
     """
 
     def __init__(self, prologue: str, part: Part, text: str, graph: NamedNode | DefaultGraph) -> None:
@@ -56,7 +56,7 @@ class Template:
         self.fresh = any(isinstance(term, BlankNode) for quad in self._quads for term in _terms(quad.triple))
 
     def fill(self, values: Sequence[Any]) -> Iterator[Quad]:
-        """Yield the quads for one solution; those that are not RDF, or lack a value, are left out."""
+        """Yield the quads for one solution; invalid RDF and quads with unbound variables are left out."""
         fresh: dict[Any, BlankNode] = {}
         for quad in self._quads:
             subject = self._value(quad.subject, values, fresh)
@@ -69,7 +69,7 @@ class Template:
                 yield Quad(subject, predicate, value, graph)
 
     def _value(self, term: Any, values: Sequence[Any], fresh: dict[Any, BlankNode]) -> Any:
-        """Return the value of a term of the template; None if it has none."""
+        """Return the value of a term of the template; None if unbound."""
         if isinstance(term, BlankNode):
             return fresh.setdefault(term, BlankNode())
         if isinstance(term, Triple):
@@ -81,7 +81,7 @@ class Template:
 
 
 def _marked(part: Part, text: str, numbers: dict[str, int]) -> str:
-    """Return the text of a template with an IRI in the place of each variable."""
+    """Return the text of a template with an IRI in place of each variable."""
     found = []
     at = part.begin
     for token in part.tokens:

@@ -1,11 +1,11 @@
-"""The writer of one store, for asyncio: changes one at a time, in the order in which they were asked for.
+"""Writer of one store, for asyncio: makes changes one at a time, in the order of the requests.
 
 async with Writer(layout, settings) as writer:
     updated = await writer.update("INSERT DATA { <urn:a> <urn:b> <urn:c> }", seconds=60)
     updated.snapshot                                        "13"
 
-The work is done by a process that can be killed: deadline, cap of memory and a crash of the engine leave the store as
-it was. The process stays for the next change, since loading the rules takes longer than most changes.
+A process that can be killed makes the changes: at a deadline, at the memory limit or after a crash of the engine the
+store is unchanged. The process remains for the next change, because loading the rules takes longer than most changes.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 _MEMORY: Final = 8 << 30
 _MOVED: Final = "The data changed just then: look whether it was by this update."
 _PATIENCE: Final = 5.0
-"""Seconds that the process has for saving when it is to end."""
+"""Time limit for saving before the process is killed, in seconds."""
 
 
 class Writer:
-    """Writes one store; at most `queue` changes wait. `memory` caps the address space of its process in bytes."""
+    """Writes one store; at most `queue` changes wait. `memory` limits the address space of its process in bytes."""
 
     def __init__(self, layout: Layout, settings: Settings, *, queue: int = 16, memory: int | None = _MEMORY) -> None:
         self.layout = layout
@@ -56,7 +56,7 @@ class Writer:
 
     @property
     def process(self) -> int | None:
-        """The identity of the process that makes changes; None if not running."""
+        """Process ID of the writer process; None if not running."""
         running = self._process is not None and self._process.returncode is None
         return self._process.pid if self._process is not None and running else None
 
@@ -70,15 +70,16 @@ class Writer:
         seconds: float | None = 60,
         snapshot: str | None = None,
     ) -> Updated:
-        """Run a SPARQL update; all of its operations happen, or none.
+        """Run a SPARQL update; its operations are atomic.
 
-        `using` and `using_named` are those of the protocol; relative IRIs are relative to `base`; with `snapshot` it
-        happens only to the data of that identity.
+        `using` and `using_named` are those of the protocol. Relative IRIs are resolved against `base`. `snapshot`
+        requires data of that identity.
 
         Raises:
-            KgError: KG501 syntax, KG502 refused, KG503 deadline, KG507 memory, KG509 too many wait, KG512 another
-                snapshot, KG302 while another process writes, KG560 a graph is there already or is not, KG561 a graph of
-                kg's own, KG565 `using` beside USING or WITH, KG568 the process ended. The store is then as it was.
+            KgError: KG501 syntax, KG502 refused, KG503 deadline, KG507 memory limit, KG509 too many wait, KG512 another
+                snapshot, KG302 while another process writes, KG560 a graph exists already or does not exist, KG561 a
+                graph of kg's own, KG565 `using` combined with USING or WITH, KG568 the process exited. The store is
+                then unchanged.
         """
         change = Update(text=text, using=tuple(using), using_named=tuple(using_named), base=base, snapshot=snapshot)
         return await self.apply(change, seconds=seconds)
@@ -93,10 +94,10 @@ class Writer:
         seconds: float | None = 60,
         snapshot: str | None = None,
     ) -> Updated:
-        """Give a graph (None: the default graph) a new content; `Updated.created` is true for a new one.
+        """Replace the content of a graph (None: the default graph); `Updated.created` is true for a new one.
 
         `body` is RDF of `media_type` (or the name of a format), or several parts, each with its own. Raises as
-        `update`, and KG562 for content that does not parse, KG563 for a format that holds no single graph.
+        `update`, and KG562 for content that does not parse, KG563 for a format that is not for a single graph.
         """
         return await self.apply(_graph_change("put", graph, body, media_type, base, snapshot), seconds=seconds)
 
@@ -116,11 +117,11 @@ class Writer:
     async def delete_graph(
         self, graph: str | None, *, seconds: float | None = 60, snapshot: str | None = None
     ) -> Updated:
-        """Remove a graph, or empty the default graph (None); raises as `update`, and KG564 if it does not exist."""
+        """Remove a graph, or clear the default graph (None); raises as `update`, and KG564 if it does not exist."""
         return await self.apply(GraphChange(action="delete", graph=graph, snapshot=snapshot), seconds=seconds)
 
     async def apply(self, change: Change, *, seconds: float | None = 60) -> Updated:
-        """Make a change; the deadline counts from here, waiting included. Raises as `update`."""
+        """Make a change; the deadline counts from here, including the wait. Raises as `update`."""
         if self._waiting > self._queue:
             raise QueryError("KG509", f"{self._waiting} updates run or wait already", hint="Try again in a second.")
         self._waiting += 1
@@ -141,7 +142,7 @@ class Writer:
             self._waiting -= 1
 
     async def _run(self, change: Change) -> Updated:
-        """Have the process make a change; it is killed where this is left early."""
+        """Send a change to the process; on cancellation the process is killed."""
         process = await self._ready()
         whole = False
         try:
@@ -155,19 +156,19 @@ class Writer:
         return msgspec.msgpack.decode(answer, type=Updated)
 
     async def _ready(self) -> asyncio.subprocess.Process:
-        """Return the process, started again where it has ended."""
+        """Return the process, restarted if it has exited."""
         if self._process is None or self._process.returncode is not None:
             self._process = await asyncio.create_subprocess_exec(
                 sys.executable, "-P", "-m", "kg.pipeline.updating.child",
                 stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
                 env={**os.environ, "PYTHONUNBUFFERED": "1"},
             )  # fmt: skip
-            assert self._process.stdin is not None  # noqa: S101 - it was asked for a pipe
+            assert self._process.stdin is not None  # noqa: S101 - started with a pipe
             self._process.stdin.write(frame(self._configuration))
         return self._process
 
     async def _stop(self) -> None:
-        """Have the process save the memory of the rules and end; it is killed if that takes too long."""
+        """Make the process save the memory of the rules and exit; it is killed at the time limit."""
         if self._process is not None and self._process.stdin is not None and not self._turn.locked():
             self._process.stdin.close()
             with suppress(TimeoutError):
@@ -184,7 +185,7 @@ class Writer:
 
 async def _request(process: asyncio.subprocess.Process, request: Call) -> bytes | Failure:
     """Send a request and return the response of the process."""
-    assert process.stdin is not None  # noqa: S101 - it was asked for a pipe
+    assert process.stdin is not None  # noqa: S101 - started with a pipe
     assert process.stdout is not None  # noqa: S101 - the same
     try:
         process.stdin.write(frame(request))
@@ -197,7 +198,7 @@ async def _request(process: asyncio.subprocess.Process, request: Call) -> bytes 
     return answer if isinstance(answer, bytes | Failure) else Failure("KG568", "no answer")
 
 
-def _graph_change(  # noqa: PLR0913, PLR0917 - all that a write of a graph depends on
+def _graph_change(  # noqa: PLR0913, PLR0917 - the inputs of a graph change
     action: Any,
     graph: str | None,
     body: bytes | Sequence[tuple[bytes, str]],

@@ -1,13 +1,15 @@
-"""What may stand at a place of a query that is being written, from its grammar and from what the store holds.
+"""Completion of queries, from the grammar and the content of the store.
 
-    outline    reads a query, broken or not: its triple patterns, and what is expected at any place
-    typed      what is being typed at a position, and which part of the text it replaces
-    statistics which classes and properties the store has, which go together, and how often
-    names      the values that properties have, where these are few
-    meaning    which classes the variables of a query stand for
-    matching   how well a candidate fits what was typed
-    candidates what is offered at each kind of place
-    service    `complete`, which puts these together
+    outline    parse a query, complete or broken: its triple patterns, and the tokens expected at any position
+    typed      the token at a position, and the range of the text that a completion replaces
+    statistics classes and properties of the store, which of them occur together, and how often
+    keeping    cache of the statistics
+    names      values of properties, and names of graphs
+    meaning    possible classes of the variables of a query
+    site       a position in a query with its context
+    vocabulary keywords and functions of SPARQL
+    terms      candidates from the store
+    service    `complete`: collect and rank candidates
 
-Nothing here knows of ROS: a class is known by its instances, a name by its label.
+Nothing here depends on ROS: classes are found by their instances, names by their labels.
 """

@@ -1,9 +1,9 @@
-"""Statistics that are counted once for a snapshot, and then kept: in the process, and in the cache of the store.
+"""Cache of the statistics of snapshots, in the process and in files.
 
-    .kg/cache/completion/12/statistics.json       of the snapshot 12
-    .kg/cache/completion/12/<digest>.json         values of a property (`kg.query.completion.names`)
+    .kg/cache/completion-1/12/statistics.json     of the snapshot 12
+    .kg/cache/completion-1/12/<digest>.json       values of a property (`kg.query.completion.names`)
 
-Files that cannot be written are done without.
+Errors when writing the files are ignored.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     from kg.store.interface import Snapshot
 
 _FORMAT: Final = 1
-"""Raised when what the files hold changes."""
+"""Version of the format of the files."""
 _Content = TypeVar("_Content")
 
 
 class Kept:
-    """What is kept of one snapshot below `folder`, or in the process alone when `folder` is None."""
+    """Cache entries of one snapshot in `folder`, or only in memory if `folder` is None."""
 
     def __init__(self, folder: Path | None, snapshot: Snapshot) -> None:
         self._snapshot = snapshot
@@ -43,20 +43,20 @@ class Kept:
         self._held: dict[str, object] = {}
 
     def over(self, snapshot: Snapshot) -> Kept:
-        """Return this, for the same content opened anew."""
+        """Return this cache with another snapshot object of the same content."""
         self._snapshot = snapshot
         return self
 
     @property
     def snapshot(self) -> Snapshot:
-        """What all of it is about."""
+        """Snapshot of the entries."""
         return self._snapshot
 
     def statistics(self, *, fresh: bool = False) -> Statistics:
         """Return the statistics of the snapshot.
 
-        Without `fresh`, those of an earlier one serve as long as nobody has counted again, and none while another
-        process counts for the first time.
+        Without `fresh`, statistics of an earlier snapshot are returned if those of this one are not cached, and empty
+        ones while another process counts for the first time.
         """
         if self._statistics is not None:
             return self._statistics
@@ -77,18 +77,18 @@ class Kept:
         return found
 
     def known(self) -> Statistics:
-        """Return the statistics as far as somebody has counted already, of this snapshot or of an earlier one."""
+        """Return the cached statistics, of this snapshot or of an earlier one."""
         if self._statistics is None:
             path = None if self._own is None else self._own / "statistics.json"
             self._statistics = _read(path, Statistics)
         return self._statistics or self._earlier() or Statistics()
 
     def prefixes(self) -> dict[str, str]:
-        """Return the prefixes that the store declares, beside those that every query knows."""
+        """Return the prefixes that the store declares, except the standard ones."""
         return self.held("prefixes", lambda: declared(self._snapshot))
 
     def values(self, key: str, make: Callable[[], _Content], kind: type[_Content]) -> _Content:
-        """Return what was made for `key` before, or what `make` returns now."""
+        """Return the cached value of `key`, or the result of `make`."""
         if key not in self._memory:
             name = hashlib.sha256(key.encode()).hexdigest()[:32] + ".json"
             path = None if self._own is None else self._own / name
@@ -100,7 +100,7 @@ class Kept:
         return self._memory[key]  # type: ignore[return-value] # each key has contents of one kind
 
     def held(self, key: str, make: Callable[[], _Content]) -> _Content:
-        """Return what was made for `key` before, or what `make` returns now; this goes into no file."""
+        """Return the value of `key` cached in memory, or the result of `make`; never written to a file."""
         if key not in self._held:
             self._held[key] = make()
         return self._held[key]  # type: ignore[return-value] # each key has contents of one kind
@@ -114,7 +114,7 @@ class Kept:
         return next((each for each in kept if each is not None), None)
 
     def _forget(self) -> None:
-        """Remove what is kept of earlier snapshots."""
+        """Delete the entries of other snapshots."""
         if self._folder is not None and self._folder.is_dir():
             for each in self._folder.iterdir():
                 if each.is_dir() and each.name.isdigit() and each != self._own:
@@ -140,7 +140,7 @@ def _write(path: Path | None, content: object) -> None:
 
 @contextmanager
 def _held(folder: Path | None, *, wait: bool) -> Iterator[bool]:
-    """Hold the right to count, which the end of the process gives back; False when another process has it."""
+    """Lock the right to count, which the system releases on exit; False if another process has it."""
     try:
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)

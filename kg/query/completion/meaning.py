@@ -1,4 +1,4 @@
-"""Which classes a term of a query stands for, and which properties fit it, by what the store has."""
+"""Possible classes of the terms in a query, and properties that fit them, from the statistics of the store."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ if TYPE_CHECKING:
     from kg.query.completion.statistics import Statistics
 
 _SHARE: Final = 0.1
-"""A class of which a property has fewer values, measured by its most frequent class, does not count."""
+"""Classes with a smaller share of a property's values than this, relative to the most frequent class, are ignored."""
 
 
 def asserted(term: str, patterns: Iterable[Pattern]) -> list[str]:
-    """Return the classes that the query itself says that a term is of, the last one first."""
+    """Return the classes that the query asserts for a term, the last one first."""
     kind = (Step(TYPE, inverse=False),)
     found = (each.object for each in patterns if each.subject == term and each.path == kind)
     return list(reversed([each for each in dict.fromkeys(found) if not each.startswith(("?", "_:"))]))
 
 
 def classes(term: str, patterns: Iterable[Pattern], statistics: Statistics) -> list[str]:
-    """Return the classes that a term can be of: those asserted, else those that all of its patterns allow."""
+    """Return the possible classes of a term: those asserted, else those compatible with all of its patterns."""
     patterns = list(patterns)
-    said = asserted(term, patterns)
-    if said:
-        return said
+    asserted_classes = asserted(term, patterns)
+    if asserted_classes:
+        return asserted_classes
     options = []
     for each in patterns:
         if each.subject == term and each.path and each.path[0].iri != TYPE:
@@ -42,7 +42,7 @@ def classes(term: str, patterns: Iterable[Pattern], statistics: Statistics) -> l
 
 
 def behind(step: Step, statistics: Statistics) -> list[str]:
-    """Return the classes of what a step of a path leads to."""
+    """Return the classes of the values that a step of a path leads to."""
     return sorted(_to(step, statistics))
 
 
@@ -67,7 +67,7 @@ def _values(iri: str, statistics: Statistics) -> set[str]:
 
 
 def fitting(kinds: Iterable[str], statistics: Statistics) -> Mapping[str, tuple[int, str]]:
-    """Return the properties of some classes: how many instances have it, and of which of the classes those are."""
+    """Return the properties of some classes, each with its number of instances and the class with the most."""
     found: dict[str, tuple[int, str]] = {}
     for kind in kinds:
         for iri, number in statistics.used.get(kind, {}).items():
@@ -77,7 +77,7 @@ def fitting(kinds: Iterable[str], statistics: Statistics) -> Mapping[str, tuple[
 
 
 def leading(kinds: Iterable[str], statistics: Statistics) -> Mapping[str, tuple[int, str]]:
-    """Return the properties that lead to some classes: how many triples have it, and one of the classes."""
+    """Return the properties whose values are of some classes, with the number of triples and one of the classes."""
     wanted = list(kinds)
     found = {}
     for iri in statistics.leads:

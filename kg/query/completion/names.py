@@ -1,4 +1,4 @@
-"""The values that a property has, and the names of graphs: what can be offered where a term is expected."""
+"""Values of properties, and names of graphs: candidates where a term is expected."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     from kg.query.completion.keeping import Kept
 
 _MOST: Final = 50_000
-"""How many values of a property are kept, the most frequent ones."""
+"""Largest number of cached values of a property; the most frequent ones are cached."""
 _IRI: Final = re.compile(r"[A-Za-z][\w+.-]*:[^\x00-\x20<>\"{}|^`\\]*", re.ASCII)
-"""What can stand between angle brackets: terms of a query that is being written may be anything."""
+"""Valid text between angle brackets; an unfinished query may contain any text as an IRI."""
 _XSD: Final = PREFIXES["xsd"]
 _BARE: Final = frozenset({_XSD + "integer", _XSD + "boolean", _XSD + "decimal"})
 
 
 class Value(msgspec.Struct, frozen=True, array_like=True):
-    """A term as SPARQL writes it, the text that it is known by, and how often it is the value."""
+    """A term in SPARQL syntax (`written`), its label or text, and the number of its occurrences."""
 
     written: str
     text: str
@@ -33,13 +33,13 @@ class Value(msgspec.Struct, frozen=True, array_like=True):
 
 
 class Values(NamedTuple):
-    """Values, the most frequent first, and their texts in small letters."""
+    """Values, the most frequent first, and their texts in lower case."""
 
     values: list[Value]
     lower: list[str]
 
     def holding(self, typed: str) -> Iterator[Value]:
-        """Yield the values in whose text `typed` occurs, as many as can be offered; of a few values all."""
+        """Yield values whose text contains `typed`, up to the number of candidates; if there are few values, all."""
         wanted = typed.lower()
         if len(self.values) <= _FEW:
             yield from self.values
@@ -49,7 +49,7 @@ class Values(NamedTuple):
 
 
 _FEW: Final = 1000
-"""So many values are compared with what was typed one by one, in any way that they may be alike."""
+"""Up to this number, all values are candidates and the matcher ranks them."""
 _OFFERED: Final = 500
 _OF_CLASS: Final = "?s a <%s> ."
 _COUNTED: Final = "SELECT ?o (COUNT(*) AS ?n) { %s ?s <%s> ?o } GROUP BY ?o"
@@ -58,7 +58,7 @@ _PROPERTIES: Final = "SELECT ?p (COUNT(*) AS ?n) { <%s> ?p ?o } GROUP BY ?p"
 
 
 def values(kept: Kept, iri: str, kind: str | None, *, literal: bool) -> Values:
-    """Return the values of the property `iri`, of the instances of `kind` or of all."""
+    """Return the values of the property `iri`, of instances of `kind` or of any subject."""
 
     def make() -> list[Value]:
         if not all(_IRI.fullmatch(each) for each in (iri, kind) if each is not None):
@@ -99,7 +99,7 @@ def graphs(kept: Kept) -> Values:
 
 
 def of_iri(kept: Kept, iri: str) -> dict[str, int]:
-    """Return how many values an IRI has of each of its properties."""
+    """Return the properties of an IRI, with their numbers of values."""
     if not _IRI.fullmatch(iri):
         return {}
     rows: Any = kept.snapshot.query(_PROPERTIES % iri)

@@ -1,7 +1,7 @@
-"""The outline of a query, whole or broken: its triple patterns, its variables, and what is expected behind it.
+"""Outline of a query, complete or broken: its triple patterns, its variables, and the tokens expected after it.
 
-A query that is being written seldom parses, so this reads its tokens one by one and never refuses: what does not fit is
-passed over, and a dot, a keyword or a bracket puts it on the track again.
+An unfinished query seldom parses. So this parser reads tokens one by one and never fails: it skips unexpected ones and
+resynchronizes at a dot, a keyword or a bracket.
 """
 
 from __future__ import annotations
@@ -21,48 +21,48 @@ TYPE: Final = PREFIXES["rdf"] + "type"
 
 
 class Slot(Enum):
-    """What is expected at a place."""
+    """The kind of token expected at a position."""
 
     BEGIN = auto()
     """A declaration, or the form of the query."""
     PREFIX = auto()
-    """The name of a prefix behind PREFIX."""
+    """The name of a prefix after PREFIX."""
     NAMESPACE = auto()
     """The IRI of a prefix or of BASE."""
     PROJECTION = auto()
     DATASET = auto()
-    """The name of a graph behind FROM."""
+    """The name of a graph after FROM."""
     CLAUSE = auto()
     """A brace, or WHERE or FROM before it."""
     TEMPLATE = auto()
     """The brace of a template."""
     OPENING = auto()
-    """A bracket, behind OPTIONAL, BIND and such."""
+    """A bracket, after OPTIONAL, BIND and similar keywords."""
     CONSTRAINT = auto()
-    """What follows FILTER."""
+    """The constraint of FILTER."""
     GRAPH = auto()
-    """The name of a graph behind GRAPH."""
+    """The name of a graph after GRAPH."""
     SUBJECT = auto()
     PREDICATE = auto()
     OBJECT = auto()
     AFTER = auto()
-    """Behind a triple: punctuation, or a keyword."""
+    """After a triple: punctuation, or a keyword."""
     EXPRESSION = auto()
     NEW = auto()
-    """A variable of the user's choice, behind AS."""
+    """A new variable, after AS."""
     COLUMNS = auto()
     """The variables of VALUES."""
     DATA = auto()
     """A value in VALUES."""
     MODIFIER = auto()
-    """Behind the pattern: GROUP BY, ORDER BY, LIMIT, ..."""
+    """After the pattern: GROUP BY, ORDER BY, LIMIT, ..."""
     ORDER = auto()
-    """Behind GROUP BY, ORDER BY, HAVING."""
+    """After GROUP BY, ORDER BY, HAVING."""
     NUMBER = auto()
 
 
 class Role(Enum):
-    """What a bracket encloses."""
+    """The content of a bracket."""
 
     QUERY = auto()
     GROUP = auto()
@@ -75,7 +75,7 @@ class Role(Enum):
 
 
 class Step(NamedTuple):
-    """A property of a path: None when a variable stands there; `inverse` behind `^`."""
+    """A property of a path; `iri` is None for a variable, `inverse` is whether it follows `^`."""
 
     iri: str | None
     inverse: bool
@@ -84,8 +84,8 @@ class Step(NamedTuple):
 class Pattern(NamedTuple):
     """A triple pattern; terms are `?name`, an IRI without brackets, `_:label`, or the text of a literal.
 
-    `path` has the steps from subject to object. `group` is the number of its group, 0 for templates. `start` is where
-    its subject, and `end` where its object ends.
+    `path` contains the steps from subject to object. `group` is the number of its group, 0 in templates. `start` is the
+    start of its subject, `end` the end of its object.
     """
 
     subject: str
@@ -97,7 +97,7 @@ class Pattern(NamedTuple):
 
 
 class Use(NamedTuple):
-    """A variable at a place; `group` is the number of the group around it, `within` that of the expression or 0."""
+    """An occurrence of a variable; `group` is the number of its group, `within` that of its expression or 0."""
 
     name: str
     slot: Slot
@@ -108,7 +108,7 @@ class Use(NamedTuple):
 
 @dataclass(slots=True)
 class Frame:
-    """An open bracket, and how far what is in it has been read."""
+    """An open bracket, and the state of parsing its content."""
 
     role: Role
     slot: Slot
@@ -125,7 +125,7 @@ class Frame:
 
 @dataclass(slots=True)
 class Outline:
-    """What a query says; `frame` is where it ends, `inside` tells which group another one stands in."""
+    """Content of a query; `frame` is the innermost open bracket, `inside` maps a group to the one that contains it."""
 
     patterns: list[Pattern] = field(default_factory=list)
     uses: list[Use] = field(default_factory=list)
@@ -138,11 +138,11 @@ class Outline:
 
     @property
     def frame(self) -> Frame:
-        """The innermost bracket that is open."""
+        """The innermost open bracket."""
         return self.frames[-1]
 
     def iri(self, token: Token) -> str:
-        """Return the IRI of a token, or the name itself where its prefix is not known."""
+        """Return the IRI of a token, or the name itself if its prefix is unknown."""
         if token.kind is Kind.IRI:
             return token.text[1:-1]
         prefix, _, local = token.text.partition(":")
@@ -150,19 +150,19 @@ class Outline:
         return token.text if namespace is None else namespace + local.replace("\\", "")
 
     def term(self, token: Token) -> str:
-        """Return the term of a token as patterns have it."""
+        """Return the term of a token as in patterns."""
         if token.kind is Kind.VARIABLE:
             return "?" + token.text[1:]
         return self.iri(token) if token.kind in {Kind.IRI, Kind.NAME} else token.text
 
     def number(self) -> int:
-        """Return a number that nothing else has."""
+        """Return an unused number."""
         self.numbers += 1
         return self.numbers
 
 
 def outline(found: Iterable[Token], known: Outline | None = None) -> Outline:
-    """Return what the tokens of a query say, behind those that `known` has read already."""
+    """Return the outline of tokens; `known` is the outline of those before, which is extended."""
     result = known or Outline()
     for token in found:
         _read(result, token)
@@ -218,12 +218,12 @@ _KEYWORDS: Final = {
     "insert": Slot.TEMPLATE,
     "delete": Slot.TEMPLATE,
 }
-_KEPT: Final = frozenset({"exists", "not", "distinct", "reduced", "named", "silent", "asc", "desc", "data"})
+_WITHOUT_SLOT: Final = frozenset({"exists", "not", "distinct", "reduced", "named", "silent", "asc", "desc", "data"})
 
 
 def _keyword(result: Outline, frame: Frame, word: str) -> bool:
-    """Follow a keyword; False when the word is none here."""
-    if word in _KEPT:
+    """Process a keyword; False if the word is not a keyword here."""
+    if word in _WITHOUT_SLOT:
         return True
     if word not in _KEYWORDS or frame.role in {Role.LIST, Role.DATA}:
         return False
@@ -263,25 +263,25 @@ def _number(_result: Outline, frame: Frame, _token: Token) -> None:
     frame.slot = Slot.MODIFIER
 
 
-def _pass(_result: Outline, _frame: Frame, _token: Token) -> None:
-    """Stay where this token is only one of several that may stand there."""
+def _keep_slot(_result: Outline, _frame: Frame, _token: Token) -> None:
+    """Keep the slot, which may contain several tokens."""
 
 
 _TOKENS: Final[dict[Slot, Callable[[Outline, Frame, Token], None]]] = {
-    Slot.BEGIN: _pass,
+    Slot.BEGIN: _keep_slot,
     Slot.PREFIX: _prefix,
     Slot.NAMESPACE: _namespace,
-    Slot.PROJECTION: _pass,
-    Slot.DATASET: _pass,
-    Slot.CLAUSE: _pass,
-    Slot.TEMPLATE: _pass,
-    Slot.OPENING: _pass,
-    Slot.CONSTRAINT: _pass,
+    Slot.PROJECTION: _keep_slot,
+    Slot.DATASET: _keep_slot,
+    Slot.CLAUSE: _keep_slot,
+    Slot.TEMPLATE: _keep_slot,
+    Slot.OPENING: _keep_slot,
+    Slot.CONSTRAINT: _keep_slot,
     Slot.GRAPH: _graph,
     Slot.COLUMNS: _column,
     Slot.DATA: _data,
-    Slot.MODIFIER: _pass,
-    Slot.ORDER: _pass,
+    Slot.MODIFIER: _keep_slot,
+    Slot.ORDER: _keep_slot,
     Slot.NUMBER: _number,
 }
 
@@ -390,7 +390,7 @@ def _open_parenthesis(result: Outline, frame: Frame) -> None:
 
 
 def _close(result: Outline, sign: str, end: int) -> None:
-    """Go back to the frame around the innermost one that `sign` closes; a brace closes what was left open in it."""
+    """Close the innermost frame that `sign` closes; a brace also closes the open frames in it."""
     if result.frame.role is Role.DATA and sign == ")":
         return
     depth = len(result.frames) - 1
@@ -402,11 +402,11 @@ def _close(result: Outline, sign: str, end: int) -> None:
         return
     closed = result.frames[depth]
     del result.frames[depth:]
-    _behind(result, result.frame, closed, end)
+    _after_bracket(result, result.frame, closed, end)
 
 
-def _behind(result: Outline, frame: Frame, closed: Frame, end: int) -> None:
-    """Set what is expected in `frame` behind a bracket in it."""
+def _after_bracket(result: Outline, frame: Frame, closed: Frame, end: int) -> None:
+    """Set the slot of `frame` after the bracket `closed` in it."""
     if closed.role is Role.TEMPLATE:
         frame.slot = Slot.CLAUSE
     elif closed.role is Role.PATH:

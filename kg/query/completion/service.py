@@ -1,4 +1,4 @@
-"""`complete`: what may stand at a position of a query, for any face."""
+"""`complete`: the candidates at a position of a query, for any interface."""
 
 from __future__ import annotations
 
@@ -21,16 +21,17 @@ if TYPE_CHECKING:
 
 WORST: Final = 4
 _SHORTEST: Final = 2
-"""Fewer characters are not looked for spread over a name."""
+"""Shorter texts are not matched as subsequences of a name."""
 _SIGNS: Final = re.compile(r"\A[^a-z0-9]+")
 _HUMP: Final = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
 
 
 def matcher(typed: str) -> Callable[[str], int | None]:
-    """Return the function that tells how well a name fits what was typed; None when it does not.
+    """Return a function that rates how well a name matches the typed text; it returns None for no match.
 
-    0 is the name itself, 1 its beginning (be it behind a slash), 2 the beginning of a part (behind a slash, a dot, an
-    underscore or a hump), 3 anywhere in it, 4 its characters in this order, the first at the beginning of a part.
+    0 is the name itself, 1 its beginning (or after a leading sign such as a slash), 2 the beginning of a part (after a
+    slash, a dot, an underscore or a hump of camel case), 3 anywhere in it, 4 the characters as a subsequence that
+    starts at the beginning of a part.
     """
     wanted = typed.lower()
     if not wanted:
@@ -55,7 +56,7 @@ def matcher(typed: str) -> Callable[[str], int | None]:
 
 
 def _parts(name: str) -> str:
-    """Return a name in lower case with its humps apart."""
+    """Return a name in lower case, with spaces between the parts of camel case."""
     return _HUMP.sub(" ", name).lower()
 
 
@@ -75,7 +76,7 @@ _MODIFIERS: Final = ("GROUP BY", "HAVING", "ORDER BY", "LIMIT", "OFFSET", "VALUE
 
 
 def candidates(site: Site) -> Iterator[Candidate]:
-    """Yield what may stand at a site, whatever was typed of it."""
+    """Yield the candidates for a site, before matching the typed text."""
     form, slot = site.typed.form, site.before.frame.slot
     if form is Form.COMMENT:
         return
@@ -94,13 +95,13 @@ _BY: Final = {"group": "BY", "order": "BY"}
 
 
 def keywords(*names: str, rank: int = 1) -> Callable[[Site], Iterable[Candidate]]:
-    """Return what offers some keywords."""
+    """Return a producer of candidates for some keywords."""
     found = [_keyword(name, KEYWORDS[name][1], rank) for name in names]
     return lambda _: found
 
 
 def _keyword(name: str, sentence: str, rank: int = 1) -> Candidate:
-    """Return the candidate for a keyword: what it inserts has a hole in each of its empty brackets."""
+    """Return the candidate for a keyword, with a hole in each of its empty brackets."""
     insert = KEYWORDS[name][0] if name in KEYWORDS else name + " "
     holes = tuple(
         index + 1 for index in range(len(insert)) if insert[index : index + 2] in {"()", "<>", "? ", "?)", "( "}
@@ -110,7 +111,7 @@ def _keyword(name: str, sentence: str, rank: int = 1) -> Candidate:
 
 
 def variables(site: Site) -> Iterator[Candidate]:
-    """Yield the variables of the query, the ones used most first."""
+    """Yield the variables of the query with their numbers of uses."""
     used: dict[str, int] = {}
     for use in site.whole.uses:
         if use.name:
@@ -120,14 +121,14 @@ def variables(site: Site) -> Iterator[Candidate]:
 
 
 def _new_variables(site: Site) -> Iterator[Candidate]:
-    """Yield a name for the value of the function before."""
+    """Yield a variable name for the preceding aggregate."""
     found = [token for token in site.typed.before if token.text.upper() in AGGREGATES]
     name = found[-1].text.lower() if found else "value"
     yield Candidate("?" + name, "?" + name, "variable", "?" + name, detail="a new variable")
 
 
 def functions(site: Site) -> Iterator[Candidate]:
-    """Yield the functions; behind GROUP BY, in SELECT and HAVING also those of groups."""
+    """Yield the functions; aggregates rank higher after GROUP BY, in SELECT and in HAVING."""
     groups = site.before.frame.role is Role.QUERY or any(
         each.slot in {Slot.PROJECTION, Slot.ORDER} for each in site.before.frames[:-1]
     )
@@ -147,7 +148,7 @@ def _aggregates(_site: Site) -> Iterator[Candidate]:
 
 
 def _stored(site: Site) -> Iterator[Candidate]:
-    """Yield stored queries, where nothing else is written yet."""
+    """Yield the stored queries, if the text is otherwise empty."""
     if not site.typed.before and not site.typed.after:
         for one in site.stored():
             yield Candidate(one.name, one.text, "query", one.name, one.title, None, one.description, 3)
@@ -205,20 +206,19 @@ _AT: Final[dict[Slot, tuple[Callable[[Site], Iterable[Candidate]], ...]]] = {
 
 
 _MOST: Final = 100
-"""How many candidates are offered at most."""
+"""Largest number of returned candidates."""
 
 
 def complete(
     text: str, position: int, kept: Kept, stored: Callable[[], Sequence[StoredQuery]] = tuple, *, fresh: bool = False
 ) -> dict[str, Any]:
-    """Return what may stand at `position` (in code points) of the query `text`, the likeliest first.
+    """Return the completions at `position` (in code points) of the query `text`, the likeliest first.
 
     `range` (`start`, `end`) is the part of the text that an item replaces. Each of the `items` has `label`, `insert`,
-    `kind` (keyword, function, variable, prefix, class, property, value, graph or query), `detail`, `count` (null where
-    nothing is counted), `documentation`, `holes` (offsets in `insert` that want to be filled, in the order of the Tab
-    key) and `edits`: what else is to be changed, each with `start`, `end` and `text`, in offsets of the text as it is.
-    `more` tells that there were more. `ready` is false while the store is still being counted. `stored` returns the
-    stored queries.
+    `kind` (keyword, function, variable, prefix, class, property, value, graph or query), `detail`, `count` (null if not
+    applicable), `documentation`, `holes` (offsets in `insert` to fill, in the order of the Tab key) and `edits`: other
+    changes, each with `start`, `end` and `text`, as offsets in the original text. `more` is whether candidates were
+    left out. `ready` is false while the statistics of the store are being counted. `stored` returns the stored queries.
     """
     at = typed(text, position)
     statistics = kept.statistics(fresh=fresh)
@@ -233,7 +233,7 @@ def complete(
 
 
 def _best(site: Site, found: Iterable[Candidate]) -> list[Candidate]:
-    """Return the candidates that fit what was typed, the best first; of those that insert the same only one."""
+    """Return the candidates that match the typed text, the best first, without duplicates of the inserted text."""
     fit = _fit(site)
     ranked = []
     for one in found:
@@ -263,13 +263,13 @@ def _fit(site: Site) -> Callable[[Candidate], int | None]:
 
 
 def _of_name(one: Candidate, prefix: str, name: Callable[[str], int | None]) -> int | None:
-    """Return how a candidate fits a prefixed name: its prefix must be the same."""
+    """Return the rating of a candidate for a prefixed name, whose prefix must be equal."""
     own, colon, local = one.insert.partition(":")
     return name(local.partition(" ")[0]) if colon and own == prefix else None
 
 
 def _of_word(one: Candidate, text: str, whole: Callable[[str], int | None]) -> int | None:
-    """Return how a candidate fits a word: a name also by what stands behind its prefix, a variable without its mark."""
+    """Return the rating of a candidate for a word; also compares local names, and variables without their mark."""
     score = whole(one.key)
     if one.kind in {"class", "property", "value"} and ":" in one.label:
         local = whole(one.label.partition(":")[2])
@@ -282,7 +282,7 @@ def _of_word(one: Candidate, text: str, whole: Callable[[str], int | None]) -> i
 
 
 _WORD: Final = 3
-"""Shorter words mean no keyword that they are only spread over."""
+"""Shorter words do not match keywords and functions as subsequences."""
 
 
 def _item(site: Site, one: Candidate) -> dict[str, Any]:
@@ -299,7 +299,7 @@ def _item(site: Site, one: Candidate) -> dict[str, Any]:
 
 
 def _edits(site: Site, one: Candidate) -> list[dict[str, Any]]:
-    """Return the declaration of the prefix of what is inserted, where the query lacks it."""
+    """Return an edit that declares the prefix of a candidate, if the query lacks it."""
     if not one.prefix or one.prefix in site.whole.prefixes or one.prefix not in site.prefixes:
         return []
     at, text = declaration(site.text, {one.prefix: site.prefixes[one.prefix]})

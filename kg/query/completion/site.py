@@ -1,4 +1,4 @@
-"""A place in a query where something is being typed, and what is known about it."""
+"""A position in a query, with its context."""
 
 from __future__ import annotations
 
@@ -20,11 +20,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """Something that may stand at a place.
+    """A possible completion.
 
-    `label` is what people read, `insert` what replaces the word that is being typed; `holes` are offsets in it that
-    want to be filled. `key` is what is compared with what was typed. A smaller `rank` comes first. `prefix` is
-    what `insert` begins with.
+    `label` is shown, `insert` replaces the typed word, and `holes` are offsets in it to fill. `key` is matched with the
+    typed text. Smaller `rank` comes first. `prefix` is the prefix of `insert`, if it is a prefixed name.
     """
 
     label: str
@@ -41,7 +40,7 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """The place: `before` is the outline of what stands before it, `whole` that of the query without the word."""
+    """A position in a query. `before` is the outline before it, `whole` that of the query without the typed word."""
 
     text: str
     typed: Typed
@@ -53,15 +52,15 @@ class Site:
 
     @property
     def prefixes(self) -> dict[str, str]:
-        """The prefixes that the query declares, those that are always known, and those of the store."""
+        """Prefixes that the query declares, the standard ones, and those of the store."""
         return {**self.statistics.prefixes, **PREFIXES, **self.before.prefixes}
 
     def short(self, iri: str) -> str:
-        """Return an IRI as the query would write it; the prefixes that it declares come first."""
+        """Return an IRI as written in the query; its own declarations take precedence."""
         return shorten(iri, {**self.before.prefixes, **PREFIXES, **self.prefixes})
 
     def comment(self, iri: str) -> str:
-        """Return what the store says about a term."""
+        """Return the documentation of a term in the store."""
         return self.statistics.comments.get(iri, "")
 
 
@@ -71,11 +70,11 @@ _STANDS_FOR: Final = {Form.NAME: Kind.NAME, Form.VARIABLE: Kind.VARIABLE, Form.S
 def site_of(
     text: str, typed: Typed, kept: Kept, statistics: Statistics, stored: Callable[[], Sequence[StoredQuery]]
 ) -> Site:
-    """Return the site of what is being typed in `text`."""
+    """Return the site of the typed word in `text`."""
     before = outline(typed.before)
     whole = outline(typed.before)
     if typed.form in _STANDS_FOR:
-        # Without it what stands behind would be read one place too early.
+        # A token stands in for the typed word; without it, the rest of the query would be parsed one slot too early.
         outline(
             [Token(_STANDS_FOR[typed.form], "?" if typed.form is Form.VARIABLE else "", typed.start, typed.end)], whole
         )

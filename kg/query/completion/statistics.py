@@ -1,10 +1,10 @@
-"""Which classes and properties a store has, which of them go together, and how often.
+"""Classes and properties of a store, which of them occur together, and how often.
 
-Classes and properties are counted. Which properties a class has is read from a sample of its instances, and which
-classes a property leads to from a sample of its values: the engine keeps terms in the order of their hashes, so the
-first few hundred of an index are as good as drawn by lot. Up to that many the numbers are exact; beyond they are
-estimates, rounded so that they look like ones. Counting all pairs of class and property of five million quads takes
-21 s of processor time; this takes 6 s.
+All classes and properties are counted. The properties of a class come from a sample of its instances, the classes of a
+property's values from a sample of the values. The engine orders terms by their hashes, so the first few hundred entries
+of an index are a random sample. Numbers up to the size of the sample are exact; larger ones are estimates, rounded to
+the significant digits. On five million quads this takes 6 s of processor time; counting all pairs of class and property
+takes 21 s.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ if TYPE_CHECKING:
 _Part = TypeVar("_Part")
 
 SAMPLE: Final = 300
-"""How many instances of a class are looked at."""
+"""Number of sampled instances of a class."""
 _VALUES: Final = 500
-"""How many triples of a property are looked at for the classes of its values."""
+"""Number of sampled triples of a property, for the classes of its values."""
 _DIGITS: Final = 2
 _LONGEST: Final = 600
-"""How many characters of a comment are kept."""
+"""Largest length of a comment in characters; longer ones are cut."""
 
 
 class Statistics(msgspec.Struct, frozen=True):
-    """What is known of the content of one snapshot.
+    """Statistics of the content of one snapshot.
 
-    `classes` has the number of instances of each class, `properties` that of the triples of each property. `used` tells
-    for a class how many of its instances have a property, `leads` for a property how many of its sampled values are of
-    a class, `literal` which properties have literals. `comments` documents terms. `prefixes` are those that the
-    store declares. IRIs are without brackets.
+    `classes` contains the number of instances of each class, `properties` the number of triples of each property.
+    `used` maps a class and a property to the number of instances with it, `leads` a property and a class to the number
+    of sampled values of that class. `literal` contains the properties with literals, `comments` the documentation of
+    terms, and `prefixes` the prefixes that the store declares. IRIs are without brackets.
     """
 
     classes: dict[str, int] = {}
@@ -71,21 +71,21 @@ class _Keep(Protocol):
     def __call__(self, key: str, make: Callable[[], _Part], kind: type[_Part], /) -> _Part: ...
 
 
-def _made(_key: str, make: Callable[[], _Part], _kind: type[_Part]) -> _Part:
+def _without_cache(_key: str, make: Callable[[], _Part], _kind: type[_Part]) -> _Part:
     return make()
 
 
-def count(snapshot: Snapshot, keep: _Keep = _made) -> Statistics:
-    """Return the statistics of a snapshot; some seconds for millions of quads.
+def count(snapshot: Snapshot, keep: _Keep = _without_cache) -> Statistics:
+    """Return the statistics of a snapshot; takes some seconds for millions of quads.
 
-    `keep` returns a part that was counted before, or makes it: whoever is interrupted goes on where it was.
+    `keep` returns the cached result of a step, or computes it, so an interrupted count resumes where it stopped.
     """
     classes = keep("classes", lambda: dict(_numbers(snapshot, _CLASSES)), dict[str, int])
     properties = keep("properties", lambda: dict(_numbers(snapshot, _PROPERTIES)), dict[str, int])
     used = {each: _used(snapshot, each, number) for each, number in classes.items()}
     for each, number in properties.items():
         if number <= SAMPLE:
-            # What samples of the classes may have missed.
+            # The samples of the classes may have missed rare properties.
             for kind, users in _numbers(snapshot, _USERS % each):
                 used.setdefault(kind, {})[each] = users
     return Statistics(
@@ -100,7 +100,7 @@ def count(snapshot: Snapshot, keep: _Keep = _made) -> Statistics:
 
 
 def declared(snapshot: Snapshot) -> dict[str, str]:
-    """Return the prefixes that the content of a snapshot declares, beside those that every query knows."""
+    """Return the prefixes that the content of a snapshot declares, except the standard ones."""
     return {prefix: namespace for prefix, namespace in _texts(snapshot, _DECLARED) if prefix not in PREFIXES}
 
 
@@ -108,7 +108,7 @@ _TYPE: Final = PREFIXES["rdf"] + "type"
 
 
 def _used(snapshot: Snapshot, kind: str, number: int) -> dict[str, int]:
-    """Return how many instances of a class have each property."""
+    """Return the properties of a class, with the numbers of instances that have them."""
     found = dict(_numbers(snapshot, _USED % (kind, SAMPLE)))
     if number <= SAMPLE:
         return found
@@ -116,7 +116,7 @@ def _used(snapshot: Snapshot, kind: str, number: int) -> dict[str, int]:
 
 
 def _rounded(value: float) -> int:
-    """Return an estimate with as many digits as can be relied on."""
+    """Return an estimate rounded to its significant digits."""
     return int(float(f"{value:.{_DIGITS - 1}e}"))
 
 
@@ -126,7 +126,7 @@ def _is_literal(snapshot: Snapshot, each: str) -> bool:
 
 
 def _comments(snapshot: Snapshot) -> dict[str, str]:
-    """Return the first sentence or so that documents each term, the shortest of several."""
+    """Return the beginning of the documentation of each term, from its shortest comment."""
     found: dict[str, str] = {}
     for term, comment in _texts(snapshot, _COMMENTS):
         known = found.get(term)

@@ -1,4 +1,4 @@
-"""Terms of the store that may stand at a place: classes, properties, values, graphs, and the prefixes of names."""
+"""Candidates from the store: classes, properties, values, graphs, and prefixes of names."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def prefixes(site: Site) -> Iterator[Candidate]:
-    """Yield the prefixes that a name may begin with."""
+    """Yield the prefixes of prefixed names."""
     if site.typed.form is not Form.NAME:
         for prefix, namespace in site.prefixes.items():
             name = prefix + ":"
@@ -25,7 +25,7 @@ def prefixes(site: Site) -> Iterator[Candidate]:
 
 
 def declarations(site: Site) -> Iterator[Candidate]:
-    """Yield declarations behind PREFIX, those that the query lacks first."""
+    """Yield declarations after PREFIX; well-known prefixes that the store does not use come last."""
     for rank, known in ((0, site.prefixes), (1, WELL_KNOWN)):
         for prefix, namespace in known.items():
             if prefix not in site.before.prefixes and (rank == 0 or prefix not in site.prefixes):
@@ -33,7 +33,7 @@ def declarations(site: Site) -> Iterator[Candidate]:
 
 
 def namespaces(site: Site) -> Iterator[Candidate]:
-    """Yield the namespace of the prefix that is being declared, or all of them."""
+    """Yield the namespace of the prefix that is being declared, or of all prefixes if it is unknown."""
     known = {**WELL_KNOWN, **site.prefixes}
     declared = site.before.frame.subject
     for prefix, namespace in known.items():
@@ -42,7 +42,7 @@ def namespaces(site: Site) -> Iterator[Candidate]:
 
 
 def properties(site: Site) -> Iterator[Candidate]:
-    """Yield the properties that fit the subject, the ones that most instances have first, then all others."""
+    """Yield the properties that fit the subject, with their numbers of instances, then all others."""
     frame = site.before.frame
     found: Mapping[str, tuple[int, str]] = {}
     if not frame.subject.startswith(("?", "_:")) and not frame.steps and frame.subject:
@@ -85,7 +85,7 @@ def _prefix(label: str) -> str:
 
 
 def values_here(site: Site) -> Iterator[Candidate]:
-    """Yield the terms that the store has where an object or a value is expected."""
+    """Yield the terms of the store that are possible objects or values."""
     frame = site.before.frame
     if frame.slot is Slot.DATA:
         column = min(frame.column, len(frame.columns) - 1)
@@ -103,7 +103,7 @@ def values_here(site: Site) -> Iterator[Candidate]:
 
 
 def compared_values(site: Site) -> Iterator[Candidate]:
-    """Yield the values of a variable that is being compared with something."""
+    """Yield the values of a variable in a comparison."""
     before = site.typed.before
     if len(before) > 1 and before[-1].text in {"=", "!="} and before[-2].kind is Kind.VARIABLE:
         yield from _of_variable(site, "?" + before[-2].text[1:])
@@ -122,7 +122,7 @@ def _of_variable(site: Site, variable: str) -> Iterator[Candidate]:
 
 
 def _classes(site: Site) -> Iterator[Candidate]:
-    """Yield the classes; those that the other patterns about the subject allow come first."""
+    """Yield the classes; those compatible with the other patterns of the subject come first."""
     others = [each for each in site.whole.patterns if each.path and each.path[-1].iri != TYPE]
     fits = set(classes(site.before.frame.subject, others, site.statistics))
     for iri, number in site.statistics.classes.items():
@@ -133,7 +133,7 @@ def _classes(site: Site) -> Iterator[Candidate]:
 
 
 _PLENTY: Final = 400_000
-"""The values of a property with more triples are not looked for: that would take seconds."""
+"""Values of properties with more triples are not offered, because the query would take seconds."""
 
 
 def _values(site: Site, iri: str, kinds: list[str]) -> Iterator[Candidate]:
@@ -144,7 +144,7 @@ def _values(site: Site, iri: str, kinds: list[str]) -> Iterator[Candidate]:
     if not literal and site.typed.form is Form.STRING:
         return
     if kinds and kinds[0] not in site.statistics.classes:
-        # What is kept is then bounded by what the store has, whatever is typed.
+        # The cache would otherwise grow with every class name that is typed.
         return
     known = names.values(site.kept, iri, kinds[0] if kinds else None, literal=literal)
     for value in known.holding(site.typed.text.removeprefix("<")):

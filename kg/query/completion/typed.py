@@ -1,4 +1,4 @@
-"""What is being typed at a position of a text, and the part of the text that a completion replaces."""
+"""The word being typed at a position of a text, and the range that a completion replaces."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from kg.syntax.lexer import Kind, Token, tokens
 
 
 class Form(Enum):
-    """How what is being typed begins."""
+    """The kind of the typed word, from its beginning."""
 
     NOTHING = auto()
     WORD = auto()
-    """A keyword, or a name whose prefix is not typed yet."""
+    """A keyword, or the beginning of a prefixed name."""
     NAME = auto()
     """A prefixed name."""
     VARIABLE = auto()
@@ -24,9 +24,9 @@ class Form(Enum):
 
 
 class Typed(NamedTuple):
-    """The beginning `text` of a token, from `start` to the position; `end` is where the word goes on to behind it.
+    """The typed beginning `text` of a token, from `start` to the position; `end` is the end of the token.
 
-    `before` are the tokens before it, `after` those behind. `quote` is the quotation mark of a string.
+    `before` contains the tokens before it, `after` those after it. `quote` is the quotation mark of a string.
     """
 
     form: Form
@@ -40,7 +40,7 @@ class Typed(NamedTuple):
 
 _FORMS: Final = {Kind.WORD: Form.WORD, Kind.NAME: Form.NAME, Kind.VARIABLE: Form.VARIABLE}
 _ALONE: Final = re.compile(r"\s*([A-Za-z][\w./-]*)")
-"""What may be the name of a stored query: nothing stands before it."""
+"""Possible name of a stored query, at the beginning of the text."""
 _OPEN_IRI: Final = re.compile(r"<[^\x00-\x20<>\"{}|^`\\]*\Z")
 _REST: Final = {
     Form.WORD: re.compile(r"[\w-]*:?[\w-]*"),
@@ -53,7 +53,7 @@ _OPERANDS: Final = frozenset({Kind.VARIABLE, Kind.NUMBER, Kind.STRING, Kind.IRI}
 
 
 def typed(text: str, position: int) -> Typed:
-    """Return what is being typed at `position` of `text`, an offset in code points that is brought into the text."""
+    """Return the word being typed at `position` of `text`, an offset in code points that is clamped to the text."""
     position = max(0, min(position, len(text)))
     before = list(tokens(text[:position]))
     special = _string(text, position, before) or _comment(text, position, before) or _iri(text, position, before)
@@ -61,7 +61,7 @@ def typed(text: str, position: int) -> Typed:
         return special
     alone = _ALONE.fullmatch(text, 0, position)
     if alone:
-        return _found(Form.WORD, text, alone.start(1), position, [])
+        return _typed_at(Form.WORD, text, alone.start(1), position, [])
     form, start = Form.NOTHING, position
     if before and before[-1].end == position:
         last = before[-1]
@@ -71,26 +71,26 @@ def typed(text: str, position: int) -> Typed:
         if form is not Form.NOTHING:
             start = last.start
             before = before[:-1]
-    return _found(form, text, start, position, before)
+    return _typed_at(form, text, start, position, before)
 
 
-def _found(form: Form, text: str, start: int, position: int, before: list[Token]) -> Typed:
+def _typed_at(form: Form, text: str, start: int, position: int, before: list[Token]) -> Typed:
     match = _REST.get(form, _ANY).match(text, position)
     end = match.end() if match else position
-    return Typed(form, text[start:position], start, end, before, _moved(text, end))
+    return Typed(form, text[start:position], start, end, before, _tokens_after(text, end))
 
 
-def _moved(text: str, end: int) -> list[Token]:
+def _tokens_after(text: str, end: int) -> list[Token]:
     return [token._replace(start=token.start + end, end=token.end + end) for token in tokens(text[end:])]
 
 
 def _is_path(before: list[Token]) -> bool:
-    """Tell whether the question mark at the end makes a step of a path optional."""
+    """Return whether the trailing question mark makes a step of a path optional."""
     return len(before) > 1 and before[-2].end == before[-1].start and before[-2].kind in {Kind.NAME, Kind.IRI}
 
 
 def _string(text: str, position: int, before: list[Token]) -> Typed | None:
-    """Return the string that is open; a quotation mark that the lexer gives alone is one that nothing closes."""
+    """Return the open string; the lexer returns an unclosed quotation mark as a sign."""
     for index, token in enumerate(before):
         if token.kind is Kind.SIGN and token.text in {'"', "'"}:
             line = text.find("\n", token.start, position)
@@ -99,13 +99,13 @@ def _string(text: str, position: int, before: list[Token]) -> Typed | None:
             end = position + _closing(text, position, token.text)
             known = before[:index]
             return Typed(
-                Form.STRING, text[token.end : position], token.start, end, known, _moved(text, end), token.text
+                Form.STRING, text[token.end : position], token.start, end, known, _tokens_after(text, end), token.text
             )
     return None
 
 
 def _closing(text: str, position: int, quote: str) -> int:
-    """Return how many characters of the same string follow: up to its mark, if only a name is between."""
+    """Return the number of remaining characters of the string, if only name characters precede its closing mark."""
     match = re.compile(rf"[^\s{quote};,.(){{}}\[\]]*{quote}").match(text, position)
     return match.end() - position if match else 0
 
@@ -124,9 +124,9 @@ def _iri(text: str, position: int, before: list[Token]) -> Typed | None:
     known = [token for token in before if token.end <= match.start()]
     if known and (known[-1].kind in _OPERANDS or known[-1].text == ")") and not _follows_term(text, match.start()):
         return None
-    return _found(Form.IRI, text, match.start(), position, known)
+    return _typed_at(Form.IRI, text, match.start(), position, known)
 
 
 def _follows_term(text: str, start: int) -> bool:
-    """Tell whether a `<` begins an IRI by what stands behind it: operators have a blank there."""
+    """Return whether a `<` begins an IRI. After an operator there is whitespace."""
     return text[start + 1 : start + 2] not in {"", "=", " "}

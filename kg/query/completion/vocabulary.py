@@ -1,4 +1,4 @@
-"""Keywords and functions of SPARQL 1.1, each with what it does."""
+"""Keywords and functions of SPARQL 1.1 with their descriptions."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ KEYWORDS: Final = MappingProxyType(
         "UNDEF": ("UNDEF", "no value"),
     }
 )
-"""What is offered: what it inserts, and what it does."""
+"""Inserted text and description of each keyword."""
 
 
 class Function(NamedTuple):
-    """A function: its arguments as one writes them down, and what it returns."""
+    """The arguments of a function in SPARQL syntax, and a description of its result."""
 
     arguments: str
     sentence: str

@@ -1,6 +1,6 @@
-"""What is wrong with a query, or probably is, told under the right characters and with what would mend it.
+"""Diagnostics of queries, with ranges of characters and fixes.
 
 problems   `diagnose`: errors of syntax and guards, then warnings
-variables  variables that nothing binds, patterns that nothing joins
-fixes      edits of the text that mend a problem
+variables  unbound variables, unjoined patterns
+fixes      edits of the text that fix a problem
 """

@@ -1,4 +1,4 @@
-"""Edits of a query that mend what is wrong with it."""
+"""Edits that fix problems of a query."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 
 def replacing(token: Token, names: Iterable[str]) -> list[dict[str, Any]]:
-    """Return a fix for each of the names that a token may stand for."""
+    """Return a fix for each of the names that may replace a token."""
     return [_fix(f"Replace by `{name}`", [_edit(token.start, token.end, name)]) for name in names]
 
 
 def of_token(text: str, token: Token, known: Outline, declared: Mapping[str, str]) -> list[dict[str, Any]]:
-    """Return what mends the first token of a query that does not fit; `declared` are prefixes that the store knows."""
+    """Return fixes for the first unexpected token of a query; `declared` contains the prefixes of the store."""
     if token.kind is Kind.WORD:
         return replacing(token, keywords_meant(token.text))
     prefix, _, local = token.text.partition(":")
@@ -44,7 +44,7 @@ def _prefixed(prefix: str, local: str, known: Outline) -> list[str]:
 
 
 def closing(text: str, known: Outline) -> list[dict[str, Any]]:
-    """Return what closes the brackets that are open at the end of a query."""
+    """Return a fix that closes the open brackets at the end of a query."""
     missing = " ".join(frame.closes for frame in reversed(known.frames) if frame.closes)
     end = len(text.rstrip())
     return [_fix(f"Add `{missing}`", [_edit(end, end, f" {missing}")])] if missing else []

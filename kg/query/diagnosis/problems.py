@@ -1,4 +1,4 @@
-"""`diagnose`: the problems of a query, the same for all faces."""
+"""`diagnose`: the problems of a query, the same for all interfaces."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
 def diagnose(
     text: str, snapshot: Snapshot, declared: Mapping[str, str] | None = None, used: Iterable[str] = ()
 ) -> list[dict[str, Any]]:
-    """Return the problems of the query `text`: the first error, and warnings when there is none or it is small.
+    """Return the problems of the query `text`: the first error; warnings if there is none or it is minor.
 
-    Each has `severity` (error or warning), `code`, `message`, `hint` (null without one), `line` and `column` of its
-    first character and `endLine` and `endColumn` behind its last, counted from one in code points; the same as the
-    offsets `start` and `end` in the text; and `fixes`: a `title` and the `edits` (`start`, `end`, `text`) that mend it,
-    in offsets of the text as it is. `declared` are further prefixes to suggest, `used` the IRIs of further terms. A
-    blank text has no problems.
+    Each has `severity` (error or warning), `code`, `message`, `hint` (may be null), the `line` and `column` of its
+    first character, `endLine` and `endColumn` after its last, counted from one in code points, and the same as offsets
+    `start` and `end`. Its `fixes` have a `title` and `edits` (`start`, `end`, `text`), as offsets in the original text.
+    `declared` contains further prefixes to suggest, `used` the IRIs of further terms. A text without tokens has no
+    problems.
     """
     if not text.strip():
         return []
@@ -60,7 +60,7 @@ def _error(text: str) -> QueryError | None:
     except SyntaxError as error:
         return syntax_error(error, text, "query")
     except (RuntimeError, ValueError):
-        # The query parses; what the engine makes of it is told when it is run.
+        # The query parses; other errors are reported when it runs.
         return None
     return None
 
@@ -72,18 +72,18 @@ def _of_error(error: QueryError, text: str, found: list[Token], declared: Mappin
     end = start if place.end_line is None else offset_of(text, place.end_line, place.end_column or 1)
     known = outline(found)
     culprit = next((token for token in found if token.start == start), None)
-    mended = fixes.of_token(text, culprit, known, declared) if culprit else fixes.closing(text, known)
-    return _problem("error", error, (text, start, end), mended)
+    repairs = fixes.of_token(text, culprit, known, declared) if culprit else fixes.closing(text, known)
+    return _problem("error", error, (text, start, end), repairs)
 
 
 def _unbound(text: str, known: Outline) -> Iterator[dict[str, Any]]:
     names = bound(known)
     for use in unbound(known):
-        meant = get_close_matches(use.name, sorted(names))
-        hint = asked([f"?{name}" for name in meant])
-        told = QueryError("KG514", f"nothing gives ?{use.name} a value", hint=hint)
-        mended = fixes.replacing(use.token, [f"?{name}" for name in meant])
-        yield _problem("warning", told, (text, use.token.start, use.token.end), mended)
+        similar = get_close_matches(use.name, sorted(names))
+        hint = asked([f"?{name}" for name in similar])
+        error = QueryError("KG514", f"nothing gives ?{use.name} a value", hint=hint)
+        repairs = fixes.replacing(use.token, [f"?{name}" for name in similar])
+        yield _problem("warning", error, (text, use.token.start, use.token.end), repairs)
 
 
 def _product(text: str, known: Outline) -> Iterator[dict[str, Any]]:
@@ -96,33 +96,33 @@ def _product(text: str, known: Outline) -> Iterator[dict[str, Any]]:
 
 def _unknown(text: str, snapshot: Snapshot, used: Iterable[str]) -> Iterator[dict[str, Any]]:
     for each in unknown(snapshot, text, used):
-        told = QueryError("KG513", f"`{each.token.text}` is not in the store", hint=asked(each.meant))
+        error = QueryError("KG513", f"`{each.token.text}` is not in the store", hint=asked(each.meant))
         span = (text, each.token.start, each.token.end)
-        yield _problem("warning", told, span, fixes.replacing(each.token, each.meant))
+        yield _problem("warning", error, span, fixes.replacing(each.token, each.meant))
 
 
 def _problem(
-    severity: str, told: QueryError, span: tuple[str, int, int], mended: list[dict[str, Any]]
+    severity: str, error: QueryError, span: tuple[str, int, int], repairs: list[dict[str, Any]]
 ) -> dict[str, Any]:
     text, start, end = span
     place = place_at(text, start, "query", end)
     return {
         "severity": severity,
-        "code": told.code,
-        "message": told.message,
-        "hint": told.hint,
+        "code": error.code,
+        "message": error.message,
+        "hint": error.hint,
         "line": place.line,
         "column": place.column,
         "endLine": place.end_line,
         "endColumn": place.end_column,
         "start": start,
         "end": end,
-        "fixes": mended,
+        "fixes": repairs,
     }
 
 
 def _moved(problem: dict[str, Any], text: str) -> dict[str, Any]:
-    """Return a problem with its offsets in the text before its ends of lines were made one character each."""
+    """Return a problem with its offsets in the original text, before line ends were normalized."""
     offsets = []
     for index, character in enumerate(text):
         if not (character == "\n" and index and text[index - 1] == "\r"):
@@ -132,5 +132,5 @@ def _moved(problem: dict[str, Any], text: str) -> dict[str, Any]:
     def moved(part: dict[str, Any]) -> dict[str, Any]:
         return {**part, "start": offsets[part["start"]], "end": offsets[part["end"]]}
 
-    mended = [{**fix, "edits": [moved(edit) for edit in fix["edits"]]} for fix in problem["fixes"]]
-    return {**moved(problem), "fixes": mended}
+    repairs = [{**fix, "edits": [moved(edit) for edit in fix["edits"]]} for fix in problem["fixes"]]
+    return {**moved(problem), "fixes": repairs}

@@ -1,4 +1,4 @@
-"""Variables that nothing binds, and patterns that nothing joins, by the outline of a query that parses."""
+"""Unbound variables and unjoined patterns, from the outline of a valid query."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _PATTERN: Final = frozenset({Slot.SUBJECT, Slot.PREDICATE, Slot.OBJECT, Slot.AFT
 
 
 def bound(known: Outline) -> set[str]:
-    """Return the names of the variables that a pattern, BIND, VALUES or AS gives a value."""
+    """Return the names of the variables bound by a pattern, BIND, VALUES or AS."""
     return {use.name for use in known.uses if _binds(use)}
 
 
@@ -23,7 +23,7 @@ def _binds(use: Use) -> bool:
 
 
 def unbound(known: Outline) -> Iterator[Use]:
-    """Yield the first use of each variable that is asked for or computed with, but that nothing binds."""
+    """Yield the first use of each variable that is selected or computed with, but never bound."""
     seen = bound(known)
     for use in known.uses:
         if use.name not in seen:
@@ -32,9 +32,9 @@ def unbound(known: Outline) -> Iterator[Use]:
 
 
 def product(known: Outline) -> Pattern | None:
-    """Return the first pattern that shares no variable with those before it, however indirectly; None without one.
+    """Return the first pattern that shares no variable with those before it, even indirectly; None if all are joined.
 
-    Queries with UNION are passed over. What stands in a group within the group counts as joined.
+    Queries with UNION are skipped. The variables of a nested group count as joined.
     """
     if "union" in known.words:
         return None
@@ -63,7 +63,7 @@ def _names(pattern: Pattern) -> set[str]:
 
 
 def _joined(known: Outline, group: int) -> Iterator[set[str]]:
-    """Yield what an expression, or a group within the group, mentions together."""
+    """Yield the sets of variables that occur together in an expression or a nested group."""
     by_expression: dict[int, set[str]] = {}
     by_group: dict[int, set[str]] = {}
     for use in known.uses:
@@ -77,7 +77,7 @@ def _joined(known: Outline, group: int) -> Iterator[set[str]]:
 
 
 def _child_of(known: Outline, number: int, group: int) -> int:
-    """Return the group directly in `group` that `number` is or stands in; 0 when it stands elsewhere."""
+    """Return the group directly in `group` that is or contains `number`; 0 if there is none."""
     while number and known.inside.get(number, 0) != group:
         number = known.inside.get(number, 0)
     return number

@@ -1,11 +1,10 @@
-"""Processes that read the store for others and can be killed, since the engine itself cannot be interrupted.
+"""Reader processes, which can be killed because a query in the engine cannot be interrupted.
 
-A reader holds the generation of the store that is in force and answers one request at a time. Deadline, cancelling,
-the cap of memory and a crash of the engine all end in the same way: the process ends, the caller gets an error, and
-another process takes its place. Faces use `pool.Readers`; docs/query-core.md tells how a query travels.
+A reader opens the current generation of the store and answers one request at a time. Deadlines, cancellation, the
+memory limit and a crash of the engine all have the same effect: the process exits, the caller gets an error, and
+another process replaces it. Interfaces use `pool.Readers`; docs/query-core.md describes the path of a query.
 
-In a reader: `child` answers, `parts` gives answers out, `forkserver` is what readers are forked from. In the process
-that owns them: `processes` and `fleet` are the readers that there are, `scheduler` with `slots` and `sharing` decides
-which request runs when, `answers` and `jobs` are what callers see of it, `cache` what is known already. `messages` is
-what is said between.
+In a reader process: `child` answers requests, `parts` writes responses, `forkserver` is its parent. In the process that
+owns the readers: `processes` and `fleet` manage them, `scheduler` with `slots` and `sharing` decides which request runs
+when, callers see `answers` and `jobs`, and `cache` contains earlier responses. `messages` defines the protocol.
 """

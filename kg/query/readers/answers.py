@@ -1,4 +1,4 @@
-"""An answer as its caller takes it."""
+"""Responses of readers."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 
 
 class Answer:
-    """What a reader says: `head` first, then `parts`, then `end`.
+    """Response to a request: first `head`, then `parts`, then `end`.
 
-    Where the query was quick, or the answer known, `end` is there from the beginning: then nothing can go wrong any
-    more, and `size` is how many bytes the parts have in all. `job` is the request, `held_bytes` how many bytes came,
-    `last` whether its reader is to answer nothing else.
+    If the query was quick or its response cached, `end` is set from the beginning. Then no error can follow, and `size`
+    is the number of bytes of all parts. `job` is the request, `held_bytes` the number of bytes received. If `last` is
+    true, the reader must not receive another request.
     """
 
     head: Head
 
     def __init__(self, job: Job, process: Process | None, copied: int = 0) -> None:
-        """Take the answer of `process` to what it was sent; a copy of up to `copied` bytes is made for `copy`."""
+        """Receive the response of `process` to the request sent to it; retain up to `copied` bytes for `copy`."""
         self.job = job
         self.end: End | None = None
         self.settled = False
@@ -42,7 +42,7 @@ class Answer:
 
     @classmethod
     def of(cls, job: Job, kept: Kept) -> Answer:
-        """Return an answer that is known already."""
+        """Return a cached response."""
         answer = cls(job, None)
         answer.head, answer.end = kept.head, kept.end
         answer._held.append(kept.body)
@@ -51,45 +51,48 @@ class Answer:
 
     @property
     def size(self) -> int | None:
-        """How many bytes `parts` will yield, None as long as the answer has not ended."""
+        """Number of bytes that `parts` will yield; None until the response is complete."""
         return self.held_bytes if self.end is not None else None
 
     @property
     def copy(self) -> bytes | None:
-        """The whole body, when the answer has ended and is not larger than was to be copied."""
+        """The whole body; None if the response is incomplete or larger than the `copied` bytes."""
         return None if self.end is None or self._copied is None else b"".join(self._copied)
 
     async def parts(self) -> AsyncIterator[bytes]:
-        """Yield the answer as bytes; `end` is there behind the last.
+        """Yield the body as bytes; `end` is set after the last part.
 
         Raises:
-            KgError: what ended it before it was whole; KG303 the store, KG503 deadline, KG506 the query, KG507 memory,
-                KG508 the reader ended, KG510 cancelled, KG511 too large.
+            KgError: KG303 error of the store, KG503 deadline, KG506 error of the query, KG507 memory limit, KG508 the
+                reader exited, KG510 cancelled, KG511 response too large.
         """
         while self._held or self.end is None:
             if self._held:
                 yield self._held.popleft()
             else:
-                await self._hear()
+                await self._receive()
 
     async def begin(self) -> None:
         """Wait for the head; raises as `parts`."""
         while not self._begun:
-            await self._hear()
+            await self._receive()
 
     async def collect(self, seconds: float, most: int) -> bool:
-        """Take parts for so long, or so many bytes; tell whether that was the whole answer. Raises as `parts`."""
-        assert self._process is not None  # noqa: S101 - a cached answer has ended
+        """Receive parts for `seconds`, or until `most` bytes; return whether the response is complete.
+
+        Raises as `parts`.
+        """
+        assert self._process is not None  # noqa: S101 - a cached response is complete
         ends = time.monotonic() + seconds
         while self.end is None and self.held_bytes <= most:
             if not await self._process.wait(ends - time.monotonic()):
                 return False
-            await self._hear()
+            await self._receive()
         return self.end is not None
 
-    async def _hear(self) -> None:
-        """Take one message."""
-        assert self._process is not None  # noqa: S101 - what is known already has ended
+    async def _receive(self) -> None:
+        """Receive one message."""
+        assert self._process is not None  # noqa: S101 - a cached response is complete
         message = await self._process.receive()
         if message is None:
             raise self._reason(self._process)
@@ -115,7 +118,7 @@ class Answer:
                 self._copied = None
 
     def _reason(self, process: Process) -> Exception:
-        """Return why there is nothing more to hear."""
+        """Return the reason why the connection closed."""
         if self.job.cause is not None:
             return self.job.cause
         if process.out_of_memory:

@@ -1,4 +1,4 @@
-"""Answers that are known already: the same request to the same data has the same answer."""
+"""Cache of responses: the same request for the same data has the same response."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from kg.store.layout import Layout
 
 _SHARE: Final = 8
-"""No answer may take more than the eighth part of a cache, so that one does not drive out all others."""
+"""A response may take one eighth of the cache at most, so one response cannot evict all others."""
 _ENTRY_BYTES: Final = 1024
-"""What an entry takes beside request and answer, about."""
+"""Approximate size of an entry without request and response."""
 
 
 class CacheStats(msgspec.Struct, frozen=True):
-    """`hits` and `misses` among requests that could have been answered from it, and what it holds."""
+    """Statistics of the cache: `hits` and `misses` of cacheable requests, and its content."""
 
     hits: int
     misses: int
@@ -31,7 +31,7 @@ class CacheStats(msgspec.Struct, frozen=True):
 
 
 class Kept(NamedTuple):
-    """A whole answer."""
+    """A whole response."""
 
     head: Head
     body: bytes
@@ -39,9 +39,9 @@ class Kept(NamedTuple):
 
 
 class AnswerCache:
-    """Whole answers to requests of one snapshot, of `most` bytes in all; the least recently used go first.
+    """Least-recently-used cache of at most `most` bytes, for responses from one snapshot.
 
-    With 0 bytes nothing is kept. What is asked of another snapshot empties it.
+    With 0 bytes it is off. A request for another snapshot clears it.
     """
 
     def __init__(self, most: int) -> None:
@@ -54,11 +54,11 @@ class AnswerCache:
 
     @property
     def largest(self) -> int:
-        """How many bytes an answer may have to be kept."""
+        """Largest size of a cached response, in bytes."""
         return self._most // _SHARE
 
     def get(self, request: bytes, snapshot: str | None) -> Kept | None:
-        """Return the answer to the request at the snapshot in force, None when it is not known."""
+        """Return the cached response to the request at the current snapshot, or None."""
         if not self._most or snapshot is None:
             return None
         self._move(snapshot)
@@ -71,11 +71,11 @@ class AnswerCache:
         return found
 
     def has(self, request: bytes, snapshot: str) -> bool:
-        """Tell whether the answer to a request is known, which counts as no request for it."""
+        """Return whether the response to a request is cached; not counted as a hit or miss."""
         return snapshot == self._snapshot and request in self._answers
 
     def put(self, request: bytes, answer: Kept, snapshot: str | None) -> None:
-        """Keep an answer, if it is one of the snapshot in force, repeatable, and small enough."""
+        """Cache a response if it is from the current snapshot, repeatable, and small enough."""
         fits = len(answer.body) + len(request) <= self.largest
         if not fits or not answer.head.repeatable or answer.head.snapshot != snapshot:
             return
@@ -87,7 +87,7 @@ class AnswerCache:
             self._drop(next(iter(self._answers)))
 
     def stats(self) -> CacheStats:
-        """Return how it does."""
+        """Return the statistics."""
         return CacheStats(self._hits, self._misses, len(self._answers), self._bytes, self._most)
 
     def _move(self, snapshot: str) -> None:
@@ -107,7 +107,7 @@ def _cost(request: bytes, answer: Kept) -> int:
 
 
 class Pointer:
-    """The snapshot in force, read anew only when the file that names it is another one."""
+    """Current snapshot; read again only if the pointer file was replaced."""
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
@@ -116,9 +116,9 @@ class Pointer:
         self._snapshot: str | None = None
 
     def snapshot(self) -> str | None:
-        """Return the identity of the data in force; None when there is none, or it cannot be told."""
+        """Return the identity of the current data; None if the store is empty or the pointer file is unreadable."""
         try:
-            status = os.stat(self._path)  # noqa: PTH116 - for each request, at half the cost
+            status = os.stat(self._path)  # noqa: PTH116 - runs for each request, at half the cost
             seen = (status.st_ino, status.st_mtime_ns)
             if seen != self._seen:
                 number = self._layout.current()

@@ -8,7 +8,7 @@ from typing import Final, cast
 from kg.query.readers.messages import PREFIX, Message, decode
 
 _BUFFER_BYTES: Final = 512 << 10
-"""With more bytes than this in the buffer, the reader process has to wait."""
+"""If the buffer contains more bytes, the reader process has to wait."""
 
 
 class Channel(asyncio.Protocol):
@@ -59,7 +59,7 @@ class Channel(asyncio.Protocol):
             self._transport.write(data)
 
     def abort(self) -> None:
-        """Close the connection without sending what is buffered."""
+        """Close the connection and discard the buffer."""
         if self._transport is not None:
             self._transport.abort()
 

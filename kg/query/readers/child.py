@@ -1,4 +1,4 @@
-"""What a reader does: it answers requests on a socket until that is closed."""
+"""Main loop of a reader: answer requests on a socket until it is closed."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ if TYPE_CHECKING:
     from kg.query.result import Row
 
 _RESERVED_BYTES: Final = 1 << 30
-"""About what a reader reserves, where the system does not tell."""
+"""Estimate of the reserved memory of a reader, for systems that do not report it."""
 _LARGE_BYTES: Final = 512 << 20
-"""A reader that holds more than this behind an answer does not wait for another request."""
+"""A reader that uses more memory after a request is replaced."""
 _HARD_LIMIT: Final = resource.getrlimit(resource.RLIMIT_AS)[1]
 
 
 def serve(requests: BinaryIO, answers: BinaryIO) -> None:
-    """Answer `requests`, of which the first is a `Configuration`, until they end."""
+    """Answer `requests` until the end of the stream; the first message is a `Configuration`."""
     configuration = received(requests)
     if not isinstance(configuration, Configuration):
         return
@@ -54,7 +54,7 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> None:
 
 
 class _Reader:
-    """One store, read for whoever takes the `answers`."""
+    """Reader of one store; it writes responses to `answers`."""
 
     def __init__(self, configuration: Configuration, answers: BinaryIO) -> None:
         self._configuration = configuration
@@ -65,12 +65,12 @@ class _Reader:
         self._threads = threading.active_count()
 
     def begin(self) -> None:
-        """Open what is in force and say that requests may come."""
+        """Open the current data and report that requests may be sent."""
         self._refresh()
         self._send(Ready(os.getpid()))
 
     def answer(self, request: Message | bytes) -> bool:
-        """Answer a request; false when this process had better not answer another one."""
+        """Answer a request; return false if this process should not answer another one."""
         try:
             if isinstance(request, Question):
                 self._ask(request)
@@ -102,7 +102,7 @@ class _Reader:
         parts.end(self._end(count, began, more=more))
 
     def _write(self, parts: Parts, head: Head, evaluation: Evaluation, question: Question) -> tuple[int, bool]:
-        """Write the parts; return how many rows these hold, and whether there were more."""
+        """Write the response; return the number of its rows, and whether there were more."""
         if isinstance(evaluation.found, bool):
             write_boolean(head.format, parts.take, value=evaluation.found)
             return 1, False
@@ -130,15 +130,15 @@ class _Reader:
         return load({"store": self._configuration.root, **self._configuration.settings})
 
     def _end(self, count: int, began: float, *, more: bool = False) -> End:
-        """Return the end of a whole answer."""
+        """Return the end of a whole response."""
         return End(count, time.perf_counter() - began, more, self._is_spent())
 
     def _is_spent(self) -> bool:
-        """Tell whether a request left this process large or at work, so that another one had better begin anew."""
+        """Return whether to replace this process, as a request left it with much memory or running threads."""
         return _resident_bytes() > _LARGE_BYTES or threading.active_count() > self._threads
 
     def _current(self) -> EmbeddedSnapshot:
-        """Return the content that is in force now."""
+        """Return a snapshot of the current data."""
         if self._snapshot is not None and self._snapshot.identity != self._pointer.snapshot():
             self._snapshot.close()
             self._snapshot = None
@@ -149,7 +149,7 @@ class _Reader:
         return self._snapshot
 
     def _refresh(self) -> None:
-        """Open what is in force; what keeps it from that is for the next request to say."""
+        """Open the current data; ignore errors, because the next request reports them."""
         try:
             self._current()
         except (KgError, OSError):
@@ -161,7 +161,7 @@ class _Reader:
 
 
 def _term(name: str, text: str) -> NamedNode | Literal:
-    """Return the term that N-Triples writes as `text`; QueryError KG505 when that is no IRI and no literal."""
+    """Return the term with the N-Triples syntax `text`; QueryError KG505 if it is not an IRI or literal."""
     try:
         term = of_spelling(text)
     except SyntaxError:
@@ -172,9 +172,9 @@ def _term(name: str, text: str) -> NamedNode | Literal:
 
 
 def _cap_memory(most: int | None) -> None:
-    """Bound the address space to what it is now and `most` bytes more; past that the engine ends the process.
+    """Limit the address space to its current size plus `most` bytes; the engine aborts the process at the limit.
 
-    Much of what it is now is only reserved: stacks, and room for the memory of threads. Only Linux bounds it: macOS
+    Much of the current size is only reserved: stacks and the heaps of threads. The limit applies only on Linux: macOS
     refuses a limit below the hundreds of gigabytes that it reserves for each process.
     """
     if sys.platform != "linux":
@@ -186,7 +186,7 @@ def _cap_memory(most: int | None) -> None:
 
 
 def _resident_bytes() -> int:
-    """Return how much memory this process holds, 0 where the system does not tell or it never held much."""
+    """Return the resident memory of this process; 0 if the system does not report it or it was never large."""
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return _memory_bytes(1) if most << 10 > _LARGE_BYTES else 0
 

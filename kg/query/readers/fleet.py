@@ -1,4 +1,4 @@
-"""The reader processes that there are: those with nothing to do, and how others come and go."""
+"""The pool of reader processes: idle, busy, starting, retired."""
 
 from __future__ import annotations
 
@@ -16,11 +16,10 @@ if TYPE_CHECKING:
 
 
 class Fleet:
-    """Readers made by `spawner`, of which `ready` are kept idle, so that no request has to wait for one to start.
+    """Readers started by `spawner`; `ready` of them are idle, so requests rarely wait for a process to start.
 
-    Up to twice as many stay: where requests come and go, none is ended only to be started again.
-    A reader whose priority was lowered is not used again. `spawned` is how many there were so far, `ended` how many of
-    these by what ended them.
+    Up to twice as many idle readers remain, to avoid restarts when load varies. A reader with lowered priority is not
+    reused. `spawned` counts the readers started so far, `ended` those that exited, by cause.
     """
 
     def __init__(self, spawner: Spawner, ready: int) -> None:
@@ -28,7 +27,7 @@ class Fleet:
         self._ready = ready
         self._idle: list[Process] = []
         self._used: set[Process] = set()
-        self._behind: set[Process] = set()
+        self._outdated: set[Process] = set()
         self._filling: asyncio.Task[None] | None = None
         self._closing = False
         self.spawned = 0
@@ -36,52 +35,52 @@ class Fleet:
 
     @property
     def idle(self) -> int:
-        """How many have nothing to do."""
+        """Number of idle readers."""
         return len(self._idle)
 
-    async def take(self, tell: Callable[[asyncio.Future[None]], object]) -> Process:
-        """Return a reader with nothing to do; while one starts, an exception on what `tell` is given ends the waiting.
+    async def take(self, register: Callable[[asyncio.Future[None]], object]) -> Process:
+        """Return an idle reader, or start one. An exception set on the future passed to `register` ends the wait.
 
         Raises:
-            QueryError: KG508 when there is none and none can be started.
+            QueryError: KG508 if no process can be started.
         """
-        process = self._alive() or await self._spawn_unless(tell)
+        process = self._pop_idle() or await self._spawn_unless_cancelled(register)
         self._used.add(process)
         self.fill()
         return process
 
     def put(self, process: Process) -> None:
-        """Take a reader back that is ready for the next request."""
+        """Return a reader that is ready for the next request."""
         self._used.discard(process)
         if process.ended or process.nice or self._closing or len(self._idle) >= 2 * self._ready:
             self._close(process, "retired")
         else:
             self._idle.append(process)
-            if process in self._behind:
+            if process in self._outdated:
                 process.send(frame(Refresh()))
-        self._behind.discard(process)
+        self._outdated.discard(process)
         self.fill()
 
     def drop(self, process: Process, cause: str) -> None:
-        """End a reader that still does something, and note the cause."""
+        """Kill a busy reader and count the cause."""
         self._used.discard(process)
-        self._behind.discard(process)
+        self._outdated.discard(process)
         self._close(process, cause)
         self.fill()
 
     def refresh(self) -> None:
         """Notify idle readers that the data has changed; busy ones are notified when they are done."""
-        self._behind = set(self._used)
+        self._outdated = set(self._used)
         for process in self._idle:
             process.send(frame(Refresh()))
 
     def fill(self) -> None:
-        """See to it, in the background, that there are enough."""
+        """Start missing idle readers in the background."""
         if self._filling is None and not self._closing and len(self._idle) < self._ready:
             self._filling = asyncio.get_running_loop().create_task(self._fill())
 
     async def close(self) -> None:
-        """End all of them, and what they are forked from."""
+        """Kill all readers and their fork server."""
         self._closing = True
         if self._filling is not None:
             self._filling.cancel()
@@ -92,8 +91,8 @@ class Fleet:
         self._used.clear()
         await self._spawner.close()
 
-    def _alive(self) -> Process | None:
-        """Take the one that was used last, which has the data in its caches; None when there is none."""
+    def _pop_idle(self) -> Process | None:
+        """Remove and return the idle reader used last, whose caches are warm; None if all are busy."""
         while self._idle:
             process = self._idle.pop()
             if not process.ended:
@@ -106,37 +105,37 @@ class Fleet:
             while (missing := self._ready - len(self._idle)) > 0:
                 fresh = await asyncio.gather(*(self._spawn() for _ in range(missing)))
                 for process in fresh:
-                    # The data may have changed since it was opened.
+                    # The data may have changed after the reader opened it.
                     process.send(frame(Refresh()))
                 self._idle[:0] = fresh
         except QueryError:
-            # Whoever needs a reader tries again and is told.
+            # The next request that needs a reader tries again and reports the error.
             return
         finally:
             self._filling = None
 
-    async def _spawn_unless(self, tell: Callable[[asyncio.Future[None]], object]) -> Process:
-        """Return a new reader; raises what is told meanwhile."""
-        told: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        tell(told)
+    async def _spawn_unless_cancelled(self, register: Callable[[asyncio.Future[None]], object]) -> Process:
+        """Return a new reader; raises the exception set on the registered future if that comes first."""
+        cancelled: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        register(cancelled)
         starting = asyncio.ensure_future(self._spawn())
-        told.add_done_callback(lambda _: starting.cancel())
+        cancelled.add_done_callback(lambda _: starting.cancel())
         try:
             return await starting
         except asyncio.CancelledError:
             if starting.done() and not starting.cancelled() and starting.exception() is None:
-                # It was ready in the moment that whoever wanted it went away.
+                # The reader was ready at the moment when the request was cancelled.
                 self.put(starting.result())
-            if told.done():
-                told.result()
+            if cancelled.done():
+                cancelled.result()
             raise
         finally:
-            # Nobody else asks what it was told, which would be reported as forgotten.
-            if not told.cancel():
-                told.exception()
+            # Retrieve the exception; otherwise asyncio reports that it was never retrieved.
+            if not cancelled.cancel():
+                cancelled.exception()
 
     async def _spawn(self) -> Process:
-        # What readers are forked from may end before it has read the order; for the next one it is started anew.
+        # The fork server may exit before it has read the order; the second attempt starts another.
         process = await self._spawn_once() or await self._spawn_once()
         if process is None:
             raise QueryError("KG508", "no process for queries can be started", hint="The log has its output.")
@@ -144,7 +143,7 @@ class Fleet:
         return process
 
     async def _spawn_once(self) -> Process | None:
-        """Return a new reader; None when it has ended before it could be asked."""
+        """Return a new reader; None if it exited before it was ready."""
         process = await self._spawner.spawn()
         try:
             ready = await process.receive()

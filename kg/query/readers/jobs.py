@@ -1,4 +1,4 @@
-"""What was asked of the readers and has not ended."""
+"""Requests that wait or run."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True, eq=False)
 class Job:
-    """A request that waits or runs: `identity` cannot be guessed, `rows` is how many were found so far.
+    """A request that waits or runs. `identity` cannot be guessed; `rows` is the number of rows found so far.
 
-    `client` is who asked, `cause` why it was ended, `process` what runs it, `place` where it waits. `own` is one that
-    nobody asked for.
+    `client` identifies the sender, `cause` is the error that ended the request, `process` runs it, and `place` is its
+    place in a queue. `own` marks requests that the pool sends itself.
     """
 
     identity: str
@@ -33,11 +33,11 @@ class Job:
 
     @property
     def elapsed(self) -> float:
-        """Seconds since it was asked for."""
+        """Seconds since the request."""
         return time.monotonic() - self.began
 
     def end(self, cause: KgError) -> None:
-        """End it wherever it is; the first cause is the one that is told."""
+        """Cancel the request, waiting or running; the first cause is reported."""
         if self.cause is None:
             self.cause = cause
         if self.place is not None and not self.place.done():
@@ -46,13 +46,13 @@ class Job:
             self.process.kill()
 
     def wait_at(self, place: asyncio.Future[None]) -> None:
-        """Take note of where it waits."""
+        """Store the place in a queue, to cancel the wait."""
         self.place = place
         if self.cause is not None:
             place.set_exception(self.cause)
 
     def run_on(self, process: Process) -> None:
-        """Take note of what runs it from now on; raises its cause when it was ended before."""
+        """Store the process that runs the request; raises the cause if it was cancelled before."""
         if self.cause is not None:
             raise self.cause
         self.process = process

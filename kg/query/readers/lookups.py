@@ -1,9 +1,9 @@
-"""Look-ups: queries so small that the server's own process answers them, without a reader process.
+"""Look-ups: queries so small that the server answers them in its own process, without a reader.
 
-A look-up is an ASK or a SELECT with one triple pattern, in which no variable stands twice, and nothing else but a
-LIMIT. Each quad that the engine reads for it is a row, so a bound on rows bounds the work too. It needs no deadline, no
-memory limit and no process of its own. It has no nesting and no escapes, and calls no server. Everything else is for
-the reader processes, including look-ups with many rows, large terms or errors.
+A look-up is an ASK or a SELECT with a single triple pattern, no repeated variable, and nothing else but a LIMIT. Each
+quad that the engine reads is a row, so a limit on rows also limits the work. It needs no deadline, no memory limit and
+no process of its own. It has no nesting and no escapes, and calls no server. Readers answer everything else, including
+look-ups with many rows, large terms or errors.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from kg.store.layout import Layout
 
 _CHARS: Final = 2048
-"""Longer texts are not looked at."""
+"""Longer queries are not considered."""
 _ROWS: Final = 256
-"""A look-up with more rows is left to a reader."""
+"""Readers answer look-ups with more rows."""
 _VALUE_CHARS: Final = 64 << 10
-"""So is one whose terms have more characters in all."""
+"""Readers answer look-ups whose terms have more characters in all."""
 
 _GAP: Final = r"(?:[ \t\r\n]++|\#[^\r\n]*+)*+"
 _IRI: Final = r"<[^\x00-\x20<>\"{}|^`\\]*+>"
@@ -53,7 +53,7 @@ _LOOK_UP: Final = re.compile(
 
 
 def is_look_up(text: str) -> bool:
-    """Return whether a query is a look-up. An escape could be any character, so a text with one is none."""
+    """Return whether a query is a look-up. Texts with an escape are not, as it could be any character."""
     if len(text) > _CHARS or "\\" in text:
         return False
     found = _LOOK_UP.fullmatch(text)
@@ -64,17 +64,17 @@ def is_look_up(text: str) -> bool:
 
 
 class LookUps:
-    """Answers look-ups from the data in force, which it opens for the first of them and until it changes."""
+    """Answers look-ups from the current data, which is opened on the first look-up and closed when it changes."""
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
         self._snapshot: EmbeddedSnapshot | None = None
         self._identity: str | None = None
-        """The data that was opened or is being opened, as long as it is in force."""
+        """Identity of the data that is open or being opened; None after it changed."""
         self._opening: asyncio.Task[None] | None = None
 
     def answer(self, question: Question, identity: str) -> Kept | None:
-        """Return the answer to a look-up at the data `identity`; None where a reader has to answer."""
+        """Return the response to a look-up on the data `identity`; None if a reader has to answer."""
         plain = not question.parameters and not question.offset and question.snapshot in {None, identity}
         given = question.default_graphs is not None or question.named_graphs is not None
         if not plain or given or not is_look_up(question.text):
@@ -82,13 +82,13 @@ class LookUps:
         if self._snapshot is None or self._snapshot.identity != identity:
             self._open(identity)
             return None
-        # What goes wrong is for a reader to say.
+        # A reader reports the error.
         with suppress(SyntaxError, RuntimeError, OSError, ValueError, KgError):
-            return self._found(self._snapshot, question)
+            return self._evaluate(self._snapshot, question)
         return None
 
     def release(self, identity: str | None) -> None:
-        """Close what is open, unless it is of the data `identity`, which is in force now."""
+        """Close the open data unless its identity is `identity`, that of the current data."""
         if self._snapshot is not None and self._snapshot.identity != identity:
             self._snapshot.close()
             self._snapshot = None
@@ -96,13 +96,13 @@ class LookUps:
             self._identity = None
 
     async def close(self) -> None:
-        """Close what is open."""
+        """Close the open data."""
         self.release(None)
         if self._opening is not None:
             await asyncio.gather(self._opening, return_exceptions=True)
 
     def _open(self, identity: str) -> None:
-        """Open the data in force, in the background, once for each identity."""
+        """Open the current data in the background, once for each identity."""
         if self._opening is None and self._identity != identity:
             self._identity = identity
             self._opening = asyncio.get_running_loop().create_task(self._opened())
@@ -121,7 +121,7 @@ class LookUps:
             fresh.close()
 
     @staticmethod
-    def _found(snapshot: EmbeddedSnapshot, question: Question) -> Kept | None:
+    def _evaluate(snapshot: EmbeddedSnapshot, question: Question) -> Kept | None:
         began = time.perf_counter()
         text = question.text
         found = snapshot.query(text, prefixes=prefixes_in(text), union=question.union, base=question.base)
@@ -137,7 +137,7 @@ class LookUps:
 
 
 def _written(evaluation: Evaluation, name: str, most: int | None) -> tuple[int, bytes | None]:
-    """Return how many rows there are, and these in a format; None for more than a look-up may have."""
+    """Return the number of rows, and their serialization; None if there are too many for a look-up."""
     parts: list[bytes] = []
     if isinstance(evaluation.found, bool):
         write_boolean(name, parts.append, value=evaluation.found)
@@ -150,7 +150,7 @@ def _written(evaluation: Evaluation, name: str, most: int | None) -> tuple[int, 
 
 
 def _rows(found: Iterator[Row]) -> list[Row] | None:
-    """Return all rows; None when they are many or large, or have what is not a term of one part."""
+    """Return all rows; None if they are many or large, or contain quoted triples."""
     rows: list[Row] = []
     chars = 0
     for row in islice(found, _ROWS + 1):

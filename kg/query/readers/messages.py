@@ -1,8 +1,8 @@
-"""What is said between a reader and the process that started it.
+"""Protocol between a reader and its owner.
 
 A message is a frame: its length (four bytes, big-endian), its kind (one byte), then MessagePack, or plain bytes for a
-part of an answer. For each request a reader says `Head`, any number of parts and `Progress`, then `End`; or `Failure`
-at any moment.
+part of a response. For each request, a reader sends `Head`, any number of parts and `Progress`, and `End`; or `Failure`
+at any time.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ import msgspec
 from kg.errors import KgError, Place, QueryError
 
 PREFIX: Final = struct.Struct(">IB")
-"""The length of what follows, and its kind."""
+"""Length of the body, and its kind."""
 
 _MESSAGE: Final = 0
 _PART: Final = 1
 
 
 class Configuration(msgspec.Struct, frozen=True, tag="configuration"):
-    """The first message to a reader: `root` is the folder of the store, `memory` how many bytes a request may use.
+    """First message to a reader: `root` is the folder of the store, `memory` the memory limit of a request in bytes.
 
-    `calls` names the module whose `CALLS` other requests are looked up in, by `Call.name`; `settings` are flags for
-    `kg.settings.load`, which these are given.
+    `calls` names a module; its `CALLS` contain the functions for `Call.name`. They receive the settings that
+    `kg.settings.load` returns for the flags `settings`.
     """
 
     root: str
@@ -37,13 +37,12 @@ class Configuration(msgspec.Struct, frozen=True, tag="configuration"):
 class Question(msgspec.Struct, frozen=True, tag="question", kw_only=True):
     """A SPARQL query.
 
-    `formats` names the format to answer in for each kind of answer that is acceptable (`rows`, `boolean`, `graph`; see
-    `kg.query.formats`). `parameters` are terms for variables, as N-Triples writes them. `default_graphs` and
-    `named_graphs` replace the data set that the query names (SPARQL 1.1 Protocol, section 2.1.4); without them the
-    default graph is the union of all graphs, or with `union` false the unnamed one. `rows` caps rows or triples,
-    the first `offset` are left out; `size` caps the bytes of the answer (KG511). `snapshot` asks for the data of that
-    identity and no other (KG512). `path` is what errors name as the place of the text, `base` what its relative IRIs
-    are relative to; without one they are errors.
+    `formats` contains the format of the response for each acceptable kind of result (`rows`, `boolean`, `graph`; see
+    `kg.query.formats`). `parameters` binds variables to terms in N-Triples syntax. `default_graphs` and `named_graphs`
+    replace the dataset of the query (SPARQL 1.1 Protocol, section 2.1.4). Without them the default graph is the union
+    of all graphs, or the unnamed graph if `union` is false. `rows` limits rows or triples, after skipping the first
+    `offset`; `size` limits the bytes of the response (KG511). `snapshot` requires data of that identity (KG512). `path`
+    is the path of the text in errors, `base` the base of relative IRIs, which are errors without one.
     """
 
     text: str
@@ -61,27 +60,27 @@ class Question(msgspec.Struct, frozen=True, tag="question", kw_only=True):
 
 
 class Call(msgspec.Struct, frozen=True, tag="call"):
-    """A request for one of the functions of `Configuration.calls`, which answers in JSON."""
+    """Call of a function in `Configuration.calls`, which returns JSON."""
 
     name: str
     arguments: dict[str, Any] = {}
 
 
 class Ready(msgspec.Struct, frozen=True, tag="ready"):
-    """From a reader, once: it has opened what is in force, or tried, and waits for requests as the process `pid`."""
+    """Sent once by a reader with process ID `pid`: it has tried to open the current data, and accepts requests."""
 
     pid: int
 
 
 class Refresh(msgspec.Struct, frozen=True, tag="refresh"):
-    """To a reader with nothing to do: the data may have changed, let go of what is no longer in force."""
+    """Sent to an idle reader: the data may have changed, so close outdated data."""
 
 
 class Head(msgspec.Struct, frozen=True, tag="head"):
-    """The beginning of an answer: `kind` is `rows`, `boolean`, `graph` or `json`, `format` what it is written in.
+    """Head of a response: `kind` is `rows`, `boolean`, `graph` or `json`, `format` its serialization.
 
-    `snapshot` is the identity of the data. `repeatable` tells whether the same request to the same data has the same
-    answer, which those with NOW or RAND have not; of a view it is not known, and said to be false.
+    `snapshot` is the identity of the data. `repeatable` is whether the same request on the same data has the same
+    response. It is false for queries with NOW or RAND, and for views, for which it is unknown.
     """
 
     kind: str
@@ -92,15 +91,15 @@ class Head(msgspec.Struct, frozen=True, tag="head"):
 
 
 class Progress(msgspec.Struct, frozen=True, tag="progress"):
-    """How many rows or triples were found so far; said ten times a second while there are more and more."""
+    """Number of rows or triples found so far; sent at most ten times a second."""
 
     rows: int
 
 
 class End(msgspec.Struct, frozen=True, tag="end"):
-    """The end of an answer that is whole; `more` tells that the cap of rows cut it.
+    """End of a whole response; `more` is whether the limit of rows cut it.
 
-    `last` tells that the reader has grown large, or that something goes on in it: it is to answer nothing else.
+    `last` is whether the reader has grown large or still runs threads; it must not receive another request.
     """
 
     rows: int
@@ -110,9 +109,9 @@ class End(msgspec.Struct, frozen=True, tag="end"):
 
 
 class Failure(msgspec.Struct, frozen=True, tag="failure"):
-    """An error of `kg`, as one of its own or one of the engine's; what was said of the answer before is void.
+    """An error of `kg` or of the engine; any earlier part of the response is void.
 
-    `last` is that of `End`.
+    `last` is as in `End`.
     """
 
     code: str
@@ -129,18 +128,18 @@ class Failure(msgspec.Struct, frozen=True, tag="failure"):
 
     @classmethod
     def of(cls, error: KgError) -> Failure:
-        """Return what tells an error to another process."""
+        """Return an error as a message."""
         place = error.place
-        told = tuple(getattr(place, name) for name in Place.__dataclass_fields__) if place else ()
-        return cls(error.code, error.message, type(error).__name__, error.hint, *told)
+        fields = tuple(getattr(place, name) for name in Place.__dataclass_fields__) if place else ()
+        return cls(error.code, error.message, type(error).__name__, error.hint, *fields)
 
     def error(self) -> KgError:
-        """Return the error that was told."""
+        """Return the message as an error."""
         place = None
         if self.path is not None:
             place = Place(self.path, self.line, self.column, self.excerpt, self.end_line, self.end_column)
-        known = {kind.__name__: kind for kind in _subclasses(KgError)}
-        return known.get(self.kind, QueryError)(self.code, self.message, place=place, hint=self.hint)
+        kinds = {kind.__name__: kind for kind in _subclasses(KgError)}
+        return kinds.get(self.kind, QueryError)(self.code, self.message, place=place, hint=self.hint)
 
 
 Message: TypeAlias = Configuration | Question | Call | Ready | Refresh | Head | Progress | End | Failure
@@ -150,7 +149,7 @@ _DECODER: Final[msgspec.msgpack.Decoder[Message]] = msgspec.msgpack.Decoder(Mess
 
 
 def frame(content: Message | bytes) -> bytes:
-    """Return a message, or a part of an answer, as the bytes that are sent."""
+    """Return a message, or a part of a response, as a frame."""
     if isinstance(content, bytes):
         return PREFIX.pack(len(content), _PART) + content
     body = _ENCODER.encode(content)
@@ -158,7 +157,7 @@ def frame(content: Message | bytes) -> bytes:
 
 
 def decode(kind: int, body: bytes) -> Message | bytes:
-    """Return what was sent, of the kind and with the bytes behind the prefix; ValueError for what is no message."""
+    """Return the message or part with this kind and body; ValueError if it is malformed."""
     return body if kind == _PART else _DECODER.decode(body)
 
 

@@ -1,4 +1,4 @@
-"""How a reader gives an answer out: in parts of some size, with word of how far it is."""
+"""Send a response in parts, and its progress."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _SECONDS: Final = 0.1
 
 
 class Parts:
-    """Takes what is written and says it in parts, the head before the first; `most` bytes in all.
+    """Buffers a response and sends it in parts, after the head; `most` limits its bytes in all.
 
-    What goes wrong before the first part is full is known before anything was said.
+    Errors before the first part is full are found before anything is sent.
     """
 
     def __init__(self, answers: BinaryIO, head: Head, most: int | None) -> None:
@@ -27,7 +27,7 @@ class Parts:
         self._held_bytes = 0
 
     def take(self, data: bytes) -> None:
-        """Take some more of the answer; QueryError KG511 when it becomes larger than it may."""
+        """Append to the response; QueryError KG511 if it exceeds the limit."""
         self._size += len(data)
         if self._most is not None and self._size > self._most:
             hint = "Ask for fewer rows, with LIMIT."
@@ -38,26 +38,26 @@ class Parts:
             self._send()
 
     def end(self, end: End) -> None:
-        """Send what is held, and the end of the answer, as one piece."""
+        """Send the buffer and the end of the response as one piece."""
         self._send(frame(end))
 
-    def _send(self, behind: bytes = b"") -> None:
+    def _send(self, end: bytes = b"") -> None:
         head = b"" if self._head is None else frame(self._head)
         part = frame(b"".join(self._held)) if self._held else b""
-        self._answers.write(head + part + behind)
+        self._answers.write(head + part + end)
         self._answers.flush()
         self._head, self._held, self._held_bytes = None, [], 0
 
 
 class Pulse:
-    """Says how many rows were found, ten times a second at most."""
+    """Sends the number of rows, at most ten times a second."""
 
     def __init__(self, answers: BinaryIO) -> None:
         self._answers = answers
         self._next = time.monotonic() + _SECONDS
 
     def tick(self, count: int) -> None:
-        """Take word that there are `count` rows."""
+        """Send `count` if the last message is old enough."""
         now = time.monotonic()
         if now >= self._next:
             self._answers.write(frame(Progress(count)))

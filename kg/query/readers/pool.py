@@ -1,4 +1,4 @@
-"""The readers of one store, for asyncio: `ask` a query, `call` a view, `cancel` what runs.
+"""Reader pool of one store, for asyncio: `ask` a query, `call` a view, `cancel` a request.
 
 async with Readers(layout) as readers:
     async with readers.ask(Question(text="ASK {}", formats={"boolean": "json"}), seconds=30) as answer:
@@ -6,8 +6,8 @@ async with Readers(layout) as readers:
         body = b"".join([part async for part in answer.parts()])
         answer.end.rows                                     1
 
-`scheduler` decides which request runs when. An answer is given out when it is whole, or when its query turns out to be
-long and is sent while it is found.
+`scheduler` decides which request runs when. The response of a quick query is yielded when complete, that of a long one
+as a stream.
 """
 
 from __future__ import annotations
@@ -38,21 +38,21 @@ if TYPE_CHECKING:
 
 __all__ = ["Answer", "Job", "Readers", "Stats"]
 
-_LOOK_SECONDS: Final = 0.5
-"""How often is looked whether the data has changed."""
+_WATCH_SECONDS: Final = 0.5
+"""Interval at which the pool checks for new data."""
 
 _PREPARE_SECONDS: Final = 2.0
-"""Who opens a store for one question ends before, and pays nothing."""
+"""Delay before preparation, so short-lived sessions skip it."""
 
 _CLOSED: Final = "the readers are closed"
 
 
 class Stats(msgspec.Struct, frozen=True):
-    """Figures of the readers: `idle` processes, queries in a slot (`quick`), `long` queries, and `waiting` requests.
+    """Reader pool statistics: `idle` processes, queries in a slot (`quick`), `long` queries, and `waiting` requests.
 
-    `views` is the number of calls of views that run. `spawned` is how many processes there were, `ended` how many of
-    them by cause: `deadline`, `cancelled`, `left` (whoever asked went away), `memory`, `crashed`, `busy` (too many long
-    queries), `retired` (not needed any more, grown large, or lowered in priority). `snapshot` is the data in force.
+    `views` is the number of running calls of views. `spawned` counts all processes so far, `ended` those that exited,
+    by cause: `deadline`, `cancelled`, `left` (the client disconnected), `memory`, `crashed`, `busy` (too many long
+    queries), `retired` (surplus, too large, or with lowered priority). `snapshot` is the current data.
     """
 
     idle: int
@@ -69,12 +69,12 @@ class Stats(msgspec.Struct, frozen=True):
 class Readers:
     """Reader processes of one store.
 
-    `processes` is the number of slots for queries, and of long queries that run at a time; at most `queue` queries wait
-    for a slot. `memory` is how many bytes a request may use. `cache` is how many bytes of answers are kept for
-    requests that come again while the data is the same; 0 keeps none. `calls` and `settings` are those of
-    `messages.Configuration`. `prepare` names a view that works out what the others then find; it is called without a
-    deadline soon after the start, and after the data has changed. What readers say on standard error goes to the log
-    alone, and keys that end the programs of a terminal do not reach them. `program` is what they are forked from.
+    `processes` is the number of slots for queries, and of long queries that run at a time. At most `queue` queries wait
+    for a slot. `memory` is the memory limit of a request in bytes. `cache` is the size of the cache of responses in
+    bytes; 0 turns it off. `calls` and `settings` are those of `messages.Configuration`. `prepare` names a view that
+    computes shared results in advance. It is called without a deadline soon after the start, and after each change of
+    the data. The standard error of readers is logged, and they do not receive signals from the keyboard of a terminal.
+    `program` is the command of the fork server.
     """
 
     def __init__(  # noqa: PLR0913 - all by name
@@ -100,12 +100,12 @@ class Readers:
         self._cache = AnswerCache(cache)
         self._pointer = Pointer(layout)
         self._look_ups = LookUps(layout)
-        self._looking: asyncio.Task[None] | None = None
+        self._watching: asyncio.Task[None] | None = None
         self._closed = False
 
     async def __aenter__(self) -> Self:
         self._fleet.fill()
-        self._looking = asyncio.get_running_loop().create_task(self._look())
+        self._watching = asyncio.get_running_loop().create_task(self._watch())
         self._begin_preparing()
         return self
 
@@ -113,7 +113,7 @@ class Readers:
         self._closed = True
         for job in tuple(self.jobs.values()):
             job.end(QueryError("KG510", _CLOSED))
-        for task in (self._looking, self._preparing):
+        for task in (self._watching, self._preparing):
             if task is not None:
                 task.cancel()
                 await asyncio.gather(task, return_exceptions=True)
@@ -124,15 +124,15 @@ class Readers:
     async def ask(
         self, request: Question | Call, *, seconds: float | None = None, job: str | None = None, client: str = ""
     ) -> AsyncIterator[Answer]:
-        """Send a request and yield its answer, of which the head is there; leaving early ends the work.
+        """Send a request and yield its response after the head has arrived; leaving the context early cancels it.
 
-        `job` is the identity to cancel it by. The `client` is served in turn with others. The deadline counts from
-        here, waiting included, and until the caller has left: a caller that is slow to take an answer does not hold a
-        reader for longer.
+        `job` is the identity to cancel it by. Slots go to clients (`client`) in turn. The deadline `seconds` counts
+        from here until the caller leaves the context, including the wait. So a slow caller does not occupy a reader for
+        longer.
 
         Raises:
-            KgError: what the reader says; KG503 deadline, KG505 a job of this identity runs, KG507 memory, KG508 the
-                reader ended, KG509 busy, KG510 cancelled.
+            KgError: an error of the reader; KG503 deadline, KG505 a job of this identity runs, KG507 memory limit,
+                KG508 the reader exited, KG509 busy, KG510 cancelled.
         """
         message = frame(request)
         room = self._cache.largest if isinstance(request, Question) else 0
@@ -161,14 +161,14 @@ class Readers:
             run.leave()
 
     def known(self, message: bytes) -> Kept | None:
-        """Return the answer to a question, framed as a message, if it is kept for the data in force; else None."""
+        """Return the cached response to a question, framed as `message`, from the current data; None if not cached."""
         snapshot = self._pointer.snapshot()
         if snapshot is None or not self._cache.has(message, snapshot):
             return None
         return self._cache.get(message, snapshot)
 
     def look_up(self, question: Question, message: bytes) -> Kept | None:
-        """Return the answer to a question that needs no reader (see `lookups`), and keep it; else None.
+        """Return the response to a question that needs no reader (see `lookups`), and cache it; else None.
 
         `message` is the frame of the question.
         """
@@ -181,24 +181,24 @@ class Readers:
     async def call(
         self, name: str, arguments: Mapping[str, Any], *, seconds: float | None = 60, client: str = ""
     ) -> bytes:
-        """Return the JSON that a view answers; raises as `ask`."""
+        """Return the JSON of a view; raises as `ask`."""
         async with self.ask(Call(name, dict(arguments)), seconds=seconds, client=client) as answer:
             return b"".join([part async for part in answer.parts()])
 
     def cancel(self, identity: str) -> bool:
-        """End a request; False when none of this identity runs."""
+        """Cancel a request; return false if none with this identity runs."""
         job = self.jobs.get(identity)
         if job is not None:
             job.end(QueryError("KG510", "the query was cancelled"))
         return job is not None
 
     def moved(self) -> None:
-        """Take note at once that the data has changed, which else takes half a second."""
+        """Check for new data now instead of within half a second."""
         self._look_ups.release(self._pointer.snapshot())
         self._fleet.refresh()
 
     def stats(self) -> Stats:
-        """Return how the readers do."""
+        """Return the statistics."""
         scheduler, fleet = self._scheduler, self._fleet
         return Stats(
             idle=fleet.idle,
@@ -219,11 +219,11 @@ class Readers:
             raise QueryError("KG505", "the job with this identity is still running", hint="Choose another identity.")
         self.jobs[job.identity] = job
 
-    async def _look(self) -> None:
-        """Let idle readers go of data that is no longer in force."""
+    async def _watch(self) -> None:
+        """Check for new data regularly."""
         known = self._pointer.snapshot()
         while True:
-            await asyncio.sleep(_LOOK_SECONDS)
+            await asyncio.sleep(_WATCH_SECONDS)
             found = self._pointer.snapshot()
             if found != known:
                 known = found
@@ -237,7 +237,7 @@ class Readers:
 
     async def _run_prepare(self) -> None:
         await asyncio.sleep(_PREPARE_SECONDS)
-        # Whoever asks for what could not be prepared is told why.
+        # A request that needs the preparation reports the error.
         with suppress(KgError):
             await self.call(self._prepare, {}, seconds=None)
 

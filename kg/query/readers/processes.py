@@ -1,4 +1,4 @@
-"""Reader processes as the pool sees them, and the process that they are forked from."""
+"""Reader processes seen from their owner, and their fork server."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 
 PROGRAM: Final = (sys.executable, "-P", "-m", "kg.query.readers.forkserver")
-"""What readers are forked from."""
+"""Command of the fork server."""
 
 _LOG: Final = logging.getLogger(__name__)
 _ONE_THREAD: Final = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-"""Libraries of numbers start threads when they are loaded, which do not get along with forking."""
+"""Numeric libraries start threads when they are loaded, which makes forking unsafe."""
 _PROCESSOR_CLOCK: Final = 2
-"""The clock of a process that counts its processor time has this kind, below its number (clock_getcpuclockid(3))."""
+"""Kind of the processor clock of a process, in the low bits of its clock ID (clock_getcpuclockid(3))."""
 _KEPT_BYTES: Final = 4096
 _OUT_OF_MEMORY: Final = (
     b"memory allocation of",
@@ -38,11 +38,11 @@ _OUT_OF_MEMORY: Final = (
     b"Cannot allocate memory",
     b"Resource temporarily unavailable",
 )
-"""Words of Rust, C++, Python and the system, the last where there is no room for another thread."""
+"""Error messages of Rust, C++, Python and the system; the last one if a thread cannot be started."""
 
 
-class _LastWords:
-    """What a process says on its standard error: for the log, and to tell why it ended."""
+class _ErrorOutput:
+    """Standard error of a process, which is logged and explains why the process exited."""
 
     def __init__(self, file: int) -> None:
         self._file = file
@@ -51,17 +51,17 @@ class _LastWords:
         asyncio.get_running_loop().add_reader(file, self.listen)
 
     def listen(self) -> None:
-        """Take what was said up to now."""
+        """Read the available output."""
         if self._file < 0:
             return
         with suppress(BlockingIOError):
-            while said := os.read(self._file, _KEPT_BYTES):
-                self.text = (self.text + said)[-_KEPT_BYTES:]
-                _LOG.info("a reader reported: %s", said.decode("utf-8", "replace").rstrip())
+            while output := os.read(self._file, _KEPT_BYTES):
+                self.text = (self.text + output)[-_KEPT_BYTES:]
+                _LOG.info("a reader reported: %s", output.decode("utf-8", "replace").rstrip())
             self.close()
 
     def close(self) -> None:
-        """Listen no more."""
+        """Close the pipe."""
         if self._file >= 0:
             asyncio.get_running_loop().remove_reader(self._file)
             os.close(self._file)
@@ -69,20 +69,20 @@ class _LastWords:
 
 
 class Process:
-    """One reader: a socket to speak on, and a way to end it.
+    """One reader: a connection to it, and orders for its fork server.
 
-    `nice` tells that its priority was lowered, which cannot be taken back; `pid` is what the system calls it, 0 as long
-    as it has not said so. `unread` tells of one that has ended that it had not read what it was sent.
+    `nice` is whether its priority was lowered, which is irreversible. `pid` is its process ID, 0 until it reports it.
+    `unread` is whether it exited before reading the request.
     """
 
     def __init__(
         self,
         channel: Channel,
-        words: _LastWords,
+        stderr: _ErrorOutput,
         order: Callable[[bytes], None],
     ) -> None:
         self._channel = channel
-        self._words = words
+        self._stderr = stderr
         self._order = order
         self.unread = False
         self._began = 0.0
@@ -90,17 +90,17 @@ class Process:
         self.pid = 0
 
     def send(self, data: bytes) -> None:
-        """Send a frame; a reader that has ended is noticed when its answer is waited for."""
+        """Send a frame; `receive` detects whether the reader has exited."""
         self._channel.send(data)
 
     async def receive(self) -> Any:
-        """Return the next message or part, None when the reader has ended; may be cancelled and called again."""
+        """Return the next message or part; None if the reader has exited. May be cancelled and called again."""
         while not await self._channel.wait():
             pass
         try:
             return self._channel.take()
         except ConnectionError:
-            # The system resets a connection whose other end is closed before all was read there, and only then.
+            # The system resets a connection only if the other end is closed with unread data.
             self.unread = True
             return None
 
@@ -110,14 +110,14 @@ class Process:
 
     @property
     def ended(self) -> bool:
-        """Whether the reader is known to have ended, with all it said taken."""
+        """Whether the reader has exited and all its output was received."""
         return self._channel.ended
 
     @property
     def out_of_memory(self) -> bool:
-        """Whether its last words were that it got no more memory."""
-        self._words.listen()
-        return any(words in self._words.text for words in _OUT_OF_MEMORY)
+        """Whether its standard error reports a lack of memory."""
+        self._stderr.listen()
+        return any(words in self._stderr.text for words in _OUT_OF_MEMORY)
 
     def start(self, request: bytes) -> None:
         """Send a request; `used` counts from now on."""
@@ -125,7 +125,10 @@ class Process:
         self.send(request)
 
     def used(self) -> float:
-        """Return the processor seconds used since `start`, by all threads; seconds where the system does not tell."""
+        """Return the processor seconds of all threads since `start`.
+
+        Without such a clock in the system, return elapsed seconds.
+        """
         return self._clock() - self._began
 
     def _clock(self) -> float:
@@ -133,38 +136,38 @@ class Process:
             return time.monotonic()
         try:
             return time.clock_gettime(~self.pid << 3 | _PROCESSOR_CLOCK)
-        except OSError:  # it has ended
+        except OSError:  # the reader has exited
             return self._began
 
     def give_way(self) -> None:
-        """Lower its priority for good."""
+        """Lower the priority of the reader, irreversibly."""
         self.nice = True
         self._order(YIELD)
 
     def pause(self) -> None:
-        """Stop it until `resume`."""
+        """Pause the reader until `resume`."""
         self._order(PAUSE)
 
     def resume(self) -> None:
-        """Let it run again after `pause`."""
+        """Resume the reader after `pause`."""
         self._order(RESUME)
 
     def kill(self) -> None:
-        """End the reader, whatever it does; who waits for it is told at once."""
+        """Kill the reader; a waiting `receive` returns at once."""
         self._order(END)
         self._channel.abort()
 
     def close(self) -> None:
-        """End the reader and let go of all that belongs to it."""
+        """Kill the reader and release its resources."""
         self.kill()
-        self._words.listen()
-        self._words.close()
+        self._stderr.listen()
+        self._stderr.close()
 
 
 class Spawner:
-    """The process that readers are forked from; it is started when there is none, and again when it has ended.
+    """Fork server of readers, started on demand and restarted after it exits.
 
-    `program` is what to run, `modules` what it is to import beforehand.
+    `program` is its command; it imports the module of `configuration.calls` in advance.
     """
 
     def __init__(self, configuration: Configuration, program: Sequence[str] = PROGRAM) -> None:
@@ -172,49 +175,49 @@ class Spawner:
         self._command = [*program, *([configuration.calls] if configuration.calls else [])]
         self._server: subprocess.Popen[bytes] | None = None
         self._orders: socket.socket | None = None
-        self._words: _LastWords | None = None
+        self._stderr: _ErrorOutput | None = None
         self._numbers = itertools.count()
 
     async def spawn(self) -> Process:
         """Return a new reader.
 
         Raises:
-            QueryError: KG508 when no process can be started.
+            QueryError: KG508 if no process can be started.
         """
         number = next(self._numbers)
         try:
             with ExitStack() as ours, ExitStack() as theirs:
-                near, far, words, said = _channels(ours, theirs)
+                near, far, stderr, write_end = _channels(ours, theirs)
                 self._start()
-                with suppress(ConnectionError):  # where the server has just ended the reader is seen to have ended
-                    self._send(FORK, number, [far.fileno(), said])
+                with suppress(ConnectionError):  # if the server exits now, the reader is found to have exited
+                    self._send(FORK, number, [far.fileno(), write_end])
                 _, channel = await asyncio.get_running_loop().create_connection(Channel, sock=near)
                 ours.pop_all()
         except OSError as error:
             raise QueryError("KG508", f"no process for queries can be started: {error}") from error
-        process = Process(channel, words, lambda what: self._tell(what, number))
+        process = Process(channel, stderr, lambda what: self._order(what, number))
         process.send(self._first)
         return process
 
     def _start(self) -> None:
-        if self._serves():
+        if self._is_serving():
             return
-        self._let_go()
+        self._disconnect()
         with ExitStack() as ours, ExitStack() as theirs:
-            near, far, words, said = _channels(ours, theirs)
+            near, far, stderr, write_end = _channels(ours, theirs)
             self._server = subprocess.Popen(  # noqa: S603 - our own interpreter
                 self._command,
                 stdin=far.fileno(),
                 stdout=subprocess.DEVNULL,
-                stderr=said,
+                stderr=write_end,
                 env={**os.environ, **_ONE_THREAD},
                 start_new_session=True,
             )
-            self._orders, self._words = near, words
+            self._orders, self._stderr = near, stderr
             ours.pop_all()
 
-    def _serves(self) -> bool:
-        """Tell whether there is a server: when one ends its socket is closed before the system says that it has."""
+    def _is_serving(self) -> bool:
+        """Return whether the server runs. Its socket closes before the system reports its exit."""
         if self._server is None or self._orders is None or self._server.poll() is not None:
             return False
         try:
@@ -228,36 +231,36 @@ class Spawner:
         if self._orders is not None:
             socket.send_fds(self._orders, [ORDER.pack(what, number)], files)
 
-    def _tell(self, what: bytes, number: int) -> None:
-        """Order something of a reader; when the server has ended its readers have too."""
+    def _order(self, what: bytes, number: int) -> None:
+        """Send an order for a reader; ignored if the server, and so its readers, have exited."""
         with suppress(OSError):
             self._send(what, number)
 
-    def _let_go(self) -> None:
-        """Close what leads to the server, which ends by that."""
+    def _disconnect(self) -> None:
+        """Close the connections to the server, which makes it exit."""
         if self._orders is not None:
             self._orders.close()
-        if self._words is not None:
-            self._words.close()
-        self._orders = self._words = None
+        if self._stderr is not None:
+            self._stderr.close()
+        self._orders = self._stderr = None
 
     async def close(self) -> None:
-        """End the server, and with it every reader."""
+        """Stop the server and all readers."""
         if self._orders is not None:
             self._orders.close()
             self._orders = None
         if self._server is not None:
             await asyncio.to_thread(self._server.wait)
-        self._let_go()
+        self._disconnect()
 
 
-def _channels(ours: ExitStack, theirs: ExitStack) -> tuple[socket.socket, socket.socket, _LastWords, int]:
-    """Return two ends of a connection, and two of what a process says; each is closed by the stack of its owner."""
+def _channels(ours: ExitStack, theirs: ExitStack) -> tuple[socket.socket, socket.socket, _ErrorOutput, int]:
+    """Return both ends of a socket, and of a pipe for standard error; each stack closes those of its owner."""
     near, far = socket.socketpair()
     ours.callback(near.close)
     theirs.callback(far.close)
-    errors, said = os.pipe()
-    theirs.callback(os.close, said)
-    words = _LastWords(errors)
-    ours.callback(words.close)
-    return near, far, words, said
+    read_end, write_end = os.pipe()
+    theirs.callback(os.close, write_end)
+    stderr = _ErrorOutput(read_end)
+    ours.callback(stderr.close)
+    return near, far, stderr, write_end

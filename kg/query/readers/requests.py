@@ -1,4 +1,4 @@
-"""What processes share that answer requests one after the other: taking them, and telling what one failed of."""
+"""Receive requests and report errors, in processes that answer one request after the other."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from kg.query.readers.messages import PREFIX, Failure, Message, decode
 from kg.store.failure import is_of_store, store_error
 
 _NO_THREAD: Final = "can't start new thread"
-"""How Python says that there is no room for the stack of one."""
+"""Message of Python if the stack of a thread cannot be allocated."""
 
 
 def received(requests: BinaryIO) -> Message | bytes | None:
-    """Return what comes next; None when nothing comes any more."""
+    """Return the next message; None at the end of the stream."""
     prefix = requests.read(PREFIX.size)
     if len(prefix) < PREFIX.size:
         return None
@@ -23,10 +23,10 @@ def received(requests: BinaryIO) -> Message | bytes | None:
 
 
 def failure(error: Exception, what: str) -> Failure:
-    """Return what tells the owner of this process why `what` (such as "query") failed.
+    """Return the error of `what` (such as "query") as a message for the owner of this process.
 
-    KG507 stands for a lack of memory, and codes of the store for what the system reports; what nobody has foreseen is
-    KG900, and goes to standard error as a whole.
+    The code is KG507 for a lack of memory, and one of the store's codes for errors of the system. Unexpected exceptions
+    are KG900; their traceback is written to standard error.
     """
     if isinstance(error, KgError):
         return Failure.of(error)

@@ -1,14 +1,14 @@
 """Scheduling of requests on readers: one queue, short first turns, and shared processors for long queries.
 
 Each query waits for a *slot*, and slots go to the clients in turn (`slots.Slots`). In its slot it has a first turn:
-10 ms of processor time while others wait, else 100 ms. Most queries end in it. A query that does not continues in its
-reader, but no longer holds the slot: it is now a *long* query. As many long queries run at a time as there are slots,
-and the others are paused (`sharing.Sharing`). Those that ran least run next, and after 100 ms of processor time a
-reader has a lower priority. No query is restarted, and its costs are not estimated before it runs.
+10 ms of processor time while others wait, else 100 ms. Most queries end in it. Others continue in their reader without
+a slot, as *long* queries. As many long queries run at a time as there are slots; the others are paused
+(`sharing.Sharing`). Those with the least run time go next. After 100 ms of processor time the priority of the reader is
+lowered. No query is restarted, and costs are not estimated in advance.
 
-It follows that a query waits for a slot at most as long as the first turns of the requests ahead of it, however many
-long queries there are. A query is refused (KG509) only when the queue is full, or when too many long queries are held.
-Each held query is a process that can use the memory of one query.
+So a query waits for a slot at most as long as the first turns of the requests ahead of it, however many long queries
+there are. A query is refused (KG509) only if the queue is full or too many long queries are held. Each held query is a
+process that may use the memory of one query.
 
 Calls of views have slots of their own and no turns, because their work is bounded and a person waits for the page.
 """
@@ -33,20 +33,20 @@ _TURN_SECONDS: Final = 0.01
 _LONE_TURN_SECONDS: Final = 0.1
 """Processor time of the first turn, while other queries wait and while none does."""
 _TURN_ROUNDS: Final = 3
-"""The turn lasts at most so many times as long while the reader gets no processor, or waits for the disk."""
+"""Limit of a turn's elapsed time, as a multiple of its processor time, if the reader waits for a processor or disk."""
 _CHECK_SECONDS: Final = 0.005
 """Interval at which the end of a turn is checked."""
 _TURN_BYTES: Final = 1 << 20
-"""An answer that grows larger ends the turn: it is sent while it is found."""
+"""A larger response ends the turn, and is streamed."""
 _LONG_PER_SLOT: Final = 40
-"""Long queries held per slot, running and paused. A paused reader uses about 6 MB beside the memory of its query."""
+"""Long queries held per slot, running and paused. A paused reader uses about 6 MB plus the memory of its query."""
 
 _CAUSES: Final = {"KG503": "deadline", "KG510": "cancelled", "KG507": "memory", "KG508": "crashed", "KG509": "busy"}
 
 
 @dataclass(frozen=True, slots=True)
 class Scheduler:
-    """What the requests share: slots for queries and for views, the readers of long queries, and all readers."""
+    """State shared by all requests: slots for queries and for views, the readers of long queries, and all readers."""
 
     queries: Slots
     views: Slots
@@ -61,7 +61,10 @@ class Scheduler:
 
 
 class Run:
-    """One request, sent as `message`; of its answer up to `copied` bytes are copied. `view`: it calls a view."""
+    """Run of one request, sent as `message`.
+
+    Up to `copied` bytes of its response are retained. `view` is whether it calls a view.
+    """
 
     def __init__(self, scheduler: Scheduler, job: Job, message: bytes, copied: int, *, view: bool = False) -> None:
         self._scheduler = scheduler
@@ -75,9 +78,9 @@ class Run:
         self.error: KgError | None = None
 
     async def begin(self) -> Answer:
-        """Return the answer, which is whole or that of a long query; raises as `Answer.parts`, and KG509."""
+        """Return the response, which is complete or that of a long query; raises as `Answer.parts`, and KG509."""
         try:
-            # Idle readers may have been killed without anybody having noticed yet.
+            # Idle readers may have been killed unnoticed.
             for _ in range(1 + self._scheduler.fleet.idle):
                 try:
                     return await self._run()
@@ -88,11 +91,11 @@ class Run:
                     self._leave_slot()
             return await self._run()
         except KgError as error:
-            # What fails because the request was ended is not what its caller wants to hear.
+            # Report the cause of the cancellation rather than its consequence.
             raise self._job.cause or error from error
 
     def leave(self) -> None:
-        """Give back all that is held; what still runs is ended."""
+        """Release the reader and the slot; a running query is killed."""
         self._leave_reader()
         self._leave_slot()
 
@@ -115,7 +118,7 @@ class Run:
         return answer
 
     async def _ends_in_turn(self, answer: Answer, process: Process) -> bool:
-        """Wait for the end of an answer until its first turn is over; return whether it came."""
+        """Receive the response until its first turn is over; return whether it is complete."""
         began = time.monotonic()
         while not await answer.collect(_CHECK_SECONDS, _TURN_BYTES):
             turn = _TURN_SECONDS if self._scheduler.queries.waiting else _LONE_TURN_SECONDS
@@ -140,7 +143,7 @@ class Run:
         return settled and self._job.cause is None and (self.error is None or self.error.code != "KG507")
 
     def _why(self) -> str:
-        """Return what ends the reader."""
+        """Return the cause for replacing the reader."""
         error = self._job.cause or self.error
         settled = self._answer is not None and self._answer.settled
         return _CAUSES.get(error.code if error else "", "retired" if settled else "left")

@@ -23,11 +23,11 @@ _NICE_SECONDS: Final = 0.1
 class Sharing:
     """Readers of long queries. `slots` of them run at a time, the others are paused; at most `most` are held.
 
-    Those run that ran least: first by the time of all long queries of their client, then by their own. Times of one
-    query count as equal up to a factor of two, and the oldest goes first. So queries that take about the same time run
-    one after the other, and a query that is longer does not delay them.
+    Readers with the least run time run next: first by the time of all long queries of their client, then by their own.
+    Times of single queries count as equal up to a factor of two, and then the oldest goes first. So queries of similar
+    length run one after the other, and a longer query does not delay them.
 
-    Time counts while a reader may run, whether it works or waits, so that no reader keeps its turn by waiting.
+    Time counts while a reader may run, working or waiting, so no reader can hold its turn by waiting.
     """
 
     def __init__(self, slots: int, most: int, clock: Callable[[], float] = time.monotonic) -> None:
@@ -46,10 +46,10 @@ class Sharing:
         return len(self._clients)
 
     def add(self, process: Process, client: str) -> None:
-        """Hold a reader that runs a query of `client`.
+        """Add a reader that runs a query of `client`.
 
         Raises:
-            QueryError: KG509 when as many are held as allowed.
+            QueryError: KG509 if too many are held.
         """
         if self.held >= self._most:
             raise QueryError("KG509", f"{self.held} long queries are running", hint="Try again in a few seconds.")
@@ -60,7 +60,7 @@ class Sharing:
         self._choose()
 
     def remove(self, process: Process) -> None:
-        """Release a reader, if it is held; it may be paused."""
+        """Remove a reader, if it is held; it may be paused."""
         if process in self._clients:
             self._charge()
             del self._clients[process], self._seconds[process]
@@ -99,5 +99,5 @@ class Sharing:
 
 
 def _level(seconds: float) -> int:
-    """Return 0 for less than a turn, and one more each time that `seconds` doubles."""
+    """Return 0 for less than a turn, and one more for each doubling of `seconds`."""
     return int(seconds / _TURN_SECONDS).bit_length()

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 class Slots:
     """`slots`, each held by one request at a time; at most `queue` requests wait.
 
-    Free slots go to the waiting clients in turn. Of the requests of one client the oldest goes first. If more of them
-    wait than there are slots, grants are for the newest and the oldest in turn. A burst does not delay later requests
-    for long, and each of its requests has its turn.
+    Free slots go to the waiting clients in turn. Of the requests of one client, the oldest goes first. If more of them
+    wait than there are slots, the newest and the oldest alternate. So a burst does not delay later requests for long,
+    and each of its requests is served.
 
-    When the queue is full, the client with the most waiting requests loses its newest one. One client cannot fill the
-    queue for others.
+    If the queue is full, the client with the most waiting requests loses its newest one. So one client cannot fill the
+    queue.
     """
 
     def __init__(self, slots: int, queue: int) -> None:
@@ -39,7 +39,7 @@ class Slots:
         """Take a slot, after waiting for one. `register` receives a future; an exception set on it ends the wait.
 
         Raises:
-            QueryError: KG509 when the queue is full and no other client has more requests in it.
+            QueryError: KG509 if the queue is full and no other client has more requests in it.
         """
         if self.held < self._slots and not self._waiting:
             self.held += 1
@@ -54,7 +54,7 @@ class Slots:
         except BaseException:
             self._forget(client, place)
             if place.done() and not place.cancelled() and place.exception() is None:
-                # The slot was granted at the moment the wait ended.
+                # The slot was granted at the moment when the wait ended.
                 self.give_back()
             raise
 

@@ -1,4 +1,4 @@
-"""Answers as text while they are found: rows (`rows`) and graphs (`graphs`), and how single terms are read (`values`).
+"""Serialization of results as streams: rows (`rows`), graphs (`graphs`) and single terms (`values`).
 
-`kg.query.formats` knows the formats by name, and is what others use.
+`kg.query.formats` selects a format by name, and is the interface for other packages.
 """

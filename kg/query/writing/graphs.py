@@ -1,4 +1,4 @@
-"""Triples in each of their formats, by the engine's own serialisers, which write while they are given triples."""
+"""Serialization of triples, by the engine's own serializers, which write as they receive triples."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ GRAPHS: Final = {
     "jsonld": RdfFormat.JSON_LD,
     "rdfxml": RdfFormat.RDF_XML,
 }
-"""What a graph can be written as."""
+"""Formats of graphs."""
 
 _WITH_PREFIXES: Final = frozenset({"turtle", "trig", "rdfxml"})
 _NAME: Final = re.compile(r"[^\W\d]")
-"""What the local name of an element of XML begins with, wherever in the IRI that is."""
+"""First character of a local name in XML; it may be anywhere in the IRI."""
 
 
 def write_triples(name: str, triples: Iterable[Triple], output: Callable[[bytes], object]) -> None:
-    """Give `triples` to `output` in the format `name`, some kilobytes at a time; what `output` raises ends it.
+    """Write `triples` to `output` in the format `name`, in parts of some kilobytes; an exception of `output` ends it.
 
     Raises:
-        QueryError: KG504 for a triple that the format cannot hold.
+        QueryError: KG504 for a triple that the format cannot represent.
     """
     prefixes = dict(PREFIXES) if name in _WITH_PREFIXES else {}
     if name == "rdfxml":
         triples, written = map(_for_xml, triples), output
-        # The engine leaves carriage returns as they are, which a parser of XML reads as line feeds.
-        output = lambda part: written(part.replace(b"\r", b"&#13;"))  # noqa: E731 - three words
+        # The engine does not escape carriage returns, which an XML parser reads as line feeds.
+        output = lambda part: written(part.replace(b"\r", b"&#13;"))  # noqa: E731 - short enough
     try:
         sink = cast("IO[bytes]", _Output(output))
         pyoxigraph.serialize(triples, sink, format=GRAPHS[name], prefixes=prefixes)
@@ -50,7 +50,7 @@ def write_triples(name: str, triples: Iterable[Triple], output: Callable[[bytes]
 
 
 class _Output:
-    """What the engine writes to: it uses these two methods of a file alone."""
+    """File object for the engine, which uses only these two methods."""
 
     def __init__(self, take: Callable[[bytes], object]) -> None:
         self._take = take
@@ -60,11 +60,11 @@ class _Output:
         return len(part)
 
     def flush(self) -> None:
-        """Keep nothing back, so there is nothing to do."""
+        """Do nothing, as nothing is buffered."""
 
 
 def _for_xml(triple: Triple) -> Triple:
-    """Return the triple; QueryError KG504 when RDF/XML has no way to write it (RDF 1.1 XML Syntax, section 2.10)."""
+    """Return the triple; QueryError KG504 if RDF/XML cannot represent it (RDF 1.1 XML Syntax, section 2.10)."""
     predicate = triple.predicate.value
     tail = re.split(r"[^\w.\-·]", predicate)[-1]
     if not _NAME.search(tail):

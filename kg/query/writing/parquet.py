@@ -1,6 +1,6 @@
-"""Rows as a file of Apache Parquet, for tables too large for text; needs the extra `parquet` (pyarrow).
+"""Rows as an Apache Parquet file, for tables too large for text; needs the extra `parquet` (pyarrow).
 
-A column of numbers or booleans alone is of that type, any other is text: IRIs whole, literals by their text.
+A column with only numbers or only booleans has that type. Any other is text: full IRIs, and the text of literals.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _MOST: Final = 1 << 63
 
 
 def is_installed() -> bool:
-    """Tell whether answers can be written so."""
+    """Return whether pyarrow is installed."""
     return find_spec("pyarrow") is not None
 
 
@@ -31,7 +31,7 @@ def written(variables: tuple[str, ...], rows: Iterable[Row]) -> bytes:
     """Return rows as a file; QueryError KG504 without pyarrow."""
     if not is_installed():
         raise QueryError("KG504", "Parquet is written by pyarrow, which is not installed", hint=_HINT)
-    import pyarrow as pa  # noqa: PLC0415 - half a second, and an extra
+    import pyarrow as pa  # noqa: PLC0415 - takes half a second; an optional extra
     from pyarrow import parquet  # noqa: PLC0415 - as above
 
     every = list(rows)

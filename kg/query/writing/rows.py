@@ -1,8 +1,8 @@
-"""Rows in each of their formats, some at a time: a head, the rows, a tail.
+"""Rows in each of their formats, in batches: head, rows, tail.
 
 Sources: SPARQL 1.1 Query Results JSON Format; CSV and TSV Formats; XML in `xml`. Triple terms and base directions are
-written as SPARQL 1.2 does. `markdown` is a table; `jsonl` has one object a row, with plain values for literals of
-numbers, booleans and strings.
+written as in SPARQL 1.2. `markdown` is a table; `jsonl` has one object per row, with plain values for literals that are
+numbers, booleans or strings.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _encode: Final = msgspec.json.Encoder().encode
 
 
 class RowFormat(NamedTuple):
-    """How rows are written: what begins, some rows for their variables, what stands between those, what ends."""
+    """A format of rows: head, a batch of rows for their variables, separator between batches, tail."""
 
     head: Callable[[tuple[str, ...]], bytes]
     rows: Callable[[tuple[str, ...], Sequence[Row]], bytes]
@@ -59,7 +59,7 @@ def _json_term(term: Term) -> bytes:
         return b'{"type":"uri","value":' + _encode(term.value) + b"}"
     if isinstance(term, Literal):
         value, mark = quoted_and_mark(term)
-        # The engine's quoted text has the escapes of N-Triples in their canonical form, which are those of JSON.
+        # The engine's quoted text uses the escapes of canonical N-Triples, which are valid in JSON.
         return b'{"type":"literal","value":' + value.encode() + (_json_mark(mark) if mark else b"") + b"}"
     if isinstance(term, Triple):
         parts = {"subject": term.subject, "predicate": term.predicate, "object": term.object}
@@ -94,13 +94,13 @@ def _tsv_head(variables: tuple[str, ...]) -> bytes:
 
 
 def _tsv_rows(_variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
-    # The engine's own form of a term has its tabs and ends of lines escaped.
+    # The engine's serialization of a term escapes tabs and line ends.
     lines = ("\t".join(["" if term is None else _short(term) for term in row]) for row in found)
     return "".join(line + "\n" for line in lines).encode()
 
 
 def _short(term: Term) -> str:
-    """Return a term as Turtle writes it, integers and booleans in their short form."""
+    """Return a term in Turtle, with integers and booleans in their short form."""
     if not isinstance(term, Literal):
         return turtle(term)
     text = str(term)
@@ -131,7 +131,7 @@ ROWS: Final = {
     "markdown": RowFormat(_markdown_head, _markdown_rows),
     "jsonl": RowFormat(lambda _: b"", _jsonl_rows),
 }
-"""What rows can be written as."""
+"""Formats of rows."""
 
 BOOLEANS: Final[dict[str, Callable[[str], bytes]]] = {
     "json": lambda value: f'{{"head":{{}},"boolean":{value}}}\n'.encode(),
@@ -141,4 +141,4 @@ BOOLEANS: Final[dict[str, Callable[[str], bytes]]] = {
     "markdown": lambda value: f"{value}\n".encode(),
     "jsonl": lambda value: f"{value}\n".encode(),
 }
-"""What yes or no can be written as, given as `true` or `false`."""
+"""Formats of booleans, given as `true` or `false`."""

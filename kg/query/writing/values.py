@@ -1,4 +1,4 @@
-"""Single terms as people and programs read them."""
+"""Single terms as text, for people and programs."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
 
 
 def plain(term: Term | None) -> str | int | float | bool | None:
-    """Return the value of a term as JSON has it: numbers and booleans as such, everything else as text.
+    """Return the value of a term as in JSON: numbers and booleans as such, everything else as text.
 
-    A number that JSON does not have, as infinity, or that is not written as one, is text too.
+    Numbers that JSON cannot represent, such as infinity, and malformed ones are text.
     """
     if not isinstance(term, Literal):
         return None if term is None else bare(term)
@@ -39,7 +39,7 @@ def plain(term: Term | None) -> str | int | float | bool | None:
 
 
 def display(term: Term | None) -> str:
-    """Return a term as people read it: IRIs with known prefixes, literals as their text."""
+    """Return a term for display: IRIs with known prefixes, literals as their text."""
     if isinstance(term, NamedNode):
         return shorten(term.value).strip("<>")
     if isinstance(term, Literal):
@@ -48,21 +48,21 @@ def display(term: Term | None) -> str:
 
 
 def bare(term: Term) -> str:
-    """Return the IRI or the text of a literal; other terms as `turtle` writes them."""
+    """Return the IRI or the text of a literal; other terms as in `turtle`."""
     return term.value if isinstance(term, NamedNode | Literal) else turtle(term)
 
 
 def turtle(term: Term) -> str:
-    """Return a term as Turtle and N-Triples write it; the engine leaves the brackets of triple terms out."""
+    """Return a term in the syntax of Turtle and N-Triples; the engine omits the brackets of triple terms."""
     if isinstance(term, Triple):
         return f"<<( {turtle(term.subject)} {term.predicate} {turtle(term.object)} )>>"
     return str(term)
 
 
 def quoted_and_mark(literal: Literal) -> tuple[str, str]:
-    """Return the text of a literal in quotes, escaped as in N-Triples, and what stands behind: `@en`, `^^<...>`.
+    """Return the text of a literal in quotes, escaped as in N-Triples, and the suffix: `@en`, `^^<...>`.
 
-    This is one question to the engine, where text, language, direction and data type would be four.
+    This takes one call of the engine; text, language, direction and datatype would take four.
     """
     text = str(literal)
     end = text.rindex('"') + 1

@@ -22,16 +22,16 @@ _DIRECTION: Final = ' its:dir="{}" xmlns:its="http://www.w3.org/2005/11/its" its
 _ESCAPES: Final = {"\r": "&#13;"}
 """An XML parser reads a bare carriage return as a line feed."""
 _UNWRITABLE: Final = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
-"""What XML 1.0 has no way to write, not even as a reference (section 2.2)."""
+"""Characters that XML 1.0 cannot represent, not even as a reference (section 2.2)."""
 
 TAIL: Final = b"</results>\n</sparql>\n"
 
 
 def refuse_unwritable(text: str) -> None:
-    """Refuse a text with a character that XML cannot hold.
+    """Reject a text with a character that XML cannot represent.
 
     Raises:
-        QueryError: KG504 naming the character.
+        QueryError: KG504 with the character.
     """
     found = _UNWRITABLE.search(text)
     if found:
@@ -46,7 +46,7 @@ def head(variables: tuple[str, ...]) -> bytes:
 
 
 def rows(variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
-    """Return some rows, a line each; QueryError KG504 for a text that XML cannot hold."""
+    """Return rows, one per line; QueryError KG504 for a text that XML cannot represent."""
     opened = [f"<binding name={quoteattr(name)}>" for name in variables]
     lines = []
     for row in found:
@@ -58,7 +58,7 @@ def rows(variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
 
 
 def boolean(value: str) -> bytes:
-    """Return the whole document of yes or no."""
+    """Return the whole document for a boolean."""
     body = f"<head></head>\n<boolean>{value}</boolean>\n"
     return f'<?xml version="1.0"?>\n<sparql xmlns="{_NAMESPACE}">\n{body}</sparql>\n'.encode()
 

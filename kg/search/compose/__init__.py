@@ -1,8 +1,8 @@
-"""Chains of nodes that turn messages of one type into another, ranked, each with the launch file that wires it.
+"""Chains of nodes that convert messages of one type into another, ranked, each with a launch file that wires it.
 
-`reading` has the network of nodes and types, `asking` resolves types and names, `steps` and `costs` compute what a
-node in a chain is worth, `chains` finds the best, `details` reads where their ends are in code, `wiring` gives names
-to their topics, `roslaunch` and `ros2launch` write that down, and `running` does all of it.
+`reading` builds the network of nodes and types, `asking` resolves types and names, `steps` and `costs` compute the cost
+of a node in a chain, `chains` finds the cheapest, `details` reads the places of their ends in code, `wiring` names
+their topics, `roslaunch` and `ros2launch` write the launch file, and `running` does all of it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Resolves a request in a network: its types, and the types and nodes that a chain must contain."""
+"""Resolve a request in a network: its types, and the types and nodes that a chain must contain."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ _DESCRIBED: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A question in terms of a network.
+    """A request in terms of a network.
 
-    Each required type or node has a bit: `types` and `parts` (places in the network) map to their bits. `named` are
-    parts requested by name; they are allowed in a chain whatever their cost.
+    Each required type or node has a bit: `types` and `parts` (indices in the network) map to their bits. `named`
+    contains parts requested by name; they are allowed in a chain whatever their cost.
     """
 
     starts: tuple[str, ...]
@@ -38,7 +38,7 @@ class Asked:
     parts: Mapping[int, int] = field(default_factory=dict)
     named: frozenset[int] = frozenset()
     notes: tuple[str, ...] = ()
-    """What is not obvious about how names were understood."""
+    """Explanations of names whose resolution is not obvious."""
 
     def names(self, place: int) -> bool:
         """Return whether the part at a place of the network is requested by name."""
@@ -85,7 +85,7 @@ def asked(
 
 
 def meant_types(name: str, known: Iterable[str]) -> tuple[str, ...]:
-    """Return the types that `package/Type`, `package/msg/Type` or `Type` means, sorted.
+    """Return the types matching `package/Type`, `package/msg/Type` or `Type`, sorted.
 
     Raises:
         UnknownNameError: KG705 with similar names.

@@ -1,9 +1,9 @@
-"""Finds the cheapest chains of steps from some types to others, in the order of their costs.
+"""Find the cheapest chains of steps from some types to others, in the order of their costs.
 
 Nodes and types are a bipartite graph; a step goes from a type through a node to a type. A backward pass
 from the goals computes a lower bound of the remaining cost for each type and number of steps left (Bellman 1957). The
 forward search extends chains in the order of cost so far plus that bound (A*, Hart, Nilsson and Raphael 1968). Each
-queued chain is a place in a sorted list of next steps, so chains are built only when they are visited.
+queued chain is an index in a sorted list of next steps, so chains are only created when they are visited.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
 _MOST_LOOKS: Final = 150_000
-"""How many steps are looked at before a search ends with what it has; some seconds."""
+"""Number of visited steps after which a search is cut off; some seconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
     """A node in a chain: it receives `source` at the input `taken` and publishes `target` at the output `given`.
 
-    `marks` are the bits of the requirements that it meets. `key` orders steps of equal cost. A `kept` step may publish
-    the type that it receives.
+    `marks` contains the bits of the requirements that it meets. `key` orders steps of equal cost. A `kept` step may
+    publish the type that it receives.
     """
 
     part: int
@@ -67,16 +67,16 @@ class _Path:
 
 _Follow: TypeAlias = "list[tuple[int, str, Step]]"
 _Waiting: TypeAlias = "list[tuple[int, tuple[str, ...], int, int | None, _Path]]"
-"""What the chain costs at least, its keys, a number, the place of the step to look at (None: none), and the path."""
+"""Lower bound of the chain's cost, its keys, a number, the index of its next step (None: none), and the path."""
 
 
 @dataclass(slots=True)
 class Search:
     """A search: chains of at most `length` steps from one of `starts` to one of `goals`.
 
-    `steps` are all steps by the type they take. A chain must have all bits of `wanted`; `start_marks` are those of the
-    types it may begin with. `between` returns the cost of linking two steps, 0 or more. No family and no
-    type occurs twice in a chain, except the goal of a search from a type to itself, and types of `kept` steps.
+    `steps` contains all steps by input type. A chain must have all bits of `wanted`; `start_marks` contains those of
+    the possible first types. `between` returns the cost of linking two steps, 0 or more. No family and no type occurs
+    twice in a chain, except the goal of a search from a type to itself, and types of `kept` steps.
     """
 
     steps: Mapping[str, Sequence[Step]]
@@ -87,7 +87,7 @@ class Search:
     wanted: int = 0
     start_marks: Mapping[str, int] = field(default_factory=dict)
     looks: int = 0
-    """How many steps were looked at; the search is cut off where there are more than a limit."""
+    """Number of visited steps; the search is cut off at a limit."""
     _rest: list[dict[tuple[str, int], int]] = field(default_factory=list)
     _numbers: Iterator[int] = field(default_factory=count)
     _known: dict[tuple[str, int, int], _Follow] = field(default_factory=dict)
@@ -98,7 +98,7 @@ class Search:
         return self.looks >= _MOST_LOOKS
 
     def best(self) -> Iterator[Chain]:
-        """Yield the chains by rising cost, then by their keys; chains of the same nodes once.
+        """Yield the chains by increasing cost, then by their keys, without repeating chains of the same nodes.
 
         The queue has the same order, and an extension never precedes its chain. So a complete chain at the head of the
         queue is the next result. If the search is cut off, the complete chains still in the queue follow.
@@ -119,7 +119,7 @@ class Search:
                 self._extend(waiting, path, place)
 
     def _extend(self, waiting: _Waiting, path: _Path, place: int) -> None:
-        """Extend a path by its step at a place, and queue it for the step after that."""
+        """Extend a path by its step at an index, and queue it for the step after that."""
         self.looks += 1
         self._queue(waiting, path, place + 1)
         step = self._follow(path)[place][2]
@@ -132,7 +132,7 @@ class Search:
             self._queue(waiting, grown, 0)
 
     def _queue(self, waiting: _Waiting, path: _Path, place: int) -> None:
-        """Queue a path for its step at a place."""
+        """Queue a path for its step at an index."""
         follow = self._follow(path)
         if place < len(follow):
             rest, key, _ = follow[place]

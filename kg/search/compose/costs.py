@@ -1,4 +1,4 @@
-"""The cost of a node in a chain, and the reasons in words: the fewer points, the better (`ontology/composing.toml`)."""
+"""The cost of a node in a chain, and the reasons in words; fewer points are better (`ontology/composing.toml`)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _FILE: Final = "composing.toml"
 _SELDOM: Final = 3
 _OFTEN: Final = 10
-"""How many launch files start a node that is started often, or all the time."""
+"""Number of launch files that start a node, from which it has no cost."""
 
 
 class Costs(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -62,7 +62,7 @@ class Types(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Knowledge(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The whole file."""
+    """The content of the file."""
 
     costs: Costs
     words: Words
@@ -71,14 +71,14 @@ class Knowledge(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @lru_cache(maxsize=1)
 def knowledge() -> Knowledge:
-    """Return what `kg` ships."""
+    """Return the knowledge shipped with `kg`."""
     text = (resources.folder("ontology") / _FILE).read_text("utf-8")
     return msgspec.convert(tomllib.loads(text), Knowledge)
 
 
 @lru_cache(maxsize=1 << 12)
 def generic(type_name: str) -> bool:
-    """Return whether a type is too generic for its messages to be a link."""
+    """Return whether a type is too generic to link nodes by."""
     package = type_name.partition("/")[0]
     types = knowledge().types
     return package in types.generic or not types.generic_words.isdisjoint(words(package))

@@ -24,7 +24,7 @@ SELECT ?n ?s ?p ?o {
   { VALUES ?n { %s } GRAPH ?g { ?n rnkg:hasParameter ?s . ?s ?p ?o } }
 }"""
 _LIFECYCLE: Final = "publisher/~/transition_event"
-"""What every lifecycle node of ROS 2 has."""
+"""End of every ROS 2 lifecycle node."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Unset:
 
 @dataclass(slots=True)
 class Details:
-    """Places by the IRI of an end, parameters by the IRI of a node, and the nodes with a life cycle."""
+    """Places by the IRI of an end, parameters by the IRI of a node, and the lifecycle nodes."""
 
     places: Mapping[str, Location] = field(default_factory=dict)
     unset: Mapping[str, tuple[Unset, ...]] = field(default_factory=dict)

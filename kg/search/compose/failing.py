@@ -1,4 +1,4 @@
-"""Explains why no chain exists: types without subscriber or publisher, and the types reachable from either side."""
+"""Explain why no chain exists: types without subscriber or publisher, and the types reachable from either side."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SHOWN: Final = 6
 
 
 def nothing(network: Network, asked: Asked, using: Sequence[str], ros: int | None, length: int) -> UnknownNameError:
-    """Return the error KG706 for a question without an answer, with the types that can be reached."""
+    """Return the error KG706 for a request without result, with the types that can be reached."""
     sides = (", ".join(asked.starts), ", ".join(sorted(asked.goals)))
     through = f" through {', '.join(f'`{one}`' for one in using)}" if using else ""
     version = f" of ROS {ros}" if ros else ""
@@ -54,10 +54,10 @@ def _reached(network: Network, asked: Asked, length: int, ros: int) -> Iterator[
     """Yield the types reachable from the starts, with the longest path, and those that lead to the goals."""
     steps = steps_of(network, Asked(asked.starts, asked.goals), ros)
     forwards = _levels(steps, asked.starts, length)
-    behind = {name: level for name, level in forwards.items() if level}
-    if behind:
-        farthest = max(sorted(behind), key=lambda name: behind[name])
-        yield f"ROS {ros}: {', '.join(asked.starts)} becomes {_some(behind)}."
+    reached = {name: level for name, level in forwards.items() if level}
+    if reached:
+        farthest = max(sorted(reached), key=lambda name: reached[name])
+        yield f"ROS {ros}: {', '.join(asked.starts)} becomes {_some(reached)}."
         search = Search(steps, asked.starts, frozenset({farthest}), length, between(network))
         chain = next(search.best(), None)
         if chain is not None:
@@ -75,7 +75,7 @@ def _reached(network: Network, asked: Asked, length: int, ros: int) -> Iterator[
 def _levels(
     steps: Mapping[str, Sequence[Step]], starts: Iterable[str], length: int, *, backwards: bool = False
 ) -> dict[str, int]:
-    """Return the types that are reached, and say something, with the least number of nodes for each."""
+    """Return the reachable types that are not generic, with the least number of nodes for each."""
     found = dict.fromkeys(starts, 0)
     edge = list(found)
     for level in range(1, length + 1):

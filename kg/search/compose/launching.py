@@ -11,13 +11,13 @@ if TYPE_CHECKING:
     from kg.search.compose.details import Unset
 
 _MOST: Final = 8
-"""How many inputs of a node are named one by one."""
+"""Largest number of inputs of a node that are listed."""
 
 
 def launch_text(chain: Composed) -> str:
     """Return the launch file of a chain: XML of roslaunch for ROS 1, Python for ROS 2."""
     if chain.wiring.ros == 1:
-        from kg.search.compose.roslaunch import written  # noqa: PLC0415 - it needs what this module defines
+        from kg.search.compose.roslaunch import written  # noqa: PLC0415 - circular import
     else:
         from kg.search.compose.ros2launch import written  # noqa: PLC0415 - the same
     return written(chain)

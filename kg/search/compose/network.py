@@ -1,6 +1,6 @@
-"""Nodes that can be started, with the ends that messages go through.
+"""Nodes that can be started, with their publishers and subscribers.
 
-The structures are msgspec's, since they are kept as JSON in the store's cache.
+The structures are msgspec's, because they are stored as JSON in the store's cache.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ _PARAMETER: Final = re.compile(r"(~/)?[A-Za-z][\w./]*", re.ASCII)
 
 
 class Port(msgspec.Struct, array_like=True, frozen=True, gc=False):
-    """A publisher or subscriber: `name` as the node gives it to ROS, `type` `package/Type`.
+    """A publisher or subscriber: `name` as the node passes it to ROS, `type` is `package/Type`.
 
     `parameter` sets an unknown name. `switches` are those of `kg.facts.Interface`, `arguments` the number of
     command-line arguments that the end requires.
@@ -30,7 +30,7 @@ class Port(msgspec.Struct, array_like=True, frozen=True, gc=False):
 
     @property
     def topic(self) -> str | None:
-        """The name without a leading slash: relative and absolute names are equal for a node in the root namespace."""
+        """The name without a leading slash; in the root namespace, relative and absolute names are equal."""
         return self.name.removeprefix("/") if self.name is not None else None
 
     @property
@@ -46,8 +46,8 @@ class Port(msgspec.Struct, array_like=True, frozen=True, gc=False):
 class Part(msgspec.Struct, frozen=True, gc=False):
     """A node type that a launch file can start.
 
-    `family` is the same for variants of a node (the program and the nodelet) and for its copies; `launches` are numbers
-    of the launch files of the store that start it.
+    `family` is the same for variants of a node (the program and the nodelet) and for its copies; `launches` contains
+    the numbers of the launch files of the store that start it.
     """
 
     iri: str
@@ -69,7 +69,7 @@ class Part(msgspec.Struct, frozen=True, gc=False):
 
     @property
     def started(self) -> int:
-        """How many launch files of the store start it."""
+        """Number of launch files of the store that start it."""
         return len(self.launches)
 
     @property

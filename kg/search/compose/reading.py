@@ -1,4 +1,4 @@
-"""Reads the network of a store by two large and two short queries, and caches it with the store."""
+"""Read the network of a store by two large and two short queries, and cache it with the store."""
 
 from __future__ import annotations
 
@@ -49,14 +49,14 @@ def network(snapshot: Snapshot, cache: Path | None) -> Network:
     if body is not None:
         return msgspec.json.decode(body, type=Network)
     found = read(snapshot)
-    # In a read-only store the network is read again the next time.
+    # In a read-only store the network is read each time.
     with suppress(OSError):
         keep(cache / _FOLDER, snapshot.identity, [msgspec.json.encode(found)])
     return found
 
 
 def read(snapshot: Snapshot) -> Network:
-    """Return the network of a snapshot: nodes that launch files can start, and that publish or subscribe something."""
+    """Return the network of a snapshot: nodes that launch files can start and that have publishers or subscribers."""
     sources = _Sources(snapshot)
     more: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
     for subject, predicate, value in sources.rows(_MORE):
@@ -80,7 +80,7 @@ def read(snapshot: Snapshot) -> Network:
 
 
 class _Sources:
-    """The rows of queries over the graphs of sources."""
+    """Rows of queries over the graphs of sources."""
 
     def __init__(self, snapshot: Snapshot) -> None:
         self.snapshot = snapshot
@@ -93,7 +93,7 @@ class _Sources:
 
 
 def _numbered(rows: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
-    """Return for each node the numbers of the graphs in which it is."""
+    """Return the numbers of the graphs that contain each node."""
     pairs = sorted(set(rows))
     numbers = {graph: place for place, graph in enumerate(sorted({graph for _, graph in pairs}))}
     found: defaultdict[str, list[int]] = defaultdict(list)
@@ -105,7 +105,7 @@ def _numbered(rows: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
 def _ports(
     rows: Iterable[tuple[str, ...]], more: Mapping[str, Mapping[str, set[str]]]
 ) -> dict[str, list[tuple[str, Port]]]:
-    """Return the ends of each node with their role, those of frameworks left out."""
+    """Return the ends of each node with their role, without those of frameworks."""
     found: defaultdict[str, list[tuple[str, Port]]] = defaultdict(list)
     for iri, type_iri in sorted(set(rows)):
         node, role, name = _split(iri)
@@ -132,7 +132,7 @@ def _split(iri: str) -> tuple[str, str, str | None]:
     """Return the node, the role and the name in the IRI of an end (`kg.graph.iris.fragment`)."""
     whole, _, part = iri.partition("#")
     again = ""
-    if not part.startswith(_ROLES):  # several nodes of one name are distinguished by fragments
+    if not part.startswith(_ROLES):  # fragments distinguish several nodes with the same name
         at = min((place for role in _ROLES if (place := part.find(f"/{role}/")) >= 0), default=-1)
         if at < 0:
             return whole, part.partition("/")[0], None
@@ -154,7 +154,7 @@ def _names(iri: str) -> tuple[str, str, str]:
 
 
 def _with_families(parts: list[Part]) -> list[Part]:
-    """Return the parts with their families: nodes and packages of the same names, apart from words of form."""
+    """Return the parts with their families: equal names of nodes and packages, ignoring words of form."""
     first: dict[tuple[int, str, str], int] = {}
     return [
         msgspec.structs.replace(part, family=first.setdefault((part.ros, part.package, _bare(part.name)), place))

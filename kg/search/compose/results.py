@@ -25,8 +25,8 @@ LAUNCH_ENDS: Final = {1: ".launch", 2: ".launch.py"}
 class Node:
     """A node of a chain.
 
-    `fed` are other inputs published by earlier nodes of the chain, `needs` the inputs that no node publishes. `others`
-    are its variants and copies, `demerits` the arguments against reusing it.
+    `fed` contains other inputs published by earlier nodes of the chain, `needs` the inputs that no node publishes.
+    `others` contains its variants and copies, `demerits` the arguments against reusing it.
     """
 
     part: Part
@@ -53,7 +53,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """A chain, wired; `types` are the types of the input, of the links, and of the output."""
+    """A wired chain; `types` contains the types of the input, of the links, and of the output."""
 
     nodes: tuple[Node, ...]
     wiring: Wiring
@@ -67,7 +67,7 @@ class Composed:
 
     @property
     def file_name(self) -> str:
-        """A name for its launch file."""
+        """Name of its launch file."""
         first, last = (name.rpartition("/")[2].lower() for name in (self.types[0], self.types[-1]))
         return f"{first}_to_{last}{LAUNCH_ENDS[self.wiring.ros]}"
 
@@ -108,7 +108,7 @@ def grouped(ports: tuple[Port, ...]) -> list[tuple[str, list[str]]]:
 
 def composed_object(chain: Composed, rank: int) -> dict[str, Any]:
     """Return a chain as plain values, ready for JSON; the fields of docs/compose.md."""
-    from kg.search.compose.launching import launch_text  # noqa: PLC0415 - it needs what this module defines
+    from kg.search.compose.launching import launch_text  # noqa: PLC0415 - circular import
 
     return {
         "rank": rank,

@@ -62,17 +62,17 @@ def _topic(link: Link) -> str:
 
 
 def _private(name: str) -> str:
-    """Return a name as ROS 1 writes it: `~name`."""
+    """Return a name in the syntax of ROS 1: `~name`."""
     return f"~{name[2:]}" if name.startswith("~/") else name
 
 
 def _below(name: str) -> str:
-    """Return the name of a parameter inside of its node."""
+    """Return the name of a parameter relative to its node."""
     return name.removeprefix("~/")
 
 
 def _comment(text: str) -> str:
-    """Return a text that is valid in a comment of XML: no two hyphens in a row, and none at the end."""
+    """Return a text that is valid in an XML comment: without two adjacent hyphens or a final one."""
     while "--" in text:
         text = text.replace("--", "- -")
     return f"{text} " if text.endswith("-") else text

@@ -1,4 +1,4 @@
-"""Answers a question: the best chains for each version of ROS, wired."""
+"""Answer a request: the best chains for each version of ROS, wired."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ _VERSIONS: Final = (1, 2)
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A question for chains from any type of `sources` to any of `targets`, through everything in `using`.
+    """A request for chains from any type of `sources` to any of `targets`, through everything in `using`.
 
-    `ros` is 1 or 2, None for both; `limit` is how many chains are returned. `length` is the largest number
+    `ros` is 1 or 2, None for both; `limit` is the number of chains to return. `length` is the largest number
     of nodes; None means four, without chains longer than the best one by more than a node.
     """
 
@@ -47,41 +47,43 @@ class Question:
 
     @property
     def most(self) -> int:
-        """How many nodes a chain may have."""
+        """Largest number of nodes in a chain."""
         return LENGTH if self.length is None else self.length
 
 
 def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -> Answer:
     """Return the best chains, the best first.
 
-    The network is cached below the folder `cache`, if given.
+    The network is cached in the folder `cache`, if given.
 
     Raises:
-        UnknownNameError: KG705 for a type that no node has, KG706 when there is no chain, KG707 for an unknown name in
+        UnknownNameError: KG705 for a type that no node has, KG706 if there is no chain, KG707 for an unknown name in
             `using`.
     """
     known = network(snapshot, cache)
-    meant = asked(known, snapshot, question.sources, question.targets, question.using)
-    made = searches(known, meant, question)
-    found = merge(*(one.best() for one in made), key=lambda chain: (chain.cost, chain.keys))
+    resolved = asked(known, snapshot, question.sources, question.targets, question.using)
+    started = searches(known, resolved, question)
+    found = merge(*(one.best() for one in started), key=lambda chain: (chain.cost, chain.keys))
     first = next(found, None)
     if first is None:
-        raise nothing(known, meant, question.using, question.ros, question.most)
+        raise nothing(known, resolved, question.using, question.ros, question.most)
     enough = first.cost + 2 * knowledge().costs.node if question.length is None else None
     worth = takewhile(lambda chain: enough is None or chain.cost < enough, found)
     chains = [first, *islice(worth, question.limit)]
     shown = [(chain, _wired(known, chain)) for chain in chains[: question.limit]]
     details = _details(snapshot, [wiring for _, wiring in shown])
     composed = tuple(_composed(known, chain, wiring, details) for chain, wiring in shown)
-    return Answer(composed, meant, len(chains) > question.limit, any(one.cut_off for one in made))
+    return Answer(composed, resolved, len(chains) > question.limit, any(one.cut_off for one in started))
 
 
-def searches(known: Network, meant: Asked, question: Question) -> list[Search]:
-    """Return the search of each version of ROS that is asked for."""
+def searches(known: Network, request: Asked, question: Question) -> list[Search]:
+    """Return a search for each requested version of ROS."""
     link = between(known)
-    starts = {name: meant.types.get(name, 0) for name in meant.starts}
+    starts = {name: request.types.get(name, 0) for name in request.starts}
     return [
-        Search(steps_of(known, meant, ros), meant.starts, meant.goals, question.most, link, meant.wanted, starts)
+        Search(
+            steps_of(known, request, ros), request.starts, request.goals, question.most, link, request.wanted, starts
+        )
         for ros in _VERSIONS
         if question.ros in {None, ros}
     ]
@@ -100,13 +102,13 @@ def _details(snapshot: Snapshot, wirings: list[Wiring]) -> Details:
 
 def _composed(known: Network, chain: Chain, wiring: Wiring, details: Details) -> Composed:
     nodes = []
-    said: set[tuple[str, str]] = set()
+    published: set[tuple[str, str]] = set()
     for step, start in zip(chain.steps, wiring.starts, strict=True):
         part = start.part
         others = tuple(one for place, one in enumerate(known.parts) if one.family == step.family and place != step.part)
         wanted = needs(part, start.taken)
-        fed = tuple(port for port in wanted if (start.own(port), port.type) in said)
+        fed = tuple(port for port in wanted if (start.own(port), port.type) in published)
         missing = tuple(port for port in wanted if port not in fed)
         nodes.append(Node(part, start, missing, fed, others, demerits(part)))
-        said |= wiring.said(len(nodes) - 1)
+        published |= wiring.said(len(nodes) - 1)
     return Composed(tuple(nodes), wiring, details, chain.cost)

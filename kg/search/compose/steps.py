@@ -1,4 +1,4 @@
-"""The steps of chains: each pair of input and output of each node for a version of ROS, with its cost."""
+"""Steps of chains: each pair of input and output of each node for a version of ROS, with its cost."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _through(part: Part, place: int, asked: Asked) -> Iterator[Step]:
 
 
 def _best(ports: Sequence[Port], shared: frozenset[str | None], taken: Port | None = None) -> dict[str, int]:
-    """Return the place of the best end of each type; outputs must be compatible with the input `taken`."""
+    """Return the index of the best end of each type; outputs must be compatible with the input `taken`."""
     found: dict[str, int] = {}
     for place, port in enumerate(ports):
         if not port.can_be_wired or (taken is not None and not _together(taken, port)):

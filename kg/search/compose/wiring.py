@@ -1,7 +1,7 @@
 """Names for the nodes and topics of a chain: valid, unique, and without unintended connections.
 
-A topic keeps the name that its publisher uses, unless another end of the chain has that name (other than later nodes
-that subscribe to the same type). In that case the topic is named below its publisher.
+A topic keeps its publisher's name, unless another end of the chain has that name (other than later nodes that subscribe
+to the same type). In that case the topic is named below its publisher.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from kg.search.compose.network import Part, Port
 
 INPUT: Final = "input"
-"""The argument of a launch file that names the topic which a chain begins with."""
+"""Launch file argument that names the first topic of a chain."""
 OUTPUT: Final = "output"
-"""The argument that names the topic which it ends with."""
+"""Argument that names its last topic."""
 _HOSTS: Final = {1: "nodelet_manager", 2: "component_container"}
 
 
@@ -37,7 +37,7 @@ class Link:
 
 @dataclass(slots=True)
 class Start:
-    """A node as the launch file starts it; `remaps` are pairs of its own name for a topic and the link it becomes.
+    """A node as started by the launch file; `remaps` contains pairs of its own name for a topic and the link.
 
     `topics` are parameters that name topics, `switches` boolean parameters that enable its ends.
     """
@@ -64,8 +64,8 @@ class Start:
 class Wiring:
     """Content of a launch file.
 
-    `links` has one topic more than there are nodes; the first and the last connect to the outside. `host` is the
-    name of the manager or container that loads classes, None without such classes.
+    `links` has one topic more than there are nodes; the first and the last connect to the outside. `host` is the name
+    of the manager or container for loaded classes, None if there are none.
     """
 
     ros: int
@@ -74,7 +74,7 @@ class Wiring:
     host: str | None
 
     def said(self, place: int) -> set[tuple[str, str]]:
-        """Return the topics that the node at a place publishes, by their final names, with types."""
+        """Return the topics that the node at an index publishes, by their final names, with types."""
         start, link = self.starts[place], self.links[place + 1]
         moved = start.own(start.given)
         found = {(start.own(port) or "", port.type) for port in start.part.outputs if start.own(port) != moved}
@@ -135,21 +135,24 @@ def _links(starts: Sequence[Start]) -> list[Link]:
 
 
 def _disturbing(starts: Sequence[Start], type_name: str, place: int) -> set[str]:
-    """Return the names not allowed for a topic of a type that leads to the node at a place of the chain.
+    """Return the names not allowed for a topic of a type that leads to the node at an index of the chain.
 
-    Later nodes may subscribe to it as well. Earlier nodes must not: that would be a loop. Ends that are links of the
+    Later nodes may subscribe to it as well. Earlier nodes must not, as that would be a loop. Ends that are links of the
     chain, or share the name of one, are remapped and do not count.
     """
     found = set()
     for number, start in enumerate(starts):
         moved = {start.own(start.taken), start.own(start.given)}
-        heard = [port for port in start.part.inputs if number < place or port.type != type_name]
-        found |= {own for port in (*heard, *start.part.outputs) if (own := start.own(port)) is not None} - moved
+        inputs = [port for port in start.part.inputs if number < place or port.type != type_name]
+        found |= {own for port in (*inputs, *start.part.outputs) if (own := start.own(port)) is not None} - moved
     return found
 
 
 def _moved_by_name(starts: Sequence[Start]) -> set[str]:
-    """Return the names that remappings of nodes affect where a parameter names the input: it is remapped afterwards."""
+    """Return the names affected by remappings of nodes whose input is named by a parameter.
+
+    That input is remapped afterwards.
+    """
     return {start.own(start.given) or "" for start in starts if start.taken.name is None}
 
 

@@ -1,4 +1,4 @@
-"""What tests of updates share: a store without rules of `kg`, and what it holds."""
+"""Helpers for tests of updates: a store without the rules of `kg`, and its content."""
 
 from __future__ import annotations
 
@@ -34,18 +34,18 @@ _RULES: Final = {
 
 @dataclass(slots=True)
 class Bench:
-    """A store, its settings, and what changes it in this process."""
+    """A store, its settings, and an applier in this process."""
 
     store: EmbeddedStore
     settings: Settings
     applier: Applier
 
     def update(self, text: str, *, dry_run: bool = False, snapshot: str | None = None) -> Updated:
-        """Run an update, in which the empty prefix is known."""
+        """Run an update, with a declaration of the empty prefix."""
         return self.applier.apply(Update(text=PREFIX + text, snapshot=snapshot), dry_run=dry_run)
 
     def lines(self, graph: str | None = None) -> list[str]:
-        """Return the lines of everything, or of one graph, sorted."""
+        """Return the lines of all graphs, or of one graph, sorted."""
         named = NamedNode(graph.strip("<>")) if graph else None
         rdf_format = RdfFormat.N_TRIPLES if named else RdfFormat.N_QUADS
         with self.store.read() as snapshot:

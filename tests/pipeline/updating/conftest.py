@@ -1,4 +1,4 @@
-"""A store with a few rules of its own, anew for each test."""
+"""A store with a few rules of its own, for each test."""
 
 from __future__ import annotations
 
@@ -13,5 +13,5 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def own(tmp_path: Path) -> Bench:
-    """An empty store whose rules say what reaches what along `:next`."""
+    """An empty store whose rules infer reachability along `:next`."""
     return bench(tmp_path)

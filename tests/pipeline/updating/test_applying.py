@@ -1,4 +1,4 @@
-"""Tests of changes of a store: whole or not at all, with what rules make of them, and not of kg's own graphs."""
+"""Tests of changes of a store: atomicity, inferences, and protection of kg's own graphs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CHAIN = "INSERT DATA { GRAPH :g { :a :next :b . :b :next :c } }"
 
 
 def refused(own: Bench, text: str) -> str:
-    """Return the code that an update ends with, and see that nothing of it happened."""
+    """Return the error code of an update, and check that it changed nothing."""
     before, current = own.lines(), own.store.layout.current()
     with pytest.raises(KgError) as caught:
         own.update(text)
@@ -31,7 +31,7 @@ def refused(own: Bench, text: str) -> str:
 
 
 def test_rules_follow_an_update_in_its_own_snapshot(own: Bench) -> None:
-    """What is inferred changes with the data, and the answer counts both."""
+    """Inferences change with the data, and the result counts both."""
     made = own.update(CHAIN)
     assert (made.snapshot, made.graphs, made.inferred) == ("1", {"urn:test:g": (0, 2)}, 6)
     assert "<urn:test:a> <urn:test:reaches> <urn:test:c> ." in own.lines(INFERRED)
@@ -42,7 +42,7 @@ def test_rules_follow_an_update_in_its_own_snapshot(own: Bench) -> None:
 
 
 def test_a_failing_operation_undoes_those_before_it(own: Bench) -> None:
-    """Of a sequence whose second operation fails nothing happens."""
+    """If the second operation of a sequence fails, nothing changes."""
     own.update(CHAIN)
     assert refused(own, "INSERT DATA { :x :y :z } ; CREATE GRAPH :g") == "KG560"
     assert refused(own, "INSERT DATA { :x :y :z } ; CLEAR GRAPH :nowhere") == "KG560"
@@ -66,20 +66,20 @@ def test_a_failing_operation_undoes_those_before_it(own: Bench) -> None:
     ],
 )
 def test_what_rules_infer_is_written_by_rules_alone(own: Bench, text: str) -> None:
-    """However an update names the graph, it is refused where it would change it."""
+    """However an update names the graph, it is refused if it would change it."""
     own.update(CHAIN)
     assert refused(own, text) == "KG561"
 
 
 def test_what_is_inferred_may_be_read_and_left_as_it_is(own: Bench) -> None:
-    """An update that reads the graph, or would write there what makes no difference, is none of its business."""
+    """An update that reads the graph, or would make no difference there, is allowed."""
     own.update(CHAIN)
     own.update(f"ADD {INFERRED} TO :copy")
     assert own.update(f"DELETE DATA {{ GRAPH {INFERRED} {{ :no :such :triple }} }}").changed is False
 
 
 def test_clearing_everything_leaves_what_is_not_the_users(own: Bench) -> None:
-    """CLEAR ALL empties the other graphs; what was inferred then follows from nothing, and goes by the rules."""
+    """CLEAR ALL clears the other graphs; earlier inferences then follow from nothing, and the rules remove them."""
     own.update(CHAIN)
     done = own.update("CLEAR ALL")
     assert (done.removed, done.inferred) == (2, 0)
@@ -88,7 +88,7 @@ def test_clearing_everything_leaves_what_is_not_the_users(own: Bench) -> None:
 
 
 def test_a_change_that_makes_no_difference_makes_no_snapshot(own: Bench) -> None:
-    """The identity of the data stays what it is."""
+    """The identity of the data is unchanged."""
     own.update(CHAIN)
     again = own.update(CHAIN)
     assert (again.snapshot, again.changed, again.mode) == ("1", False, "none")
@@ -96,7 +96,7 @@ def test_a_change_that_makes_no_difference_makes_no_snapshot(own: Bench) -> None
 
 
 def test_a_dry_run_says_what_would_change(own: Bench) -> None:
-    """The counts are those of the update, and the store is as it was; the next update is right all the same."""
+    """The counts are those of the update, and the store is unchanged; the next update is correct."""
     own.update(CHAIN)
     tried = own.update("INSERT DATA { GRAPH :g { :c :next :zz } }", dry_run=True)
     assert (tried.graphs, tried.inferred_added, tried.snapshot) == ({"urn:test:g": (0, 1)}, 5, "1")
@@ -105,7 +105,7 @@ def test_a_dry_run_says_what_would_change(own: Bench) -> None:
 
 
 def test_an_update_may_be_for_one_snapshot_only(own: Bench) -> None:
-    """Where the data has changed since it was looked at, nothing happens."""
+    """If the data has changed since that snapshot, nothing happens."""
     own.update(CHAIN)
     assert own.update("INSERT DATA { :x :y :z }", snapshot="1").snapshot == "2"
     with pytest.raises(KgError) as caught:
@@ -114,14 +114,14 @@ def test_an_update_may_be_for_one_snapshot_only(own: Bench) -> None:
 
 
 def test_the_default_graph_is_the_unnamed_one(own: Bench) -> None:
-    """As the standard has it: WHERE sees named graphs by GRAPH, WITH and USING only."""
+    """As in the standard: WHERE sees named graphs only by GRAPH, WITH and USING."""
     own.update(CHAIN)
     assert own.update("INSERT { ?a :seen ?b } WHERE { ?a :next ?b }").changed is False
     assert own.update("INSERT { ?a :seen ?b } USING :g WHERE { ?a :next ?b }").graphs == {"": (0, 2)}
 
 
 def test_the_data_set_of_the_request_takes_the_place_of_the_stores(own: Bench) -> None:
-    """Parameters of the protocol choose what WHERE sees; beside USING or WITH they are refused."""
+    """Parameters of the protocol select the dataset of WHERE; together with USING or WITH they are refused."""
     own.update(CHAIN)
     text = "PREFIX : <urn:test:> INSERT { ?a :seen ?b } WHERE { ?a :next ?b }"
     assert own.applier.apply(Update(text=text, using=("urn:test:g",))).graphs == {"": (0, 2)}
@@ -135,7 +135,7 @@ def test_the_data_set_of_the_request_takes_the_place_of_the_stores(own: Bench) -
 
 
 def test_graphs_are_put_added_to_and_removed(own: Bench) -> None:
-    """Content takes the place of a graph's, or comes to it; blank nodes of two parts are two."""
+    """Content replaces that of a graph, or is added to it; blank nodes of two parts are different."""
     turtle = b"@prefix : <urn:test:> . :a :next :b , [] . <#x> :y 1 ."
     put = own.applier.apply(GraphChange(action="put", graph="urn:test:g", parts=((turtle, "text/turtle"),)))
     assert (put.created, put.added, put.inferred) == (True, 3, 5)
@@ -165,7 +165,7 @@ def test_graphs_are_put_added_to_and_removed(own: Bench) -> None:
     ],
 )
 def test_writes_of_graphs_that_cannot_be(own: Bench, change: GraphChange, code: str) -> None:
-    """A graph that is not there, one of kg's own, content that does not parse, a format that holds many."""
+    """A missing graph, one of kg's own, content that does not parse, and a format with several graphs are refused."""
     own.update(CHAIN)
     with pytest.raises(KgError) as caught:
         own.applier.apply(change)
@@ -174,14 +174,14 @@ def test_writes_of_graphs_that_cannot_be(own: Bench, change: GraphChange, code: 
 
 
 def test_a_broken_rule_is_a_warning(own: Bench) -> None:
-    """The update happens, without the rule."""
+    """The update is made, without the rule."""
     (own.settings.rules[0] / "mine" / "broken.rq").write_text("CONSTRUCT {")
     (warning,) = own.update(CHAIN).warnings
     assert "broken.rq" in warning
 
 
 def test_a_build_writes_a_source_anew_that_an_update_changed(bench: Workspace) -> None:
-    """The answer warns of it, and the next build of the source drops the change."""
+    """The result contains a warning, and the next build of the source drops the change."""
     settings = load({"jobs": 1}, environment={})
     build([str(bench.source)], bench.store, settings)
     graph = next(one for one in bench.store.read().graphs() if "/source/" in one.value)

@@ -1,4 +1,4 @@
-"""Property test: rules speak of the blank nodes that the store has, whatever happens to it."""
+"""Property test: inferences refer to the blank nodes of the store, after any changes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Step = tuple[str, str, list[Pair]]
 
 CHAINS = st.tuples(st.integers(0, 3), st.integers(1, 20))
 EDGES = CHAINS.map(lambda chain: [(f"_:b{one}", f"_:b{one + 1}") for one in range(chain[0], sum(chain))])
-"""What follows from a chain is far more than the chain, so that a run may replace most of a store, or little."""
+"""The closure of a chain is far larger than the chain, so a run may replace most of a store, or little."""
 STEPS = st.lists(
     st.one_of(
         st.tuples(st.just("graph"), st.sampled_from(["g", "h"]), EDGES),
@@ -46,13 +46,13 @@ def lines(edges: Iterable[Pair]) -> bytes:
 
 
 def write_rule(here: Bench, head: str) -> None:
-    """Let a rule infer the closure, with a predicate of this name."""
+    """Write a rule that infers the closure, with this predicate."""
     rule = f"CONSTRUCT {{ ?x :{head} ?y }} WHERE {{ ?x :partOf+ ?y }}"
     (here.store.layout.root.parent / "rules" / "mine" / "within.rq").write_text(PREFIX + rule)
 
 
 def change(here: Bench, kind: str, name: str, edges: list[Pair]) -> None:
-    """Do one thing to a store, with what follows by rules."""
+    """Change a store in one way, including its inferences."""
     folder = here.store.layout.root.parent
     match kind:
         case "graph" | "import":
@@ -86,7 +86,7 @@ def change(here: Bench, kind: str, name: str, edges: list[Pair]) -> None:
 
 
 def pairs(here: Bench, predicate: str, graph: str) -> set[Pair]:
-    """Return the terms that a predicate joins in a graph."""
+    """Return the pairs of terms with a predicate in a graph."""
     found = (line.split(" ") for line in here.lines(graph))
     return {(cells[0], cells[2]) for cells in found if cells[1] == f"<urn:test:{predicate}>"}
 
@@ -104,7 +104,7 @@ def closed(edges: set[Pair]) -> set[Pair]:
 def test_what_is_inferred_names_the_nodes_of_the_store(
     first: list[Pair], second: list[Pair], steps: list[Step]
 ) -> None:
-    """Inferred triples are the closure of what is asserted, term by term, after changes of any kind and size."""
+    """Inferred triples are the closure of the asserted ones, term by term, after changes of any kind and size."""
     with tempfile.TemporaryDirectory() as folder:
         here = bench(Path(folder))
         head = "within"

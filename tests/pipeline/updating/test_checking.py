@@ -1,4 +1,4 @@
-"""Tests of what is refused of an update before anything runs, and where it is told."""
+"""Tests of refused updates, and of the places of their errors."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ DEEP = f"INSERT DATA {{ {S} {P} {'(' * 600}{')' * 600} }}"
     ],
 )
 def test_errors_of_syntax_have_a_place(text: str, line: int, column: int) -> None:
-    """The line and the column are those of the text as it was typed, behind other operations too."""
+    """The line and the column are those of the original text, also after other operations."""
     with pytest.raises(QueryError) as caught:
         parsed(text, "update", None)
     place = caught.value.place
@@ -55,7 +55,7 @@ def test_errors_of_syntax_have_a_place(text: str, line: int, column: int) -> Non
     ],
 )
 def test_what_would_harm_is_refused(text: str) -> None:
-    """Calls to other servers, nesting and chains that are too deep for the engine."""
+    """Calls of other servers, nesting and chains that are too deep for the engine are refused."""
     with pytest.raises(QueryError) as caught:
         parsed(text, "update", None)
     assert caught.value.code == ("KG502" if re.search("SERVICE|LOAD", text, re.IGNORECASE) else "KG516")
@@ -76,5 +76,5 @@ def test_what_would_harm_is_refused(text: str) -> None:
     ],
 )
 def test_what_does_no_harm_passes(text: str) -> None:
-    """Words in strings, comments and names; declarations alone; data of any size; any number of operations."""
+    """Words in strings, comments and names, declarations alone, large data and many operations are accepted."""
     parsed(text, "update", None)

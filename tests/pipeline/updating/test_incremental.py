@@ -1,4 +1,4 @@
-"""Property tests: updates do what the engine's own do, and rules infer what they infer from scratch."""
+"""Property tests: updates have the effect of the engine's own, and inferences are those of a full run."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ OPERATIONS = st.one_of(
 
 
 def canonical(quads: list[pyoxigraph.Quad]) -> Dataset:
-    """Return quads so that equal ones are equal but for the labels of blank nodes."""
+    """Return quads in a form that is equal except for the labels of blank nodes."""
     found = Dataset(quads)
     found.canonicalize(CanonicalizationAlgorithm.UNSTABLE)
     return found
@@ -110,7 +110,7 @@ def scratch() -> Iterator[EmbeddedStore]:
 
 
 def carried_out(transaction: EmbeddedTransaction, text: str) -> list[pyoxigraph.Quad]:
-    """Return what an update leaves of an empty store."""
+    """Return the content of an empty store after an update."""
     executor = Executor(transaction, ())
     normalised, found = parsed(text, "update", None)
     for operation in found:
@@ -120,7 +120,7 @@ def carried_out(transaction: EmbeddedTransaction, text: str) -> list[pyoxigraph.
 
 
 def may_copy_nothing(found: list[str]) -> bool:
-    """Tell whether a graph may be copied that is not there: an error by the standard, an empty one to the engine."""
+    """Return whether a missing graph may be copied: an error in the standard, an empty graph in the engine."""
     copies = sum(one.startswith(("ADD", "COPY", "MOVE")) for one in found)
     return copies > 1 or (copies == 1 and any(one.startswith("DROP") for one in found))
 
@@ -128,7 +128,7 @@ def may_copy_nothing(found: list[str]) -> bool:
 @given(st.lists(OPERATIONS, min_size=1, max_size=5))
 @settings(max_examples=examples(20, 60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_updates_do_what_the_engines_own_do(scratch: EmbeddedStore, found: list[str]) -> None:
-    """A sequence of operations leaves the same quads as the engine's own update does, and knows what it changed."""
+    """A sequence of operations leaves the same quads as the engine's own update, and reports its changes."""
     text = PREFIX + " ;\n".join(["CREATE GRAPH :g", "CREATE GRAPH :h", *found])
     own = Store()
     own.update(text)
@@ -141,7 +141,7 @@ def test_updates_do_what_the_engines_own_do(scratch: EmbeddedStore, found: list[
 @given(st.lists(st.tuples(st.booleans(), quads(NAMES)), min_size=1, max_size=6), st.data())
 @settings(max_examples=examples(3, 6), deadline=None)
 def test_incremental_equals_from_scratch(changes: list[tuple[bool, str]], data: st.DataObject) -> None:
-    """After any updates a full run of the rules finds nothing to add and nothing to remove."""
+    """After any updates a full run of the rules adds and removes nothing."""
     with tempfile.TemporaryDirectory() as name:
         own = bench(Path(name))
         modes = set()

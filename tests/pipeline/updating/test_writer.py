@@ -1,4 +1,4 @@
-"""Tests of the process that makes changes: order, deadline, crashes, other writers, and being killed at any moment."""
+"""Tests of the writer process: order, deadline, crashes, other writers, and kills at any moment."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MANY = PREFIX + "INSERT DATA { " + " ".join(f":s{number} :p :o{number} ." for nu
 
 
 def played(own: Bench, play: Callable[[Writer], Awaitable[Any]], **options: Any) -> Any:
-    """Run something with a writer of a store."""
+    """Run a function with a writer of a store."""
 
     async def main() -> Any:
         async with Writer(own.store.layout, own.settings, **options) as writer:
@@ -37,19 +37,19 @@ def played(own: Bench, play: Callable[[Writer], Awaitable[Any]], **options: Any)
 
 
 async def code_of(change: Awaitable[Any]) -> str:
-    """Return the code that a change ends with."""
+    """Return the error code of a change."""
     with pytest.raises(KgError) as caught:
         await change
     return caught.value.code
 
 
 def much(own: Bench, number: int = 3000) -> None:
-    """Put so many quads into a store."""
+    """Write this number of quads into a store."""
     own.update("INSERT DATA { " + " ".join(f":s{one} :p :o{one} ." for one in range(number)) + " }")
 
 
 def test_changes_are_made_in_order_and_rules_follow(own: Bench) -> None:
-    """Each has a snapshot of its own, in the order in which they were asked for; the settings are those given."""
+    """Each has its own snapshot, in the order of the requests; the settings are those given."""
 
     async def play(writer: Writer) -> list[Any]:
         updates = [writer.update(f"{PREFIX} INSERT DATA {{ :n{one} :next :n{one + 1} }}") for one in range(4)]
@@ -63,7 +63,7 @@ def test_changes_are_made_in_order_and_rules_follow(own: Bench) -> None:
 
 
 def test_a_runaway_update_is_killed_at_its_deadline(own: Bench) -> None:
-    """The store is as it was, and the next update is made by another process."""
+    """The store is unchanged, and another process makes the next update."""
     much(own)
 
     async def play(writer: Writer) -> tuple[str, float, str]:
@@ -79,7 +79,7 @@ def test_a_runaway_update_is_killed_at_its_deadline(own: Bench) -> None:
 
 
 def test_an_update_that_is_left_is_ended(own: Bench) -> None:
-    """Whoever stops waiting stops the work, and those behind have their turn."""
+    """A caller that stops waiting cancels the work, and those waiting are served."""
     much(own)
 
     async def play(writer: Writer) -> str:
@@ -94,7 +94,7 @@ def test_an_update_that_is_left_is_ended(own: Bench) -> None:
 
 
 def test_too_many_do_not_wait(own: Bench) -> None:
-    """Those beyond the queue are told to come again; a deadline counts while waiting."""
+    """Those beyond the queue are refused; a deadline counts while waiting."""
     much(own)
 
     async def play(writer: Writer) -> list[str]:
@@ -109,7 +109,7 @@ def test_too_many_do_not_wait(own: Bench) -> None:
 
 
 def test_a_build_that_writes_is_told(own: Bench) -> None:
-    """While another process holds the right to write, changes are refused; then they are made."""
+    """While another process holds the lock, changes are refused; afterwards they are made."""
 
     async def play(writer: Writer) -> tuple[str, str]:
         with own.store.write("kg build src"):
@@ -120,7 +120,7 @@ def test_a_build_that_writes_is_told(own: Bench) -> None:
 
 
 def test_memory_is_capped(own: Bench) -> None:
-    """A change that needs more memory than it may have ends itself, and nothing else."""
+    """A change that needs more memory than allowed fails alone."""
     own.update("INSERT DATA { :x :p :it }")
     twice = " ".join(f"BIND(CONCAT(?v{one}, ?v{one}) AS ?v{one + 1})" for one in range(40))
     text = f'{PREFIX} INSERT {{ :a :p ?v40 }} WHERE {{ BIND("much" AS ?v0) {twice} }}'
@@ -136,7 +136,7 @@ def test_memory_is_capped(own: Bench) -> None:
 
 @pytest.mark.parametrize("seconds", [0.2, 0.8, 1.6])
 def test_killed_in_the_middle_of_a_load_all_or_nothing_is_there(own: Bench, seconds: float) -> None:
-    """Of 100,000 triples whose writer is killed (SIGKILL) all are there or none, and the store can be written."""
+    """Of 100,000 triples whose writer is killed (SIGKILL), all or none are there, and the store is writable."""
     own.update("INSERT DATA { :before :p :it }")
 
     async def play(writer: Writer) -> None:

@@ -1,4 +1,4 @@
-"""Completing in the example workspace."""
+"""Fixtures for completion in the example workspace."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="session")
 def kept(examples: EmbeddedSnapshot) -> Kept:
-    """What is kept of the example workspace, in this process alone."""
+    """Statistics of the example workspace, cached in this process only."""
     return Kept(None, examples)
 
 
 @pytest.fixture
 def offered(kept: Kept) -> Callable[[str], list[dict[str, Any]]]:
-    """Return what is offered where a query has its bar."""
+    """Return a function for the completions at the bar in a query."""
 
     def ask(marked: str) -> list[dict[str, Any]]:
         position = marked.index("|")

@@ -21,5 +21,5 @@ from kg.query.completion.service import matcher
     ],
 )
 def test_how_well_a_name_fits(typed: str, name: str, score: int | None) -> None:
-    """A name fits as a whole, by its beginning, by that of a part, by a part, or by its letters in order."""
+    """A name matches as a whole, by its beginning, by that of a part, by a part, or by its letters in order."""
     assert matcher(typed)(name) == score

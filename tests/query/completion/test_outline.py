@@ -65,12 +65,12 @@ RNKG = PREFIXES["rnkg"]
     ],
 )
 def test_what_is_expected(text: str, slot: Slot) -> None:
-    """At the end of a query it is known what may follow."""
+    """At the end of a query, the outline contains the expected slot."""
     assert outline(tokens(text)).frame.slot is slot
 
 
 def test_patterns_have_paths_and_terms() -> None:
-    """Patterns are read with their paths, through blank nodes, with IRIs of declared and of known prefixes."""
+    """Patterns are parsed with their paths, through blank nodes, with IRIs of declared and known prefixes."""
     found = outline(tokens("PREFIX e: <urn:e/> SELECT * { ?x a e:C ; rnkg:a/^rnkg:b [ rnkg:c 'v' ] , ?y . e:s ?p 1 }"))
     assert [each[:3] for each in found.patterns] == [
         ("?x", (Step(TYPE, inverse=False),), "urn:e/C"),
@@ -82,7 +82,7 @@ def test_patterns_have_paths_and_terms() -> None:
 
 
 def test_variables_of_values_are_columns() -> None:
-    """In a block of data it is known which variable a value is for."""
+    """In a VALUES block, the outline contains the variable of each value."""
     found = outline(tokens("SELECT * { VALUES (?a ?b) { (1 2) (3"))
     assert (found.frame.columns, found.frame.column) == (["?a", "?b"], 1)
 
@@ -91,7 +91,7 @@ def test_variables_of_values_are_columns() -> None:
     st.lists(st.sampled_from([*"{}()[].;,^/|?*", "<<", ">>", "a", "SELECT", "VALUES", "GRAPH", "?x", "b:c", "1", "AS"]))
 )
 def test_reads_anything(pieces: list[str]) -> None:
-    """Whatever stands in a query, its outline is read, and the outermost bracket stays open."""
+    """Any text has an outline, and its outermost bracket stays open."""
     found = outline(tokens(" ".join(pieces)))
     assert found.frames[0].closes == ""
     assert all(frame.closes for frame in found.frames[1:])

@@ -68,12 +68,12 @@ def test_offers_what_fits_first(offered: Offered, marked: str, first: str) -> No
     ],
 )
 def test_inserts_what_the_grammar_wants(offered: Offered, marked: str, inserted: str) -> None:
-    """What is inserted is whole: a declaration with its namespace, a literal with its quotes, a call with brackets."""
+    """Inserted text is complete: a declaration with its namespace, a literal with its quotes, a call with brackets."""
     assert offered(marked)[0]["insert"] == inserted
 
 
 def test_properties_are_counted_by_class(offered: Offered) -> None:
-    """Behind a subject of known class the properties of that class come first, with how many instances have them."""
+    """After a subject of known class, the properties of that class come first, with the number of instances."""
     items = offered("ASK { ?x a rnkg:NodeType ; |")
     name = next(each for each in items if each["label"] == "rnkg:name")
     nodes = next(each for each in offered("ASK { ?x a rnkg:NodeTyp|") if each["label"] == "rnkg:NodeType")
@@ -84,17 +84,17 @@ def test_properties_are_counted_by_class(offered: Offered) -> None:
 
 
 def test_variables_of_the_whole_query_are_offered(offered: Offered) -> None:
-    """In SELECT the variables are offered that stand behind it."""
+    """SELECT offers the variables of the pattern after it."""
     assert labels(offered("SELECT ?| { ?node rnkg:publishes ?topic }")) == ["?node", "?topic"]
 
 
 def test_nothing_is_offered_in_a_comment(offered: Offered) -> None:
-    """Comments are left alone."""
+    """There are no completions in comments."""
     assert offered("ASK { # sel|") == []
 
 
 def test_a_prefix_that_the_query_lacks_is_declared(offered: Offered) -> None:
-    """A name comes with the edit that declares its prefix: behind the other declarations, once."""
+    """A name comes with an edit that declares its prefix: after the other declarations, once."""
     lacking = "PREFIX ros: <http://data.mksmart.org/onto-ros/class#>\nASK { ?x a rnkg:NodeTyp|"
     (edit,) = offered(lacking)[0]["edits"]
     assert edit == {"start": 54, "end": 54, "text": "PREFIX rnkg: <https://w3id.org/rnkg/ns#>\n"}
@@ -102,7 +102,7 @@ def test_a_prefix_that_the_query_lacks_is_declared(offered: Offered) -> None:
 
 
 def test_holes_lie_in_brackets(offered: Offered) -> None:
-    """Where something is to be filled in is told by offsets in what is inserted."""
+    """Offsets mark the places to fill in the inserted text."""
     items = {each["label"]: each for each in offered("ASK { |")}
     assert items["FILTER"]["insert"][: items["FILTER"]["holes"][0]] == "FILTER("
     optional = items["OPTIONAL"]
@@ -114,7 +114,7 @@ def test_holes_lie_in_brackets(offered: Offered) -> None:
 @settings(max_examples=150, deadline=None)
 @given(text=st.lists(st.sampled_from(PIECES), max_size=14).map("".join), share=st.floats(0, 1))
 def test_completes_anything(kept: Kept, text: str, share: float) -> None:
-    """Whatever is typed, completing it raises nothing, and its ranges and edits lie in the text."""
+    """Completion never fails, and its ranges and edits are within the text."""
     position = int(len(text) * share)
     found = complete(text, position, kept)
     assert 0 <= found["range"]["start"] <= position <= found["range"]["end"] <= len(text)

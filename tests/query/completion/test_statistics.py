@@ -19,7 +19,7 @@ MANY = SAMPLE * 3
 
 
 def snapshot_of(update: str, generation: int = 0) -> MemorySnapshot:
-    """Return a snapshot of what an update makes of nothing."""
+    """Return a snapshot of an empty store after an update."""
     store = Store()
     store.update(update, prefixes=dict(PREFIXES))
     found = MemorySnapshot(store)
@@ -34,7 +34,7 @@ SMALL = """INSERT DATA {
 
 
 def test_counts_what_goes_together() -> None:
-    """Classes, properties and their pairs are counted, and where properties lead."""
+    """Classes, properties and their pairs are counted, as are the classes of values."""
     found = count(snapshot_of(SMALL))
     assert found.classes["urn:C"] == 1
     assert found.properties["urn:p"] == 2
@@ -47,7 +47,7 @@ def test_counts_what_goes_together() -> None:
 
 
 def test_numbers_of_large_classes_are_estimates() -> None:
-    """Of a class with more instances than are looked at, what all have is exact and the rest has two digits."""
+    """For a class larger than the sample, properties of all instances are exact and others have two digits."""
     rows = " ".join(f"<urn:{n}> a <urn:C> ; <urn:all> {n} . " for n in range(MANY))
     half = " ".join(f"<urn:{n}> <urn:half> {n} . " for n in range(0, MANY, 2))
     used = count(snapshot_of(f"INSERT DATA {{ {rows} {half} <urn:0> <urn:rare> 1 }}")).used["urn:C"]
@@ -58,7 +58,7 @@ def test_numbers_of_large_classes_are_estimates() -> None:
 
 
 def test_is_counted_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What was counted is read from the cache afterwards; an unreadable file is counted again."""
+    """Statistics are read from the cache afterwards; an unreadable file is replaced."""
     snapshot = snapshot_of(SMALL)
     first = Kept(tmp_path, snapshot).statistics()
     with monkeypatch.context() as patched:
@@ -70,7 +70,7 @@ def test_is_counted_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_an_earlier_count_serves_until_it_is_fresh(tmp_path: Path) -> None:
-    """After a change the old numbers serve at once; whoever asks for fresh ones counts, and the old ones go."""
+    """After a change the old numbers are returned at once; a request for fresh ones counts and deletes the old ones."""
     old = Kept(tmp_path, snapshot_of(SMALL, 1)).statistics()
     kept = Kept(tmp_path, snapshot_of("INSERT DATA { <urn:x> a <urn:E> }", 2))
     assert kept.statistics() == old
@@ -80,26 +80,26 @@ def test_an_earlier_count_serves_until_it_is_fresh(tmp_path: Path) -> None:
 
 
 def test_a_folder_that_cannot_be_written_is_done_without() -> None:
-    """Where nothing can be kept on disk, the process keeps it."""
+    """If the folder is not writable, the process caches the statistics."""
     kept = Kept(Path("/dev/null/cache"), snapshot_of(SMALL))
     assert kept.statistics().classes["urn:C"] == 1
     assert kept.known().classes["urn:C"] == 1
 
 
 def test_nothing_is_known_before_somebody_counts() -> None:
-    """Asking what is known counts nothing."""
+    """Reading the cached statistics never counts."""
     assert Kept(None, snapshot_of(SMALL)).known() == Statistics()
 
 
 def test_the_example_workspace_has_its_classes(examples: EmbeddedSnapshot) -> None:
-    """On the example workspace the numbers are those of queries."""
+    """In the example workspace the numbers are those of queries."""
     found = count(examples)
     rows = examples.query("SELECT (COUNT(*) AS ?n) { ?s a rnkg:NodeType }", prefixes=PREFIXES)
     assert str(found.classes[PREFIXES["rnkg"] + "NodeType"]) == next(iter(rows))[0].value  # type: ignore[arg-type] # rows of a SELECT
 
 
 def test_what_is_typed_fills_no_disk(tmp_path: Path) -> None:
-    """Values are kept for what the store has, not for each name that somebody types."""
+    """Values are cached for the store's classes, not for each typed name."""
     snapshot = snapshot_of('INSERT DATA { <urn:x> a <urn:C> ; <urn:p> "apple" }', 1)
     kept = Kept(tmp_path, snapshot)
     kept.statistics(fresh=True)

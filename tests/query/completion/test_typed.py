@@ -51,7 +51,7 @@ PIECES = [
     ],
 )
 def test_what_is_being_typed(marked: str, form: Form, word: str, replaced: str) -> None:
-    """The word at the cursor is found, with what follows of it, in strings, IRIs and comments too."""
+    """The word at the cursor is found, including the part after it, also in strings, IRIs and comments."""
     position = marked.index("|")
     text = marked.replace("|", "", 1)
     found = typed(text, position)
@@ -64,7 +64,7 @@ def test_what_is_being_typed(marked: str, form: Form, word: str, replaced: str) 
 
 @given(st.lists(st.sampled_from(PIECES)).map("".join), st.integers(-2, 80))
 def test_the_range_lies_around_the_cursor(text: str, position: int) -> None:
-    """What is replaced begins at or before the cursor, ends at or behind it, and lies in the text."""
+    """The replaced range begins at or before the cursor, ends at or after it, and is within the text."""
     found = typed(text, position)
     assert 0 <= found.start <= max(0, min(position, len(text))) <= found.end <= len(text)
     assert all(token.end <= found.start for token in found.before)

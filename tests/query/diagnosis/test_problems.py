@@ -24,7 +24,7 @@ PIECES = [
 
 
 def under(text: str, problem: dict[str, Any]) -> str:
-    """Return the characters that a problem is about, by its line and its columns."""
+    """Return the characters in the range of a problem, by its line and its columns."""
     lines = normalise(text).split("\n")
     assert problem["line"] == problem["endLine"]
     found: str = lines[problem["line"] - 1][problem["column"] - 1 : problem["endColumn"] - 1]
@@ -59,7 +59,7 @@ def mended(text: str, fix: dict[str, Any]) -> str:
 def test_problems_stand_under_their_characters(
     examples: EmbeddedSnapshot, text: str, code: str, culprit: str, hint: str | None
 ) -> None:
-    """Each problem is told with its code, under the right characters, and with what was meant (C33)."""
+    """Each problem has its code, its range of characters, and a suggestion (C33)."""
     (problem,) = diagnose(text, examples)
     assert (problem["code"], under(text, problem), problem["hint"]) == (code, culprit, hint)
     assert text[problem["start"] : problem["end"]] == culprit
@@ -79,7 +79,7 @@ def test_problems_stand_under_their_characters(
     ],
 )
 def test_the_first_fix_mends(examples: EmbeddedSnapshot, text: str) -> None:
-    """After the first fix of a problem it is gone."""
+    """The first fix of a problem removes it."""
     (problem,) = diagnose(text, examples)
     left = {each["code"] for each in diagnose(mended(text, problem["fixes"][0]), examples)}
     assert problem["code"] not in left
@@ -101,20 +101,20 @@ def test_the_first_fix_mends(examples: EmbeddedSnapshot, text: str) -> None:
     ],
 )
 def test_what_is_right_has_no_problems(examples: EmbeddedSnapshot, text: str) -> None:
-    """Queries that are as they should be are left alone, and so is a text that nothing is written in yet."""
+    """Valid queries, and a text without a query, have no problems."""
     assert diagnose(text, examples) == []
 
 
 @pytest.mark.parametrize("query", discover().values(), ids=lambda query: query.name)
 def test_stored_queries_have_no_problems(examples: EmbeddedSnapshot, query: StoredQuery) -> None:
-    """The queries that come with the program have no problem, but for names that a small store does not have."""
+    """Stored queries have no problem, except names missing from a small store."""
     assert {each["code"] for each in diagnose(query.text, examples)} <= {"KG513"}
 
 
 @settings(max_examples=100, deadline=None)
 @given(st.lists(st.sampled_from(PIECES), max_size=12).map("".join))
 def test_tells_what_running_tells(examples: EmbeddedSnapshot, text: str) -> None:
-    """What the editor underlines is what running the query tells: the same code, message and place, in the text."""
+    """The diagnostics match the error of running the query: the same code, message and place."""
     problems = diagnose(text, examples)
     assert all(0 <= each["start"] <= each["end"] <= len(text) for each in problems)
     errors = [each for each in problems if each["severity"] == "error"]

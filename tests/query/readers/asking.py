@@ -1,4 +1,4 @@
-"""How the tests of readers ask, and what processes they leave."""
+"""Helpers for tests of readers: send requests, and list processes."""
 
 from __future__ import annotations
 
@@ -24,23 +24,23 @@ FORMATS: Final = {"rows": "json", "boolean": "json", "graph": "ntriples"}
 ALL: Final = "SELECT * { ?s ?p ?o }"
 ENDLESS: Final = "SELECT (COUNT(*) AS ?n) {" + " ".join(f"?a{i} ?b{i} ?c{i} ." for i in range(14)) + "}"
 STREAM: Final = "SELECT * {" + " ".join(f"?a{i} ?b{i} ?c{i} ." for i in range(14)) + "}"
-"""Rows without end."""
+"""Query with endless rows."""
 
 
 def program(name: str) -> tuple[str, ...]:
-    """Return the command of what readers are forked from, changed by a file beside this one."""
+    """Return the command of a fork server modified by a file in this folder."""
     return (sys.executable, "-P", str(HERE / "cases" / name))
 
 
 def question(text: str, formats: dict[str, str] = FORMATS, **options: Any) -> Question:
-    """Return a question for JSON, or for what is given."""
+    """Return a question for JSON, or for the given formats."""
     return Question(text=text, formats=formats, **options)
 
 
 async def whole(
     readers: Readers, text: str, *, seconds: float | None = None, job: str | None = None, **options: Any
 ) -> tuple[Head, bytes, End]:
-    """Return the head, the body and the end of an answer; without `seconds` it may take what a busy machine needs."""
+    """Return the head, the body and the end of a response; without `seconds` there is no deadline."""
     async with readers.ask(question(text, **options), seconds=seconds or patient(20), job=job) as answer:
         body = b"".join([part async for part in answer.parts()])
         assert answer.end is not None
@@ -48,7 +48,7 @@ async def whole(
 
 
 async def outcome(readers: Readers, text: str, **options: Any) -> str:
-    """Return the code of the error that a question ends in, or `whole`."""
+    """Return the code of the error that a question results in, or `whole`."""
     try:
         await whole(readers, text, **options)
     except KgError as error:
@@ -57,14 +57,14 @@ async def outcome(readers: Readers, text: str, **options: Any) -> str:
 
 
 async def until(condition: Callable[[], object], seconds: float = 20) -> None:
-    """Wait until something holds, as long as a busy machine needs."""
+    """Wait until a condition holds, with time for a busy machine."""
     async with asyncio.timeout(patient(seconds)):
         while not condition():  # noqa: ASYNC110 - no event tells of what the system does
             await asyncio.sleep(0.01)
 
 
 def descendants(pid: int | None = None) -> dict[int, int]:
-    """Return the processes below one, by default this one, with the ticks of processor time of each (Linux)."""
+    """Return the descendants of a process, by default this one, with their processor time in ticks (Linux)."""
     parents: dict[int, tuple[int, int]] = {}
     for folder in Path("/proc").iterdir():
         if folder.name.isdigit():

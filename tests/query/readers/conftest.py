@@ -45,7 +45,7 @@ def layout(tmp_path_factory: pytest.TempPathFactory) -> Layout:
 
 @pytest.fixture
 def fresh(tmp_path_factory: pytest.TempPathFactory) -> EmbeddedStore:
-    """A small store of the test's own, to write to."""
+    """A small writable store for one test."""
     store = EmbeddedStore.create(tmp_path_factory.mktemp("fresh") / ".kg")
     with store.write("test") as transaction:
         transaction.replace_graphs({NamedNode(EX + "g"): [things(3)]})

@@ -1,4 +1,4 @@
-"""Tests of what readers answer."""
+"""Tests of the responses of readers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ GRAPHS = "SELECT DISTINCT ?g { GRAPH ?g { ?s ?p ?o } } ORDER BY ?g"
 
 
 def answered(layout: Layout, text: str, **options: Any) -> tuple[Any, Any, Any]:
-    """Return the head, the JSON and the end of one answer."""
+    """Return the head, the JSON and the end of one response."""
 
     async def ask() -> tuple[Any, Any, Any]:
         async with Readers(layout, processes=1) as readers:
@@ -32,7 +32,7 @@ def answered(layout: Layout, text: str, **options: Any) -> tuple[Any, Any, Any]:
 
 
 def counts(layout: Layout, *asked: tuple[str, dict[str, Any]]) -> list[int]:
-    """Return how many rows each of some questions has."""
+    """Return the number of rows for each question."""
 
     async def ask() -> list[int]:
         async with Readers(layout, processes=1) as readers:
@@ -42,7 +42,7 @@ def counts(layout: Layout, *asked: tuple[str, dict[str, Any]]) -> list[int]:
 
 
 def test_forms_of_answers(layout: Layout) -> None:
-    """Rows, yes or no, and graphs come in the format asked for their kind, with the snapshot and how often."""
+    """Rows, booleans and graphs have the format requested for their kind, the snapshot and the number of rows."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -60,7 +60,7 @@ def test_forms_of_answers(layout: Layout) -> None:
 
 
 def test_row_cap_and_offset(layout: Layout) -> None:
-    """C10: rows beyond the cap are left out and said to be there; exactly as many as the cap are not a cut."""
+    """C10: rows beyond the limit are left out and reported; exactly as many as the limit are not cut."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -84,7 +84,7 @@ def test_row_cap_and_offset(layout: Layout) -> None:
 
 
 def test_pages_are_the_whole(layout: Layout) -> None:
-    """Pages of an answer, one behind the other, are the answer."""
+    """The concatenated pages of a result are the result."""
 
     async def ask() -> None:
         async with Readers(layout, processes=2) as readers:
@@ -101,7 +101,7 @@ def test_pages_are_the_whole(layout: Layout) -> None:
 
 
 def test_data_sets(layout: Layout) -> None:
-    """Graphs that the request names replace those of the query; without them FROM holds, else union or unnamed."""
+    """Graphs in the request replace those of the query; without them FROM applies, else union or the unnamed graph."""
     clause = "SELECT * FROM <https://example.org/h> { ?s ?p ?o }"
     named = "SELECT DISTINCT ?g FROM NAMED <https://example.org/h> { GRAPH ?g { ?s ?p ?o } }"
     found = counts(
@@ -126,7 +126,7 @@ def test_data_sets(layout: Layout) -> None:
 
 
 def test_bad_graphs_and_parameters(layout: Layout) -> None:
-    """A graph that is no IRI, and a value that is no term of N-Triples, are KG505."""
+    """A graph that is not an IRI, or a value that is not an N-Triples term, is KG505."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -140,7 +140,7 @@ def test_bad_graphs_and_parameters(layout: Layout) -> None:
 
 
 def test_relative_iris(layout: Layout) -> None:
-    """Relative IRIs are relative to the base, if there is one, and an error else."""
+    """Relative IRIs are resolved against the base, and are errors without one."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -152,7 +152,7 @@ def test_relative_iris(layout: Layout) -> None:
 
 
 def test_wanted_snapshot(layout: Layout) -> None:
-    """C31: a question about a snapshot that is not there is KG512, never another answer."""
+    """C31: a question about a snapshot that is not current is KG512, never another result."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -176,14 +176,14 @@ def test_wanted_snapshot(layout: Layout) -> None:
     ],
 )
 def test_repeatable(layout: Layout, text: str, repeatable: bool) -> None:  # noqa: FBT001 - a case of the table
-    """Answers that differ each time are said to; the words in names, texts and comments do not count."""
+    """Results that differ each time are marked; the words in names, texts and comments do not count."""
     head, _, _ = answered(layout, text)
     assert head.repeatable is repeatable
 
 
 @pytest.mark.parametrize("text", ["SELECT", "SELECT * { ?s ?p", "SELECT * { SERVICE <http://127.0.0.1:9/> {} }"])
 def test_errors_have_their_place(layout: Layout, text: str) -> None:
-    """C33: what a reader says of a query is what the same query in this process says, place and hint included."""
+    """C33: the error of a reader is that of the same query in this process, including place and hint."""
 
     async def ask() -> KgError:
         async with Readers(layout, processes=1) as readers:
@@ -198,7 +198,7 @@ def test_errors_have_their_place(layout: Layout, text: str) -> None:
 
 
 def test_answers_stream_with_word_of_how_far_they_are(layout: Layout) -> None:
-    """Parts come while rows are found, and the job knows how many there are."""
+    """Parts arrive while rows are found, and the job contains their number."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -216,7 +216,7 @@ def test_answers_stream_with_word_of_how_far_they_are(layout: Layout) -> None:
 
 
 def test_quick_answers_are_whole_from_the_beginning(layout: Layout) -> None:
-    """Where `end` is there at once, `size` says how many bytes come."""
+    """If `end` is set at once, `size` is the number of bytes."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers, readers.ask(question(ALL)) as answer:
@@ -227,7 +227,7 @@ def test_quick_answers_are_whole_from_the_beginning(layout: Layout) -> None:
 
 
 def test_byte_cap(layout: Layout) -> None:
-    """C10: an answer with more bytes than it may have is KG511, before anything was given out when it is small."""
+    """C10: a response larger than the limit is KG511; if it is small, before any part."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -242,7 +242,7 @@ def test_byte_cap(layout: Layout) -> None:
 
 
 def test_views(layout: Layout) -> None:
-    """Views run as queries do; a name or arguments that there are none of are errors of whoever asks."""
+    """Views run like queries; an unknown name or argument is an error of the caller."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1, calls="kg.views.calls") as readers:

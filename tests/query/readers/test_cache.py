@@ -1,4 +1,4 @@
-"""Tests of answers that are known, and of data that changes."""
+"""Tests of cached responses, and of changing data."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ ADDED = b"<https://example.org/new> <https://example.org/p> <https://example.org
 
 
 def kept(size: int, snapshot: str = "1", *, repeatable: bool = True) -> Kept:
-    """Return an answer of so many bytes."""
+    """Return a response of this size."""
     return Kept(Head("rows", "json", snapshot, repeatable=repeatable), b"x" * size, End(1, 0.1))
 
 
 def add(store: EmbeddedStore) -> None:
-    """Put a triple more into a store."""
+    """Add a triple to a store."""
     with store.write("test") as transaction:
         transaction.append(NamedNode("https://example.org/g"), ADDED)
 
 
 def test_answers_are_kept_within_bounds() -> None:
-    """The cache holds what was used last, no more bytes than it may, and nothing large or not repeatable."""
+    """The cache retains recent responses up to its size, and nothing large or not repeatable."""
     cache = AnswerCache(40_000)
     for number in range(20):
         cache.put(str(number).encode(), kept(3000), "1")
@@ -57,7 +57,7 @@ def test_answers_are_kept_within_bounds() -> None:
 
 
 def test_the_same_answer_comes_from_the_cache(layout: Layout) -> None:
-    """The same request to the same data is answered without a reader; hits and misses are counted."""
+    """The same request on the same data is answered without a reader; hits and misses are counted."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1, cache=8 << 20) as readers:
@@ -81,7 +81,7 @@ def test_the_same_answer_comes_from_the_cache(layout: Layout) -> None:
 
 
 def test_answers_follow_the_data(fresh: EmbeddedStore) -> None:
-    """C31: each answer is of the data in force when it was asked for, cached or not, and says which that is."""
+    """C31: each response is from the data that is current at the request, cached or not, and names it."""
 
     async def ask() -> None:
         async with Readers(fresh.layout, processes=2, cache=1 << 20) as readers:
@@ -97,7 +97,7 @@ def test_answers_follow_the_data(fresh: EmbeddedStore) -> None:
 
 
 def test_what_runs_keeps_its_data(fresh: EmbeddedStore) -> None:
-    """A query in flight ends on the data that it began on; the folder is there as long, and the next reads the new."""
+    """A running query keeps its original data and folder to its end, and the next query reads the new data."""
 
     async def ask() -> None:
         async with Readers(fresh.layout, processes=1) as readers:
@@ -117,14 +117,14 @@ def test_what_runs_keeps_its_data(fresh: EmbeddedStore) -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="locks are looked for by removing what is free")
 def test_idle_readers_let_go_of_old_data(fresh: EmbeddedStore) -> None:
-    """Readers with nothing to do follow a change within a second, so that the next one frees the disk."""
+    """Idle readers follow a change within a second, to free disk space."""
 
     async def ask() -> None:
         async with Readers(fresh.layout, processes=2) as readers:
             await whole(readers, "ASK {}")
             add(fresh)
             assert fresh.layout.numbers() == [1, 2]
-            # A reader lets go of the old data before it holds the new.
+            # A reader releases the old data before it holds the new one.
             await until(lambda: _is_free(fresh.layout.generation(1)) and not _is_free(fresh.layout.generation(2)))
             add(fresh)
             assert fresh.layout.numbers() == [2, 3]
@@ -133,7 +133,7 @@ def test_idle_readers_let_go_of_old_data(fresh: EmbeddedStore) -> None:
 
 
 def _is_free(folder: Path) -> bool:
-    """Tell whether nobody holds a generation."""
+    """Return whether no process holds a generation."""
     handle = os.open(folder, os.O_RDONLY)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -145,7 +145,7 @@ def _is_free(folder: Path) -> bool:
 
 
 def test_errors_of_the_store_are_told_and_pass(tmp_path: Path) -> None:
-    """A reader of a store without data, or with a broken pointer, says so and answers when it is mended."""
+    """A reader of a store without data, or with a broken pointer, reports that, and works after a repair."""
 
     async def ask() -> None:
         layout = create(tmp_path / ".kg")

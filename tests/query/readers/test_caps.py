@@ -1,4 +1,4 @@
-"""Tests of what readers may use, and of what ends them alone."""
+"""Tests of the limits of readers, and of crashes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ PRODUCT = "SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i } ORDER BY ?i ?a"
 
 @pytest.mark.parametrize("module", [child, updating])
 def test_readers_run_where_memory_cannot_be_bounded(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    """MacOS refuses a bound on address space: processes there run without one instead of failing."""
+    """MacOS refuses a limit on address space: processes then run without one instead of failing."""
 
     def refuse(*_: object) -> None:
         raise ValueError("current limit exceeds maximum limit")
@@ -49,7 +49,7 @@ def test_readers_run_where_memory_cannot_be_bounded(module: ModuleType, monkeypa
 def test_memory_cap(
     layout: Layout, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """C11: a query that needs too much memory is KG507; the next is answered as ever; no word and no file is left."""
+    """C11: a query that needs too much memory is KG507. The next one is answered, without output or files left."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1, memory=300 << 20) as readers:
@@ -77,7 +77,7 @@ DEEP: Final[dict[str, Callable[[int], str]]] = {
 @pytest.mark.parametrize("what", DEEP)
 @pytest.mark.parametrize("depth", [5_000, 20_000])
 def test_deep_queries_are_refused(layout: Layout, what: str, depth: int) -> None:
-    """C12: what nests too deep, or chains too much, is KG516 with the place, from a reader that goes on."""
+    """C12: deep nesting and long chains are KG516 with the place, and the reader continues."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -95,7 +95,7 @@ def test_deep_queries_are_refused(layout: Layout, what: str, depth: int) -> None
 
 
 def test_without_the_guard_only_a_reader_ends(layout: Layout, capfd: pytest.CaptureFixture[str]) -> None:
-    """C12: deep queries that nothing checks overflow the stack of a reader alone; the next is answered."""
+    """C12: deep queries without the guard overflow the stack of a reader only; the next query is answered."""
 
     async def ask() -> None:
         async with Readers(layout, processes=2, program=program("unguarded.py")) as readers:
@@ -108,7 +108,7 @@ def test_without_the_guard_only_a_reader_ends(layout: Layout, capfd: pytest.Capt
 
 
 def test_a_megabyte_of_hostile_text_costs_only_a_reader(layout: Layout) -> None:
-    """C12: texts that are hard to read are read in a reader: meanwhile others are answered, and the deadline holds."""
+    """C12: expensive texts are parsed in a reader. Meanwhile others are answered, and the deadline holds."""
     texts = [
         "SELECT * {" + "<" * 1_000_000,
         "'" * 1_000_000,
@@ -135,7 +135,7 @@ def test_a_megabyte_of_hostile_text_costs_only_a_reader(layout: Layout) -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of processes are read in /proc")
 def test_limits_are_set(layout: Layout) -> None:
-    """C11: a reader has its cap of memory, leaves no core file, and is of a session without a terminal."""
+    """C11: a reader has a memory limit, leaves no core file, and has a session without a terminal."""
 
     def look() -> None:
         servers = descendants().keys() - before
@@ -147,7 +147,7 @@ def test_limits_are_set(layout: Layout) -> None:
 
     async def ask() -> None:
         async with Readers(layout, processes=1, memory=1 << 30) as readers:
-            # One for a request and one for who comes next; both have said that they take requests.
+            # One for a request and one in reserve; both are ready.
             await until(lambda: readers.stats().idle == 2)
             look()
 
@@ -156,7 +156,7 @@ def test_limits_are_set(layout: Layout) -> None:
 
 
 def test_threads_of_views(layout: Layout, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Threads that a view starts reserve no more than usual; a reader in which one goes on takes no other request."""
+    """Threads of a view reserve no more than usual; a reader with a running thread gets no other request."""
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]))
 
     async def ask() -> None:

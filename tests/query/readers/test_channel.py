@@ -1,4 +1,4 @@
-"""Tests of the connection to a reader process: frames in pieces, answers larger than its buffer, its end."""
+"""Tests of the connection to a reader process: partial frames, responses larger than its buffer, its end."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kg.store.layout import Layout
 
 PART = bytes(range(256)) * 256
-"""As large as the parts of an answer."""
+"""As large as the parts of a response."""
 
 
 def connected(test: Callable[[Channel, socket.socket], Awaitable[None]]) -> None:
@@ -41,7 +41,7 @@ def connected(test: Callable[[Channel, socket.socket], Awaitable[None]]) -> None
 
 
 def test_frames_come_in_pieces() -> None:
-    """A frame is there when its last byte is, and not before; several may come at once."""
+    """A frame is complete with its last byte; several may arrive at once."""
 
     async def test(channel: Channel, far: socket.socket) -> None:
         sent = frame(Progress(3))
@@ -57,7 +57,7 @@ def test_frames_come_in_pieces() -> None:
 
 
 def test_what_nobody_takes_holds_up_who_sends() -> None:
-    """Of an answer that is not taken a mebibyte is buffered at most; all of it arrives when it is taken."""
+    """At most a mebibyte of an unread response is buffered; all of it arrives when it is read."""
     count = 64
     data = frame(PART) * count
 
@@ -81,7 +81,7 @@ def test_what_nobody_takes_holds_up_who_sends() -> None:
 
 
 def test_a_frame_may_be_larger_than_the_buffer() -> None:
-    """A part of several mebibytes, as one long text makes it, comes as a whole, and what follows too."""
+    """A part of several mebibytes, such as one long text, arrives as a whole, followed by the next."""
     large = PART * 48
 
     async def test(channel: Channel, far: socket.socket) -> None:
@@ -97,7 +97,7 @@ def test_a_frame_may_be_larger_than_the_buffer() -> None:
 
 
 def test_the_end_of_a_connection() -> None:
-    """What came before the end can be taken; a frame that is cut is not one."""
+    """Frames before the end can be read; a cut frame is dropped."""
 
     async def test(channel: Channel, far: socket.socket) -> None:
         far.send(frame(b"whole") + frame(b"cut")[:-1])
@@ -113,7 +113,7 @@ def test_the_end_of_a_connection() -> None:
 
 
 def test_the_reset_of_a_connection_is_told() -> None:
-    """Who closes without having read what was sent resets the connection, which `take` raises."""
+    """Closing without having read everything resets the connection, which `take` raises."""
 
     async def test(channel: Channel, far: socket.socket) -> None:
         channel.send(b"not read")
@@ -128,7 +128,7 @@ def test_the_reset_of_a_connection_is_told() -> None:
 
 
 def test_answers_larger_than_the_buffer(layout: Layout) -> None:
-    """An answer of several mebibytes is whole, taken at once or slowly, and its reader answers the next request."""
+    """A response of several mebibytes is complete, read fast or slowly, and its reader answers the next request."""
     text = "SELECT ?a ?b ?c ?d { ?a ?b ?c . ?d <https://example.org/number> ?n } LIMIT 40000"
 
     async def ask() -> None:

@@ -1,4 +1,4 @@
-"""Tests of how requests end that do not end by themselves, and that nothing is left of them."""
+"""Tests of requests that are ended, and of what remains of them."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked
 
 NASTY = [
     ENDLESS,
-    # Of few of the rows, for where all were kept a machine that is quick would come to the cap of memory first.
+    # With few of the rows: if all were retained, a fast machine would reach the memory limit first.
     """SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i FILTER(STRLEN(CONCAT(STR(?c), STR(?f), STR(?i))) < 4) }
          ORDER BY ?i ?a""",
-    # As in Apache Jena's issue 3044, where the deadline was not seen inside of OPTIONAL and NOT EXISTS.
+    # As in Apache Jena's issue 3044, where the deadline was not checked inside OPTIONAL and NOT EXISTS.
     """SELECT * { ?a ?b ?c OPTIONAL { ?d ?e ?f FILTER NOT EXISTS {
          ?g ?h ?i . ?j ?k ?l . ?m ?n ?o FILTER(?i = ?a && ?l = ?zz) } } FILTER(?e = ?nothing) }""",
     "PREFIX ex: <https://example.org/> SELECT (COUNT(*) AS ?n) { ?a (ex:p/ex:q)* ?b . ?c (ex:p|ex:q)* ?d }",
@@ -57,7 +57,7 @@ NASTY = [
 
 
 async def working() -> float:
-    """Return how many seconds of processor time the processes below this one use within half a second."""
+    """Return the processor seconds that descendants of this process use within half a second."""
     before = descendants()
     await asyncio.sleep(0.5)
     spent = sum(ticks - before.get(pid, ticks) for pid, ticks in descendants().items())
@@ -65,7 +65,7 @@ async def working() -> float:
 
 
 def test_deadline_holds(layout: Layout) -> None:
-    """C8: each of eleven nasty queries ends at its deadline, with the exit code of timeouts, and its work stops."""
+    """C8: each of eleven expensive queries ends at its deadline, with the exit code of timeouts, and its work stops."""
     seconds = 1.0
 
     async def ended(readers: Readers, text: str) -> float:
@@ -82,7 +82,7 @@ def test_deadline_holds(layout: Layout) -> None:
             assert max(taken) < seconds + patient(0.5)
             assert await outcome(readers, "ASK {}") == "whole"
             if sys.platform == "linux":
-                # What was killed may not have ended yet, and new readers may still be opening the store.
+                # Killed processes may not have exited yet, and new readers may still be opening the store.
                 async with asyncio.timeout(patient(10)):
                     while await working() >= 0.4:
                         pass
@@ -91,7 +91,7 @@ def test_deadline_holds(layout: Layout) -> None:
 
 
 def test_deadline_counts_waiting(layout: Layout) -> None:
-    """C8: who waits for a reader until the deadline is told so then."""
+    """C8: a request that waits for a reader until the deadline gets its error then."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -117,7 +117,7 @@ BODIES = [
 
 
 async def broken(readers: Readers, how: str, row: int, body: tuple[str, str, str], seconds: float) -> str:
-    """Return the code that a sabotaged request ends in, `END` when it seemed whole."""
+    """Return the code of the error of a sabotaged request, `END` if it seemed complete."""
     text, kind, name = body
     told = {"cancel": "hang", "deadline": "hang"}.get(how, how)
     job = f"{how}-{row}-{name}-{kind}"
@@ -147,7 +147,7 @@ async def broken(readers: Readers, how: str, row: int, body: tuple[str, str, str
     ],
 )
 def test_no_end_behind_a_broken_body(layout: Layout, how: str, code: str) -> None:
-    """C7: in every format, whatever goes wrong at row 0, 1 or n, the answer ends in its error and never in an end."""
+    """C7: in every format, an error at row 0, 1 or n ends the response with the error and never with an end."""
 
     async def ask() -> None:
         async with Readers(layout, processes=8, queue=100, program=program("sabotaged.py")) as readers:
@@ -165,7 +165,7 @@ def test_no_end_behind_a_broken_body(layout: Layout, how: str, code: str) -> Non
 
 
 def test_cancel(layout: Layout) -> None:
-    """C15: a job is cancelled by its identity, waiting or running, once and again; identities cannot be guessed."""
+    """C15: a job is cancelled by its identity, waiting or running, repeatedly; identities cannot be guessed."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -185,7 +185,7 @@ def test_cancel(layout: Layout) -> None:
 
 
 def test_who_leaves_frees_the_reader(layout: Layout) -> None:
-    """C14: when the task that asks is cancelled, waiting or running, or leaves early, its reader is free at once."""
+    """C14: if the client's task is cancelled, waiting or running, or leaves early, its reader is free at once."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -208,7 +208,7 @@ def test_who_leaves_frees_the_reader(layout: Layout) -> None:
 
 
 def test_cancelled_at_any_moment(layout: Layout) -> None:
-    """C14: whenever the task that asks is cancelled, its slot and its reader are free afterwards."""
+    """C14: whenever the client's task is cancelled, its slot and its reader are free afterwards."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -226,7 +226,7 @@ def test_cancelled_at_any_moment(layout: Layout) -> None:
 
 @linux
 def test_nothing_is_left(layout: Layout) -> None:
-    """No process and no task outlives the readers, whatever ran when they were closed."""
+    """No process and no task outlives the pool, whatever ran when it was closed."""
 
     async def ask() -> None:
         tasks = []
@@ -267,7 +267,7 @@ asyncio.run(main())
 @linux
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
 def test_readers_end_with_their_owner(layout: Layout, number: signal.Signals) -> None:
-    """However the process that owns readers ends, they end too, and say nothing on the terminal."""
+    """However the owner of readers exits, they exit too, without output on the terminal."""
     tests = str(next(path for path in sys.path if path.endswith("tests")))
     with subprocess.Popen(
         [sys.executable, "-c", OWNER, str(layout.root), tests],
@@ -288,7 +288,7 @@ def test_readers_end_with_their_owner(layout: Layout, number: signal.Signals) ->
 
 @linux
 def test_readers_come_back(layout: Layout) -> None:
-    """A reader that is killed, and what readers are forked from, are replaced; who did not ask then sees nothing."""
+    """A killed reader or fork server is replaced; other clients do not notice."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -296,7 +296,7 @@ def test_readers_come_back(layout: Layout) -> None:
             for _ in range(2):
                 killed = descendants().keys() - before
                 for pid in killed:
-                    with suppress(ProcessLookupError):  # those before it in the list may have taken it along
+                    with suppress(ProcessLookupError):  # an earlier one in the list may have taken it along
                         os.kill(pid, signal.SIGKILL)
                 await until(lambda: not killed & descendants().keys())  # noqa: B023 - awaited here
                 assert await outcome(readers, "ASK {}") == "whole"
@@ -306,7 +306,7 @@ def test_readers_come_back(layout: Layout) -> None:
 
 
 def test_readers_that_cannot_start(layout: Layout) -> None:
-    """Where no reader can be started each request is told so at once, and closing works."""
+    """If no reader can be started, each request fails at once, and closing works."""
 
     async def ask() -> None:
         for command in ((sys.executable, "-c", "raise SystemExit(3)"), ("/no/such/program",)):
@@ -324,11 +324,11 @@ orders, held = socket.socket(fileno=0), []
 while (order := socket.recv_fds(orders, 64, 2))[0]:
     held += order[1]
 """
-"""What takes orders to start readers, and starts none."""
+"""Fork server that accepts orders, but starts no readers."""
 
 
 def test_readers_that_never_start(layout: Layout) -> None:
-    """Deadlines hold and requests can be cancelled while the reader for them starts; nothing is left behind."""
+    """Deadlines and cancellation work while a reader starts; nothing is left running."""
 
     async def ask() -> None:
         async with Readers(layout, processes=2, program=(sys.executable, "-c", SILENT)) as readers:

@@ -1,4 +1,4 @@
-"""Tests of the readers that there are: those that come as their asker leaves, end unnoticed, or cannot come at all."""
+"""Tests of the pool of readers: ready after the client left, killed unnoticed, or impossible to start."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="other systems tell t
 
 
 class _Starting:
-    """A reader that is ready when it is told to be."""
+    """A reader that becomes ready on demand."""
 
     def __init__(self) -> None:
         self.ready: asyncio.Future[Ready] = asyncio.get_running_loop().create_future()
@@ -58,7 +58,7 @@ class _Spawner:
 
 
 class _Spawners:
-    """Starts readers that are ready at once."""
+    """Starts readers that are ready immediately."""
 
     async def spawn(self) -> _Starting:
         process = _Starting()
@@ -70,7 +70,7 @@ class _Spawners:
 
 
 def test_readers_stay_where_requests_come_and_go() -> None:
-    """Requests that come two at a time again and again start no reader once there are enough, and end none."""
+    """Repeated pairs of requests start no reader once there are enough, and stop none."""
 
     async def run() -> None:
         fleet = Fleet(cast("Any", _Spawners()), 3)
@@ -87,7 +87,7 @@ def test_readers_stay_where_requests_come_and_go() -> None:
 
 @pytest.mark.parametrize("told", [False, True])
 def test_a_reader_that_is_ready_as_its_asker_leaves_is_kept(told: bool) -> None:  # noqa: FBT001 - a case of the table
-    """Who is cancelled in the moment that a reader has started does not take it along, told to end or not."""
+    """Cancelling a request at the moment when its reader is ready does not lose the reader."""
 
     async def run() -> None:
         process = _Starting()
@@ -112,18 +112,18 @@ def test_a_reader_that_is_ready_as_its_asker_leaves_is_kept(told: bool) -> None:
 
 @linux
 def test_readers_that_were_killed_unnoticed_cost_nobody_an_answer(layout: Layout) -> None:
-    """A request goes to another reader when the one that it was sent to had ended before it could read it."""
+    """A request moves to another reader if its reader had exited before reading it."""
 
     async def ask() -> None:
         async with Readers(layout, processes=2) as readers:
             await whole(readers, "ASK {}")
             waiting = readers._fleet._idle
-            # There may be one more: started when none was at work, and ready when the one that was is back.
+            # There may be one more: started while none was busy, and ready when the busy one is back.
             await until(lambda: len(waiting) >= 3)
             killed = [process.pid for process in waiting]
             for pid in killed:
                 os.kill(pid, signal.SIGKILL)
-            # Nothing has been awaited since, so that nobody can have noticed.
+            # Nothing was awaited since, so the exits are still unnoticed.
             assert await outcome(readers, "ASK {}") == "whole"
             assert readers.stats().ended == {"crashed": len(killed)}
 
@@ -132,12 +132,12 @@ def test_readers_that_were_killed_unnoticed_cost_nobody_an_answer(layout: Layout
 
 @linux
 def test_a_reader_that_was_killed_before_the_data_changed_is_replaced(layout: Layout) -> None:
-    """That it has ended is known too where it ended without reading that the data has changed."""
+    """The exit of a reader is detected even if it never read that the data has changed."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
             await whole(readers, "ASK {}")
-            # Others may still be starting, and do not end.
+            # Others may still be starting, and do not exit.
             killed = list(readers._fleet._idle)
             for process in killed:
                 os.kill(process.pid, signal.SIGKILL)
@@ -150,7 +150,7 @@ def test_a_reader_that_was_killed_before_the_data_changed_is_replaced(layout: La
 
 @linux
 def test_what_readers_are_forked_from_is_replaced_at_once(layout: Layout) -> None:
-    """A reader that is asked for in the moment that what it is forked from is killed comes from another one."""
+    """A reader requested at the moment when the fork server is killed is started by another one."""
 
     async def run() -> None:
         spawner = Spawner(Configuration(str(layout.root)))
@@ -174,7 +174,7 @@ def test_what_readers_are_forked_from_is_replaced_at_once(layout: Layout) -> Non
 def test_without_files_each_request_is_told_and_nothing_is_lost(
     layout: Layout, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Where the system has no file more to give a request is KG508, and what was opened for its reader is closed."""
+    """If the system is out of file descriptors, a request is KG508, and its files are closed."""
     pipe = os.pipe
     none_left = OSError(errno.EMFILE, os.strerror(errno.EMFILE))
 
@@ -205,7 +205,7 @@ def _target(link: Path) -> str:
 
 
 def test_readers_that_are_closed_take_nothing_and_start_nothing(layout: Layout) -> None:
-    """Who asks when the readers have been closed is told so, and no process comes of it."""
+    """Requests to a closed pool fail, and start no process."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -218,7 +218,7 @@ def test_readers_that_are_closed_take_nothing_and_start_nothing(layout: Layout) 
 
 
 def test_why_a_reader_cannot_start_is_in_the_log(layout: Layout, caplog: pytest.LogCaptureFixture) -> None:
-    """A reader that fails before it takes requests is KG508, and the log has the reason."""
+    """A reader that fails before it is ready is KG508, and the log contains the reason."""
     caplog.set_level(logging.INFO, "kg.query.readers.processes")
 
     async def ask() -> None:

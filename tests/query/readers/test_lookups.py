@@ -1,4 +1,4 @@
-"""Tests of look-ups: which queries are some, and that the server's own process answers them as readers do."""
+"""Tests of look-ups: which queries count, and whether the server's own process answers them as readers do."""
 
 from __future__ import annotations
 
@@ -70,13 +70,13 @@ OTHERS = [
 
 @pytest.mark.parametrize("text", LOOK_UPS)
 def test_one_pattern_is_a_look_up(text: str) -> None:
-    """A query of one pattern is, with prefixes, comments and a LIMIT."""
+    """A query with one pattern is a look-up, also with prefixes, comments and a LIMIT."""
     assert is_look_up(text)
 
 
 @pytest.mark.parametrize("text", OTHERS)
 def test_what_may_take_long_is_no_look_up(text: str) -> None:
-    """What reads more than it answers is none: joins, paths, filters, orders, groups, offsets, other data sets."""
+    """Queries that read more than they return do not count: joins, paths, filters, orders, groups, other datasets."""
     assert not is_look_up(text)
 
 
@@ -101,7 +101,7 @@ PIECES += (
 
 @given(st.lists(st.sampled_from(PIECES), max_size=14), st.integers(0, 30))
 def test_what_passes_for_a_look_up_passes_the_guard(pieces: list[str], where: int) -> None:
-    """Whatever is put into a look-up: what still passes for one has one pattern to the lexer too, and no call."""
+    """Whatever is inserted into a look-up: if it still counts, it has one pattern for the lexer too, and no call."""
     begun = ["SELECT", " ", "?x", " ", "{", " ", "?x", " ", "a:b", " ", "?y", " ", "}", " ", "LIMIT 1"]
     text = "".join((*begun[:where], *pieces, *begun[where:]))
     if is_look_up(text):
@@ -111,12 +111,12 @@ def test_what_passes_for_a_look_up_passes_the_guard(pieces: list[str], where: in
 
 
 def look_up(readers: Readers, asked: Question) -> Kept | None:
-    """Ask as the endpoint does."""
+    """Look up as the endpoint does."""
     return readers.look_up(asked, frame(asked))
 
 
 async def opened(readers: Readers) -> None:
-    """Wait until look-ups are answered."""
+    """Wait until look-ups work."""
     await until(lambda: look_up(readers, question("ASK { ?s ?p ?o }")))
 
 
@@ -163,7 +163,7 @@ LEFT = [
 
 @pytest.mark.parametrize("asked", LEFT, ids=lambda asked: asked.text)
 def test_readers_answer_the_rest(layout: Layout, asked: Question) -> None:
-    """Many rows, limits that are reached, other data sets and errors are left to readers."""
+    """Readers answer many rows, limits that are reached, other datasets and errors."""
 
     async def ask() -> None:
         async with Readers(layout) as readers:
@@ -189,7 +189,7 @@ def test_large_terms_are_left_to_readers(fresh: EmbeddedStore) -> None:
 
 
 def test_look_ups_follow_the_data(fresh: EmbeddedStore) -> None:
-    """After a change no look-up answers from the data before, which is let go of; soon it answers from the new."""
+    """After a change no look-up reads the old data, which is released; soon the new data is used."""
     asked = question(f"ASK {{ <{EX}added> ?p ?o }}")
 
     async def ask() -> None:

@@ -1,4 +1,4 @@
-"""Tests of what processes share that answer requests: taking them, and telling what one failed of."""
+"""Tests of receiving requests and reporting errors."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from kg.query.readers.requests import failure, received
 
 
 def test_requests_come_one_by_one_and_end() -> None:
-    """Each request is taken whole; one that is cut off before its length is known is none."""
+    """Each request is received whole; one cut within its prefix is dropped."""
     requests = io.BytesIO(frame(Call("first")) + frame(b"second") + b"\0")
     assert [received(requests) for _ in range(3)] == [Call("first"), b"second", None]
 
@@ -31,12 +31,12 @@ def test_requests_come_one_by_one_and_end() -> None:
     ],
 )
 def test_failures_have_codes(error: Exception, code: str) -> None:
-    """What fails is told by a code of its own; a defect of ours is never told as the fault of the request."""
+    """Each failure has a code of its own; a defect is never reported as an error in the request."""
     assert failure(error, "update").error().code == code
 
 
 def test_what_is_unforeseen_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    """A defect goes to standard error with its place in the program, other errors do not."""
+    """A defect is written to standard error with its place in the program, other errors are not."""
     failure(QueryError("KG501", "unknown", place=Place("query", 1, 2)), "query")
     assert not capsys.readouterr().err
     failure(KeyError("unforeseen"), "query")

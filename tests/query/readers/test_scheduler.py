@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from kg.store.layout import Layout
 
 _STATE, _NICE = 0, 16
-"""Fields of /proc/PID/stat, counted behind the name (proc(5))."""
+"""Fields of /proc/PID/stat, counted after the name (proc(5))."""
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
 
 
 def _endless(readers: Readers, count: int) -> list[asyncio.Task[str]]:
-    """Ask queries without end, cancelled by their number; return what becomes of them."""
+    """Start endless queries, cancelled by their number; return their outcomes."""
     return [asyncio.create_task(outcome(readers, f"{ENDLESS} # {n}", job=str(n), seconds=600)) for n in range(count)]
 
 
@@ -37,14 +37,14 @@ async def _cancelled(readers: Readers, tasks: list[asyncio.Task[str]]) -> list[s
 
 
 def test_no_quick_query_is_refused_in_a_flood(layout: Layout) -> None:
-    """C13: while seventy queries without end run and wait, each ASK is answered."""
+    """C13: while seventy endless queries run and wait, each ASK is answered."""
 
     async def ask() -> None:
         async with Readers(layout, processes=2) as readers:
             flood = _endless(readers, 70)
             await asyncio.sleep(0)
             asked = 0
-            # A quick query is answered while others still wait for their first turn, and when all have had it.
+            # A quick query is answered while others still wait for their first turn, and after that.
             while readers.stats().waiting or not asked:
                 assert await outcome(readers, f"ASK {{}} # {asked}") == "whole"
                 asked += 1
@@ -72,7 +72,7 @@ def test_a_long_query_leaves_its_slot(layout: Layout) -> None:
 
 
 def test_a_long_query_stays_in_its_reader(layout: Layout, monkeypatch: pytest.MonkeyPatch) -> None:
-    """No work is lost: what runs for longer than its first turn is answered by the process that began it."""
+    """No work is lost: a query longer than its first turn is answered by the same process."""
     monkeypatch.setattr(scheduler, "_CHECK_SECONDS", 0.0)
     monkeypatch.setattr(scheduler, "_TURN_ROUNDS", 0)
 
@@ -108,7 +108,7 @@ def test_too_many_long_queries_are_refused(layout: Layout, monkeypatch: pytest.M
 
 @linux
 def test_paused_readers_stand_still_and_end(layout: Layout) -> None:
-    """Of the long queries as many run as there are slots; the others are stopped, and end when they are cancelled."""
+    """As many long queries run as there are slots; the others are stopped, and can be cancelled."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -124,7 +124,7 @@ def test_paused_readers_stand_still_and_end(layout: Layout) -> None:
 
 @linux
 def test_long_readers_give_way_with_all_their_threads(layout: Layout) -> None:
-    """A reader that runs a long query has a low priority, with each of its threads."""
+    """A reader with a long query has a low priority, in each of its threads."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
@@ -133,7 +133,7 @@ def test_long_readers_give_way_with_all_their_threads(layout: Layout) -> None:
             process = readers.jobs["0"].process
             assert process is not None
             assert len(_nicenesses(process)) > 1
-            # What readers are forked from is told, and does it.
+            # The fork server lowers it on an order.
             await until(lambda: set(_nicenesses(process)) == {"10"})
             await _cancelled(readers, tasks)
 
@@ -142,7 +142,7 @@ def test_long_readers_give_way_with_all_their_threads(layout: Layout) -> None:
 
 @linux
 def test_the_system_ends_readers_first(layout: Layout) -> None:
-    """C11: where the machine runs out of memory, readers are what Linux ends before any other process."""
+    """C11: if the machine runs out of memory, Linux kills readers before any other process."""
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers, readers.ask(question(STREAM)) as answer:
@@ -154,7 +154,7 @@ def test_the_system_ends_readers_first(layout: Layout) -> None:
 
 
 def test_views_have_slots_of_their_own(layout: Layout, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A view that works for longer than a first turn keeps its priority, however many queries are long."""
+    """A view that runs longer than a first turn keeps its priority, however many queries are long."""
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]))
 
     async def ask() -> None:
@@ -168,7 +168,7 @@ def test_views_have_slots_of_their_own(layout: Layout, monkeypatch: pytest.Monke
 
 
 def _nicenesses(process: Process) -> list[str]:
-    """Return how nice each thread of a process is."""
+    """Return the niceness of each thread of a process."""
     return [_field(thread, _NICE) for thread in Path(f"/proc/{process.pid}/task").iterdir()]
 
 

@@ -1,4 +1,4 @@
-"""Tests of how long queries share the processor."""
+"""Tests of processor sharing among long queries."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class _Reader:
-    """A reader that records what it is ordered."""
+    """A reader that records its orders."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -43,7 +43,7 @@ class _Reader:
 
 
 class _Shared:
-    """Readers that share, with a clock that a test moves."""
+    """Readers that share, with a clock controlled by the test."""
 
     def __init__(self, slots: int, most: int = 100) -> None:
         self.now = 1000.0
@@ -61,7 +61,7 @@ class _Shared:
         self.readers.remove(reader)
 
     def after(self, seconds: float) -> str:
-        """Return the names of the readers that run after a turn of so many seconds."""
+        """Return the names of the running readers after a turn of this length."""
         self.now += seconds
         self.sharing.turn()
         return self.running
@@ -83,7 +83,7 @@ def _in_a_loop(test: Callable[[], None]) -> None:
 
 
 def test_as_many_run_as_there_are_slots() -> None:
-    """The others are paused, in their process, and continue when there is room."""
+    """The others are paused in their process, and continue when a slot is free."""
 
     def test() -> None:
         shared = _Shared(2)
@@ -96,7 +96,7 @@ def test_as_many_run_as_there_are_slots() -> None:
 
 
 def test_the_query_that_ran_least_runs_next() -> None:
-    """C13: a new long query does not wait for one that ran before; when it ran about as long, they take turns."""
+    """C13: a new long query does not wait for one that has run longer; after equal times they take turns."""
 
     def test() -> None:
         shared = _Shared(1)
@@ -112,7 +112,7 @@ def test_the_query_that_ran_least_runs_next() -> None:
 
 
 def test_queries_that_take_the_same_time_run_one_after_the_other() -> None:
-    """Later ones do not delay the first: in a crowd of equals, each ends after those before it."""
+    """Later ones do not delay the first: among equals, each ends after those before it."""
 
     def test() -> None:
         shared = _Shared(1)
@@ -125,7 +125,7 @@ def test_queries_that_take_the_same_time_run_one_after_the_other() -> None:
 
 
 def test_a_reader_that_worked_long_has_a_lower_priority() -> None:
-    """What counts is its processor time, not how long it was held."""
+    """Processor time counts, not the time since the start."""
 
     def test() -> None:
         shared = _Shared(2)
@@ -138,7 +138,7 @@ def test_a_reader_that_worked_long_has_a_lower_priority() -> None:
 
 
 def test_clients_share_alike() -> None:
-    """A client with one long query has as much of the processor as a client with many."""
+    """A client with one long query gets as much processor time as a client with many."""
 
     def test() -> None:
         shared = _Shared(1)
@@ -153,7 +153,7 @@ def test_clients_share_alike() -> None:
 
 
 def test_too_many_are_refused() -> None:
-    """C13: beyond the limit a long query is refused with KG509, and those that are held continue."""
+    """C13: a long query beyond the limit is refused with KG509, and the others continue."""
 
     def test() -> None:
         shared = _Shared(1, most=2)
@@ -168,7 +168,7 @@ def test_too_many_are_refused() -> None:
 
 @given(st.lists(st.tuples(st.sampled_from(["add", "remove", "turn"]), st.integers(0, 9)), max_size=40))
 def test_no_reader_is_left_paused_without_need(steps: list[tuple[str, int]]) -> None:
-    """Whatever comes and goes: as many run as can."""
+    """After any sequence of steps, as many readers run as possible."""
 
     def test() -> None:
         shared = _Shared(2, most=6)
@@ -185,7 +185,7 @@ def test_no_reader_is_left_paused_without_need(steps: list[tuple[str, int]]) -> 
 
 
 def test_turns_pass_without_being_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """While more are held than run, the running ones are chosen again and again; afterwards nothing is left to do."""
+    """While more are held than run, turns go on by a timer; afterwards nothing is scheduled."""
     monkeypatch.setattr("kg.query.readers.sharing._TURN_SECONDS", 0.001)
 
     async def run() -> None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 async def _outcomes(slots: Slots, clients: Sequence[str]) -> list[str]:
-    """Have each client ask for the slots, all of which are held; return who was served and refused, in order."""
+    """Have each client request a slot while all are held; return who was served and refused, in order."""
     found: list[str] = []
 
     async def one(client: str) -> None:
@@ -70,7 +70,7 @@ def test_few_requests_of_one_client_are_served_in_order() -> None:
 
 
 def test_a_burst_delays_neither_the_newest_nor_the_oldest_for_long() -> None:
-    """C13: while many wait, slots go to the newest request of a client and to its oldest in turn."""
+    """C13: while many wait, slots go to the newest and the oldest request of a client in turn."""
 
     async def run() -> None:
         slots = await _held(1, 100)
@@ -91,7 +91,7 @@ def test_a_burst_delays_neither_the_newest_nor_the_oldest_for_long() -> None:
 
 
 def test_clients_are_served_in_turn() -> None:
-    """A client that sends one request does not wait behind all requests of another."""
+    """A client with one request does not wait for all requests of another."""
 
     async def run() -> None:
         slots = await _held(1, 100)
@@ -111,7 +111,7 @@ def test_a_full_queue_refuses() -> None:
 
 
 def test_without_a_queue_nothing_waits() -> None:
-    """A queue of no places refuses what does not get a slot at once."""
+    """With an empty queue, a request that gets no slot at once is refused."""
 
     async def run() -> None:
         slots = await _held(1, 0)
@@ -133,7 +133,7 @@ def test_one_client_cannot_fill_the_queue() -> None:
 
 @given(st.lists(st.sampled_from("abc"), max_size=30), st.integers(1, 3), st.integers(0, 8))
 def test_every_request_is_served_or_refused(clients: list[str], count: int, queue: int) -> None:
-    """Whoever asks in whatever order: each request ends, as many as fit are served, and all slots are free again."""
+    """For clients in any order: each request ends, as many as fit are served, and all slots are free again."""
 
     async def run() -> None:
         slots = await _held(count, queue)
@@ -148,7 +148,7 @@ def test_every_request_is_served_or_refused(clients: list[str], count: int, queu
 
 
 def test_a_wait_that_ends_passes_its_slot_on() -> None:
-    """A request that is cancelled when its slot is granted, or ended while it waits, keeps no slot."""
+    """A request that is cancelled when its slot is granted, or ended while it waits, holds no slot."""
 
     async def run() -> None:
         slots = await _held(1, 10)

@@ -1,4 +1,4 @@
-"""Views for the tests of readers, as `kg.views.calls` has them for faces."""
+"""Views for the tests of readers, in the form of `kg.views.calls`."""
 
 from __future__ import annotations
 

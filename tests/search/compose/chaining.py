@@ -1,4 +1,4 @@
-"""Nodes written down in a line each, stores of them, and the proof that a launch file connects a chain."""
+"""Nodes described in one line each, stores of them, and a check that a launch file connects a chain."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def interface(  # noqa: PLR0913 - the parts of a fact
     implicit: bool = False,
     switches: tuple[str, ...] = (),
 ) -> Interface:
-    """Return an end; one without a name is set by its parameter, if that is given."""
+    """Return an end; one without a name is named by its parameter, if given."""
     resolution = Resolution.LITERAL if name is not None else Resolution.UNRESOLVED
     written = parameter.replace("/", "_") if name is None and parameter else None
     return Interface(
@@ -80,7 +80,7 @@ def node(  # noqa: PLR0913 - what tests tell nodes apart by
     parameters: Sequence[Parameter] = (),
     more: Iterable[Interface] = (),
 ) -> NodeType:
-    """Return a node that subscribes and publishes topics, each with its type."""
+    """Return a node that subscribes to and publishes topics, each with its type."""
     ends = [
         interface(Role.SUBSCRIBES, topic, kind_of, line=10 + at, path=path)
         for at, (topic, kind_of) in enumerate(takes.items())
@@ -131,14 +131,14 @@ def store_of(root: Path, *nodes: NodeType, package: str = "robots", **others: Se
 
 
 def answer_of(store: EmbeddedStore, source: str, target: str, **more: object) -> Answer:
-    """Return what is composed from one type to another; `more` are fields of the question."""
+    """Return the chains from one type to another; `more` contains fields of the question."""
     with store.read() as snapshot:
         question = Question((source,), (target,), **more)  # type: ignore[arg-type]  # fields of several types
         return compose(snapshot, question, store.layout.cache)
 
 
 def read_back(chain: Composed, types: Iterable[tuple[NodeReference, NodeType]], folder: Path) -> System:
-    """Return the system that the launch file of a chain makes, as kg reads it from a package of its own."""
+    """Return the system of a chain's launch file, as kg reads it from a separate package."""
     path = f"launch/chain.launch{'' if chain.wiring.ros == 1 else '.py'}"
     (folder / "launch").mkdir(parents=True, exist_ok=True)
     (folder / "package.xml").write_text(_MANIFEST)
@@ -152,7 +152,7 @@ def read_back(chain: Composed, types: Iterable[tuple[NodeReference, NodeType]], 
 
 
 def unconnected(chain: Composed, system: System) -> list[str]:
-    """Return which ends of a chain are not where the chain says: each node on the topic before it and behind it."""
+    """Return the ends of a chain that are not on the topics before and after their node."""
     instances = {instance.name: instance for instance in system.instances}
     missing = []
     for place, one in enumerate(chain.nodes):

@@ -55,12 +55,12 @@ def nodes(store: EmbeddedStore, source: str, target: str, *using: str, **more: i
     ],
 )
 def test_types_are_meant_in_several_spellings(name: str, types: list[str]) -> None:
-    """A type is named whole, as ROS 2 and C++ do, or by its last part; several may be meant then."""
+    """A type is written in full, in the syntax of ROS 2 or C++, or by its last part, which may match several."""
     assert meant_types(name, KNOWN) == tuple(types)
 
 
 def test_a_type_that_is_not_there_gets_near_names() -> None:
-    """KG705 names what is alike."""
+    """KG705 contains similar names."""
     with pytest.raises(UnknownNameError, match="LazerScan") as caught:
         meant_types("LazerScan", KNOWN)
     assert caught.value.code == "KG705"
@@ -68,7 +68,7 @@ def test_a_type_that_is_not_there_gets_near_names() -> None:
 
 
 def test_a_chain_goes_through_what_is_asked_for(store: EmbeddedStore) -> None:
-    """A node, a type and a word choose among chains; without them there are both."""
+    """A node, a type and a word select among chains; without them all are found."""
     both = [["mapper", "planner"], ["projector", "follower"]]
     assert sorted(nodes(store, "LaserScan", "Twist")) == both
     assert nodes(store, "LaserScan", "Twist", "robots/planner") == both[:1]
@@ -77,14 +77,14 @@ def test_a_chain_goes_through_what_is_asked_for(store: EmbeddedStore) -> None:
 
 
 def test_a_node_that_keeps_the_type_is_used_only_by_name(store: EmbeddedStore) -> None:
-    """A filter is no step of a chain, but where it is asked for, or where its type is what goes in and comes out."""
+    """A filter is only a step of a chain if requested, or if its type is both source and target."""
     assert nodes(store, "LaserScan", "OccupancyGrid") == [["mapper"]]
     assert nodes(store, "LaserScan", "OccupancyGrid", "scan_filter") == [["scan_filter", "mapper"]]
     assert nodes(store, "LaserScan", "LaserScan") == [["scan_filter"]]
 
 
 def test_what_to_go_through_has_to_mean_something(store: EmbeddedStore) -> None:
-    """KG707 names what is alike."""
+    """KG707 contains similar names."""
     with pytest.raises(UnknownNameError) as caught:
         nodes(store, "LaserScan", "Twist", "planer")
     assert caught.value.code == "KG707"
@@ -92,7 +92,7 @@ def test_what_to_go_through_has_to_mean_something(store: EmbeddedStore) -> None:
 
 
 def test_several_types_may_be_there_and_wanted(tmp_path: Path) -> None:
-    """Of several types the first node takes one; that it needs the others does not count against it."""
+    """The first node takes one of several types; needing the others does not add to its cost."""
     image, info = "sensor_msgs/Image", "demo_msgs/Model"
     found = node("cloud", {"image": image, "model": info}, {"points": CLOUD})
     store = store_of(tmp_path / "store", found)
@@ -104,7 +104,7 @@ def test_several_types_may_be_there_and_wanted(tmp_path: Path) -> None:
 
 
 def test_frameworks_make_no_links(tmp_path: Path) -> None:
-    """Transforms, clocks and what frameworks make by themselves connect every node, and so none in particular."""
+    """Transforms, clocks and topics of frameworks connect all nodes, so they are not links."""
     transforms = "tf2_msgs/TFMessage"
     hidden = [interface(Role.PUBLISHES, "out", "demo_msgs/Out", implicit=True)]
     store = store_of(

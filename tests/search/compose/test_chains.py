@@ -19,7 +19,7 @@ TYPES = "abcde"
 
 @st.composite
 def networks(draw: st.DrawFn) -> list[Step]:
-    """Return the steps of a small network: some nodes, each with some ways through it."""
+    """Return the steps of a small network of random nodes, each with some steps."""
     steps = []
     for part in range(draw(st.integers(1, 6))):
         ways = draw(st.lists(st.tuples(st.sampled_from(TYPES), st.sampled_from(TYPES)), max_size=4, unique=True))
@@ -40,7 +40,7 @@ def between(one: Step, other: Step) -> int:
 def is_chain(
     steps: Sequence[Step], starts: Sequence[str], goals: str, wanted: int, given_marks: dict[str, int]
 ) -> bool:
-    """Tell by the definition whether steps are a chain: linked, of different nodes, without detours, and complete."""
+    """Return whether steps are a chain by definition: linked, of different nodes, without detours, and complete."""
     if steps[0].source not in starts or len({step.family for step in steps}) < len(steps):
         return False
     if any(one.target != other.source for one, other in pairwise(steps)):
@@ -49,7 +49,7 @@ def is_chain(
     for step in steps[:-1]:
         marks |= step.marks
         if step.target in goals and marks & wanted == wanted:
-            return False  # it ended before
+            return False  # it was complete before
         if step.target in had and not (step.kept and step.source == step.target):
             return False
         had.add(step.target)
@@ -60,7 +60,7 @@ def is_chain(
 def by_force(
     steps: Sequence[Step], asked: tuple[Sequence[str], str, int, dict[str, int]], length: int
 ) -> dict[tuple[int, ...], int]:
-    """Return what the cheapest chain of each sequence of nodes costs, of all sequences there are."""
+    """Return the least cost of each sequence of nodes, for all possible sequences."""
     found: dict[tuple[int, ...], int] = {}
     for number in range(1, length + 1):
         for chosen in permutations(steps, number):
@@ -83,7 +83,7 @@ def by_force(
 def test_the_chains_are_those_of_trying_everything(
     steps: list[Step], starts: list[str], goals: set[str], length: int, bits: tuple[int, dict[str, int]]
 ) -> None:
-    """The search yields each sequence of nodes that makes a chain, once, with its least cost, in the order of costs."""
+    """The search yields each sequence of nodes that is a chain, once, with its least cost, in the order of costs."""
     by_type = {name: [step for step in steps if step.source == name] for name in TYPES}
     search = Search(by_type, starts, frozenset(goals), length, between, *bits)
     found = list(search.best())
@@ -96,7 +96,7 @@ def test_the_chains_are_those_of_trying_everything(
 @given(networks(), st.randoms())
 @settings(max_examples=50, deadline=None)
 def test_the_order_of_what_is_read_changes_nothing(steps: list[Step], random: object) -> None:
-    """The same network gives the same chains in the same order, however its steps are put in."""
+    """The same network gives the same chains in the same order, whatever the order of its steps."""
     mixed = list(steps)
     random.shuffle(mixed)  # type: ignore[attr-defined]  # a random.Random, which hypothesis gives as an object
     answers = [
@@ -115,7 +115,7 @@ def test_the_order_of_what_is_read_changes_nothing(steps: list[Step], random: ob
 
 
 def test_a_search_that_looks_at_too_much_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where there is more than can be looked at, the search ends with the complete chains that it has, and says so."""
+    """At the limit of visited steps, the search ends with its complete chains and records the cut."""
     monkeypatch.setattr(chains, "_MOST_LOOKS", 20)
     steps = {
         name: [Step(10 * at + way, 10 * at + way, name, after, 1, f"{name}{way}") for way in range(10)]
@@ -127,7 +127,7 @@ def test_a_search_that_looks_at_too_much_says_so(monkeypatch: pytest.MonkeyPatch
 
 
 def test_equal_chains_are_found_without_looking_at_all_of_them() -> None:
-    """Among a million chains of the same cost the first come at once, by their keys."""
+    """Among a million chains of the same cost, the first ones are found at once, by their keys."""
     steps = {
         name: [Step(10 * at + way, 10 * at + way, name, after, 1, f"{name}{way}") for way in range(10)]
         for at, (name, after) in enumerate(zip("abcdef", "bcdefg", strict=True))

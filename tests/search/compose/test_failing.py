@@ -14,7 +14,7 @@ SCAN, GRID, TWIST = "sensor_msgs/LaserScan", "nav_msgs/OccupancyGrid", "geometry
 
 
 def test_without_a_chain_it_says_how_far_one_gets(tmp_path: Path) -> None:
-    """KG706 tells what can be made of what is there, the longest way, and what the wanted type can be made of."""
+    """KG706 lists the types that can be reached, the longest path, and the types that lead to the target."""
     store = store_of(
         tmp_path / "store",
         node("mapper", {"scan": SCAN}, {"map": GRID}),
@@ -32,7 +32,7 @@ def test_without_a_chain_it_says_how_far_one_gets(tmp_path: Path) -> None:
 
 
 def test_it_says_which_types_nobody_takes_or_gives(tmp_path: Path) -> None:
-    """A type that is only published cannot begin a chain; near types that can are named."""
+    """A type that is only published cannot begin a chain; similar types that can are suggested."""
     store = store_of(
         tmp_path / "store",
         node("driver", {"multi_scan": "sensor_msgs/MultiEchoLaserScan"}, {"scan": SCAN}),
@@ -46,7 +46,7 @@ def test_it_says_which_types_nobody_takes_or_gives(tmp_path: Path) -> None:
 
 
 def test_an_empty_store_has_no_types(tmp_path: Path) -> None:
-    """Where nothing was built, the type is what is not known."""
+    """In an empty store, the type is unknown."""
     with pytest.raises(UnknownNameError) as caught:
         answer_of(store_of(tmp_path / "store"), "LaserScan", "Twist")
     assert caught.value.code == "KG705"

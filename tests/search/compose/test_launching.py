@@ -38,11 +38,11 @@ CHAINS = [
     (2, "nav_msgs/Odometry", "PoseStamped", [], ["flight_controller", "mission"]),
     (2, "CameraInfo", "Vector3Stamped", [], ["gimbal"]),
 ]
-"""Chains of the example workspace: the version of ROS, what goes in, what comes out, through what, and the nodes."""
+"""Chains of the example workspace: the version of ROS, input, output, requirements, and the nodes."""
 
 
 def test_the_launch_files_connect_the_example_workspace_as_the_chains_say(tmp_path: Path) -> None:
-    """Written into the workspace and built, their instances meet on the topics of the chains, with their types."""
+    """Written into the workspace and built, the instances share the topics of the chains, with their types."""
     workspace = tmp_path / "robots"
     shutil.copytree(ROOT / "examples" / "workspace", workspace)
     given_settings = load({"store": tmp_path / "store", "jobs": 1})
@@ -73,7 +73,7 @@ def _assert_connected(chain: dict[str, Any], instances: dict[str, Any]) -> None:
 
 @st.composite
 def random_chains(draw: st.DrawFn) -> tuple[int, list[tuple[NodeType, Port, Port]]]:
-    """Return a version of ROS and nodes with an end to come in by and one to go on from, each of other types."""
+    """Return a version of ROS and nodes with an input and an output each, of different types."""
     ros = draw(st.sampled_from([1, 2]))
     kinds = ["executable", "script", "nodelet" if ros == 1 else "component"]
     links = [draw(st.sampled_from(TYPES))]
@@ -103,12 +103,12 @@ def _topic(name: str | None) -> str | None:
 
 
 def port_of(fact: Interface, at: int) -> Port:
-    """Return the end of a network that an interface is."""
+    """Return the end of a network for an interface."""
     return Port(f"p:{at}/{fact.role}/{fact.name}", fact.name, fact.type or "", fact.parameter)
 
 
 def chain_of(ros: int, ways: list[tuple[NodeType, Port, Port]]) -> Composed:
-    """Return the chain of nodes, each in a package of its own."""
+    """Return the chain of nodes, each in its own package."""
     parts = []
     for at, (made, taken, given_port) in enumerate(ways):
         ports = [(one.role, port_of(one, at)) for one in made.interfaces]
@@ -125,9 +125,10 @@ def chain_of(ros: int, ways: list[tuple[NodeType, Port, Port]]) -> Composed:
 @given(random_chains())
 @settings(max_examples=60, deadline=None)
 def test_the_launch_file_of_any_chain_connects_it(drawn: tuple[int, list[tuple[NodeType, Port, Port]]]) -> None:
-    """Whatever names nodes and topics have, each node is on the topic before it and on the one behind it.
+    """Whatever the names, each node is on the topic before it and on the one after it.
 
-    Nobody else is on a topic but later nodes that subscribe its type. Names of nodes and topics are valid and unique.
+    The only other ends on a topic are later nodes that subscribe to its type. Names of nodes and topics are valid and
+    unique.
     """
     ros, ways = drawn
     chain = chain_of(ros, ways)
@@ -158,7 +159,7 @@ def test_the_launch_file_of_any_chain_connects_it(drawn: tuple[int, list[tuple[N
 
 
 def _on(instance: NodeInstance, topic: str) -> list[Interface]:
-    """Return the ends of an instance that are on a topic."""
+    """Return the ends of an instance on a topic."""
     return [end.declared for end in instance.interfaces if end.resolved == topic]
 
 
@@ -167,7 +168,7 @@ def _loaded_from(made: NodeType, package: str) -> NodeType:
 
 
 def test_a_launch_file_says_what_else_is_needed(tmp_path: Path) -> None:
-    """Comments name the lines of the ends, inputs that nobody gives, and parameters without a default."""
+    """Comments contain the lines of the ends, inputs without publisher, and parameters without a default."""
     planner = node(
         "planner", {"scan": "sensor_msgs/LaserScan", "map": "nav_msgs/OccupancyGrid"}, {"out": "geometry_msgs/Twist"},
         parameters=[read("~/frame -- id"), read("~/rate", "5.0"), read("~/robot")],
@@ -182,7 +183,7 @@ def test_a_launch_file_says_what_else_is_needed(tmp_path: Path) -> None:
 
 
 def test_what_nodes_of_a_chain_give_besides_is_told(tmp_path: Path) -> None:
-    """A second topic by which one node feeds another is no need; one that only has the type is."""
+    """A second topic between two nodes is not a need; one with only the same type is."""
     gives = {"cloud": "sensor_msgs/PointCloud2", "pose": "geometry_msgs/PoseStamped"}
     takes = {**gives, "goal": "geometry_msgs/PoseStamped"}
     tracker = node("tracker", {"scan": "sensor_msgs/LaserScan"}, gives)
@@ -194,7 +195,7 @@ def test_what_nodes_of_a_chain_give_besides_is_told(tmp_path: Path) -> None:
 
 
 def test_switches_and_parameters_that_name_topics_are_set(tmp_path: Path) -> None:
-    """An input that a parameter names is wired by it, and one that a parameter turns on is turned on."""
+    """An input named by a parameter is wired by it, and one enabled by a parameter is enabled."""
     more = [
         interface(Role.SUBSCRIBES, None, "sensor_msgs/Image", parameter="~/picture"),
         interface(Role.PUBLISHES, "cloud", "sensor_msgs/PointCloud2", switches=("~/dense", "!~/quiet")),
@@ -207,7 +208,7 @@ def test_switches_and_parameters_that_name_topics_are_set(tmp_path: Path) -> Non
 
 
 def test_nodelets_get_a_manager_and_components_a_container(tmp_path: Path) -> None:
-    """What cannot be started alone is loaded by what the launch file starts for it."""
+    """Nodelets and components are loaded by a manager or container in the launch file."""
     scan, cloud = {"scan": "sensor_msgs/LaserScan"}, {"cloud": "sensor_msgs/PointCloud2"}
     store = store_of(
         tmp_path / "s", node("Old", scan, cloud, kind="nodelet"), node("New", scan, cloud, ros=2, kind="component")
@@ -220,6 +221,6 @@ def test_nodelets_get_a_manager_and_components_a_container(tmp_path: Path) -> No
 
 
 def test_a_file_name_follows_from_the_types(tmp_path: Path) -> None:
-    """The file of a chain is called by what it takes and gives, with the ending of its language."""
+    """The name of the file comes from the types of input and output, with the suffix of its language."""
     store = EmbeddedStore(store_of(tmp_path / "s", node("x", {"a": "m/In"}, {"b": "m/Out"}, ros=2)).layout)
     assert answer_of(store, "In", "Out").chains[0].file_name == "in_to_out.launch.py"

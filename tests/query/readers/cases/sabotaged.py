@@ -40,7 +40,7 @@ def fail(how: str) -> None:
 
 
 def failing(found: Iterator[Any], how: str, row: int) -> Iterator[Any]:
-    """Yield what is found up to a row; there it goes wrong."""
+    """Yield results up to a row, then fail."""
     for number, item in enumerate(found):
         if number == row:
             fail(how)
@@ -49,7 +49,7 @@ def failing(found: Iterator[Any], how: str, row: int) -> Iterator[Any]:
 
 
 def evaluate(self: Prepared, *arguments: Any) -> Evaluation:
-    """Evaluate as told by the comment."""
+    """Evaluate, failing as the comment specifies."""
     evaluation = EVALUATE(self, *arguments)
     told = re.search(r"# (\w+)@(\d+)", self.typed)
     if told is None:

@@ -1,4 +1,4 @@
-"""Readers that cannot start the thread that they answer in."""
+"""Readers whose main thread cannot be started."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from kg.query.readers.forkserver import main
 
 
 def start(_: threading.Thread) -> None:
-    """Fail as where there is no room for a stack."""
+    """Fail as if there were no address space for a stack."""
     message = "no room for a thread"
     raise RuntimeError(message)
 

@@ -1,4 +1,4 @@
-"""Readers that check nothing: what the engine does to them then is what the tests want to see."""
+"""Readers without a guard, to test the effects on the engine."""
 
 from __future__ import annotations
 
