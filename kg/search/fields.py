@@ -24,10 +24,8 @@ if TYPE_CHECKING:
 _COMMON: Final = ("name", "plugin", "text", "interface", "type", "parameter", "class")
 """What variants of a node have in common."""
 _PROSE: Final = ("manifest", "readme")
-_OFTEN: Final = 2.0
-"""However often a term stands in a field, it counts less than so many times."""
-_SHORTEST: Final = 0.2
-"""A field counts as at least so long, beside the mean of all nodes."""
+_OFTEN: Final = 2.0  # however often a term stands in a field, it counts less than so many times
+_SHORTEST: Final = 0.2  # A field counts as at least so long, beside the mean of all nodes
 
 
 def own_words(node: Document) -> Iterator[tuple[str, str]]:

@@ -1,6 +1,6 @@
 """Which question narrows hits best: the property whose values split them most evenly.
 
-Each value that a question offers is one of a filter (`kg.search.options`), so an answer is a filter more.
+Each value that a question offers is one of a filter (`kg.search.filters`), so an answer is a filter more.
 """
 
 from __future__ import annotations
@@ -26,8 +26,7 @@ QUESTIONS: Final = {
     "package": "Which package?",
 }
 """The questions by the filter that an answer sets, those first that a user can answer best."""
-_MOST: Final = 6
-"""So many answers are offered, the most frequent ones."""
+_MOST: Final = 6  # so many answers are offered, the most frequent ones
 _OTHER: Final = frozenset(
     ("rosgraph_msgs/Log", "tf2_msgs/TFMessage", "tf/tfMessage", "diagnostic_msgs/DiagnosticArray")
 )

@@ -52,13 +52,10 @@ _IN, _OUT, _BOTH = "in", "out", "both"
 _SIDES: Final = {_IN: ("subscribes",), _OUT: ("publishes",), _BOTH: ("subscribes", "publishes")}
 _MOST: Final = 2000
 """So many characters of a text are read: a need is a sentence or two, and longer texts cost with their square."""
-_LONGEST: Final = 6
-"""So many words has the longest phrase of the lexicon."""
-_TOLD: Final = 3
-"""Behind so many significant words, `for` begins an aside."""
+_LONGEST: Final = 6  # so many words has the longest phrase of the lexicon
+_TOLD: Final = 3  # behind so many significant words, `for` begins an aside
 _SHORT_NAME: Final = 2
-_OF_EVERY: Final = ("ros", "msg", "msgs")
-"""Names that tell nothing of a node."""
+_OF_EVERY: Final = ("ros", "msg", "msgs")  # names that tell nothing of a node
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _REASONS = 5
-_DIGITS = 4
-"""Scores are compared to so many decimals, so that sums of floats in another order change nothing."""
+_DIGITS = 4  # scores are compared to so many decimals, so that sums of floats in another order change nothing
 
 
 @dataclass(frozen=True, slots=True)
