@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from kg.errors import UsageError
-from kg.search.filters import FILTERS
+from kg.search.options import FILTERS
 from kg.views.find import choices, find
 
 if TYPE_CHECKING:
