@@ -12,8 +12,7 @@ if TYPE_CHECKING:
 
     from kg.search.compose.network import Port
 
-_MOST: Final = 4
-"""How many copies, and types that are needed, are named one by one."""
+_MOST: Final = 4  # how many copies, and types that are needed, are named one by one
 
 
 def chain_lines(chain: Composed, rank: int) -> Iterator[str]:

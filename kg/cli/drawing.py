@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
 from kg.cli.diagnostics import say
 from kg.cli.output import terminal, write_bytes
 from kg.errors import Place, UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _ENDINGS: Final = {
     ".svg": "svg",

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
 _OF_FACES: Final = frozenset({"accesses", "calls", "evidence", "node_iri", "quality", "title"})
 """What of a row is there for faces; it has the same in other fields."""
-_MOST: Final = 3
-"""So many launch files are named in a sentence."""
+_MOST: Final = 3  # so many launch files are named in a sentence
 
 
 def endpoint_view(

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.diagnostics import note, problem, say
+from kg.cli.progress import ProgressBar
 from kg.corpus.fetching_lock import FETCHED, Entry, Lock, Standing
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
-    from rich.progress import Progress, TaskID
-
     from kg.corpus.fetching import Fetched
 
 _CODES: Final = {"refused": "KG134", "too large": "KG135", "too slow": "KG135", "in the way": "KG137"}
@@ -34,14 +32,6 @@ class Lines:
         self._all = 0
         self._done = 0
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Nothing is left to clean up."""
-
     def begin(self, repositories: int) -> None:
         """Write how many there are."""
         self._all = repositories
@@ -54,47 +44,20 @@ class Lines:
         say(f"{self._done}/{self._all} {printable(entry.name)}: {entry.state}{printable(where)}")
 
 
-class Bar(Lines):
+class Bar(ProgressBar):
     """A bar that grows by repositories, with the one that was done last."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self._progress: Progress | None = None
-        self._task: TaskID | None = None
-
-    def __enter__(self) -> Self:
-        from rich.console import Console  # noqa: PLC0415 - start-up time
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - start-up time
-
-        columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=None), MofNCompleteColumn())
-        self._progress = Progress(
-            *columns, TimeElapsedColumn(), console=Console(stderr=True, highlight=False), transient=True
-        )
-        self._progress.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Take the bar away."""
-        if self._progress:
-            self._progress.stop()
-
-    def begin(self, repositories: int) -> None:
-        """Give the bar its length."""
-        if self._progress:
-            self._task = self._progress.add_task("fetching", total=repositories)
+        super().__init__("fetching", _LONGEST_NAME, threaded=True)
 
     def ended(self, entry: Entry) -> None:
         """Let the bar grow."""
-        if self._progress and self._task is not None:
-            shown = printable(entry.name)[-_LONGEST_NAME:]
-            self._progress.update(self._task, advance=1, description=f"{shown:<{_LONGEST_NAME}}")
+        self.show(entry.name[-_LONGEST_NAME:], advance=1)
 
 
-def for_this_stream() -> Lines:
+def for_this_stream() -> AbstractContextManager[Bar | Lines]:
     """Return what suits standard error."""
-    return Bar() if sys.stderr.isatty() else Lines()
+    return Bar() if sys.stderr.isatty() else nullcontext(Lines())
 
 
 def summary(done: Fetched) -> None:

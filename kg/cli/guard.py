@@ -8,7 +8,8 @@ from __future__ import annotations
 import errno
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from typer import Abort
 from typer.exceptions import TyperException
@@ -18,9 +19,6 @@ from kg.cli.main import was_interrupted
 from kg.cli.supervising import MemoryLimitError, is_out_of_memory
 from kg.errors import Exit, KgError, StoreError, UsageError
 from kg.similar import did_you_mean
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 def as_usage_error(error: TyperException) -> UsageError:

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import signal
-from typing import TYPE_CHECKING, Any
+from collections.abc import Coroutine
+from typing import Any
 
 import typer
 
 from kg.errors import Exit, RobotError
-
-if TYPE_CHECKING:
-    from collections.abc import Coroutine
 
 
 def interruptible(work: Coroutine[Any, Any, None], *, moves: bool = False) -> None:

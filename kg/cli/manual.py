@@ -13,8 +13,7 @@ from typing import Any, Final
 
 _WIDEST: Final = 100
 _INDENT: Final = "  "
-_LISTS: Final = {"Arguments", "Options"}
-"""Sections that are no groups of commands."""
+_LISTS: Final = {"Arguments", "Options"}  # sections that are no groups of commands
 
 
 @dataclass(frozen=True, slots=True)

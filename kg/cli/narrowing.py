@@ -12,10 +12,8 @@ from kg.search.narrowing import Question, question
 if TYPE_CHECKING:
     from kg.search.searching import Search
 
-_LOOKED_AT: Final = 30
-"""So many of the best hits are split by questions."""
-_ENOUGH: Final = 2
-"""With so few hits left no question is asked."""
+_LOOKED_AT: Final = 30  # so many of the best hits are split by questions
+_ENOUGH: Final = 2  # with so few hits left no question is asked
 
 
 def narrow(found: Search, words: str, filters: dict[str, list[str]]) -> dict[str, list[str]]:

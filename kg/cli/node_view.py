@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord
     from kg.views.evidence import Places
 
-_MOST_DESCRIPTIONS: Final = 2
-"""Texts that are shown unless all are asked for: the best say what a node is for."""
+_MOST_DESCRIPTIONS: Final = 2  # texts that are shown unless all are asked for: the best say what a node is for
 _NO_CLASSES: Final = Classes()
 
 

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.table import Table
 
-_GAP = 2
-"""Spaces between two columns of a table."""
+_GAP = 2  # spaces between two columns of a table
 _UNBOUNDED = 100_000
 
 

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from kg.render.text import width
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 
 def shortened(places: Sequence[str]) -> tuple[list[str], ...]:

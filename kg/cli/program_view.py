@@ -5,7 +5,8 @@ from __future__ import annotations
 import json as as_json
 import math
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import typer
 
@@ -17,9 +18,6 @@ from kg.robot.programs.events import Problem
 from kg.robot.programs.files import Loaded, load
 from kg.robot.programs.tree import statements
 from kg.robot.programs.write import headline
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 
 def read(path: str, *, json: bool) -> Loaded:

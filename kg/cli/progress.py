@@ -12,9 +12,6 @@ from kg.render.text import count, printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from types import TracebackType
-
-    from rich.progress import Progress, TaskID
 
     from kg.facts import Problem, Repository
 
@@ -23,14 +20,6 @@ _LONGEST_NAME: Final = 32
 
 class Lines(Silent):
     """One line for each thing that happens, for logs and pipes."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Nothing is left to clean up."""
 
     def fetching(self, message: str) -> None:
         """Write what happens to a git address."""
@@ -68,17 +57,13 @@ class Lines(Silent):
         say("inferring")
 
 
-class Bar(Silent):
-    """A bar that grows by packages, with the time spent and the package read last.
+class ProgressBar:
+    """A bar on standard error, with the time spent and at most `width` characters about what was done last.
 
-    It is drawn anew when something happens and not by a thread, because the build forks its workers.
+    Without `threaded` it is drawn only when something happens, never by a thread.
     """
 
-    def __init__(self) -> None:
-        self._progress: Progress | None = None
-        self._task: TaskID | None = None
-
-    def __enter__(self) -> Self:
+    def __init__(self, task: str, width: int, *, threaded: bool) -> None:
         from rich.console import Console  # noqa: PLC0415 - start-up time
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - start-up time
 
@@ -89,56 +74,64 @@ class Bar(Silent):
             TimeElapsedColumn(),
             console=Console(stderr=True, highlight=False),
             transient=True,
-            auto_refresh=False,
+            auto_refresh=threaded,
         )
+        self._task = self._progress.add_task(task, total=None)
+        self._width = width
+
+    def __enter__(self) -> Self:
         self._progress.start()
-        self._task = self._progress.add_task("looking for packages", total=None)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Take the bar away; what was said above it stays."""
-        if self._progress:
-            self._progress.stop()
+        self._progress.stop()
+
+    def show(self, text: str, *, advance: int = 0) -> None:
+        """Show what is done, and let the bar grow by so many."""
+        shown = printable(text)[: self._width]
+        self._progress.update(self._task, description=f"{shown:<{self._width}}", advance=advance, refresh=True)
+
+    def begin(self, total: int) -> None:
+        """Give the bar its length."""
+        self._progress.update(self._task, total=total, completed=0)
+
+
+class Bar(ProgressBar, Silent):
+    """A bar that grows by packages; no thread draws it, because the build forks its workers."""
+
+    def __init__(self) -> None:
+        super().__init__("looking for packages", _LONGEST_NAME, threaded=False)
 
     def fetching(self, message: str) -> None:
         """Show what happens to a git address."""
-        self._show(message)
+        self.show(message)
 
     def planned(self, read: int, reused: int, jobs: int) -> None:  # noqa: ARG002 - the end tells them
         """Give the bar its length."""
-        if self._progress and self._task is not None:
-            self._progress.update(self._task, total=read, completed=0)
-            self._show("reading")
+        self.begin(read)
+        self.show("reading")
 
     def placed(self, worker: str, source: str) -> None:
         """Show what a worker of a cluster begins to read."""
-        self._show(f"{worker.rpartition('/')[2]} {source}")
+        self.show(f"{worker.rpartition('/')[2]} {source}")
 
     def done(self, result: PackageResult) -> None:
         """Let the bar grow."""
-        if self._progress and self._task is not None:
-            self._progress.advance(self._task)
-            self._show(f"read {result.name}")
+        self.show(f"read {result.name}", advance=1)
 
     def writing(self, triples: int) -> None:  # noqa: ARG002 - most of them may be in the store already
         """Show that the store is written."""
-        self._show("writing")
+        self.show("writing")
 
     def inferring(self) -> None:
         """Show that the rules run."""
-        self._show("inferring")
-
-    def _show(self, text: str) -> None:
-        if self._progress and self._task is not None:
-            shown = printable(text)[:_LONGEST_NAME]
-            self._progress.update(self._task, description=f"{shown:<{_LONGEST_NAME}}", refresh=True)
+        self.show("inferring")
 
 
-def for_this_stream() -> Bar | Lines:
+def for_this_stream() -> AbstractContextManager[Silent]:
     """Return what suits standard error."""
-    return Bar() if sys.stderr.isatty() else Lines()
+    return Bar() if sys.stderr.isatty() else nullcontext(Lines())
 
 
 def for_people() -> AbstractContextManager[Silent]:

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.diagnostics import note
-from kg.cli.driving_view import warn
+from kg.cli.driving import warn
 from kg.cli.interruptible import interruptible
 from kg.cli.output import Column, listing
 from kg.cli.robot_view import tell_problems

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Iterator
+from typing import Any, Final
 
 import typer
 from typer.main import get_command
@@ -10,10 +11,6 @@ from typer.main import get_command
 from kg.cli.manual import Page, page
 from kg.errors import Exit
 from kg.settings import DECLARED
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 _HEAD: Final = """\
 # The command line

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Final
+from collections.abc import Mapping
+from typing import Annotated, Final
 
 import typer
 
 from kg.codes.severities import SEVERITIES
 from kg.errors import UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _FORMATS: Final = ("text", "json", "sarif", "github")
 

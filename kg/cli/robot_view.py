@@ -28,8 +28,7 @@ _COLUMNS: Final = (
     Column("through", "dim", spare=4),
 )
 _UNAVAILABLE: Final = Column("unavailable")
-_SHOWN: Final = 2
-"""So many ways of one capability are named in a table on a terminal."""
+_SHOWN: Final = 2  # so many ways of one capability are named in a table on a terminal
 _SIGN: Final = {"came": "+", "went": "-"}
 
 

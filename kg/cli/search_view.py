@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from kg.search.searching import Answer, Hit
 
 _REASONS: Final = 3
-_MOST: Final = 4
-"""How many copies and variants of a hit are named."""
+_MOST: Final = 4  # how many copies and variants of a hit are named
 _FIRST, _LATER, _NARROWEST = "   ", "     ", 24
 
 

@@ -10,16 +10,13 @@ import errno
 import os
 import signal
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.errors import Exit, KgError
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-_SECONDS: Final = 0.1
-"""How often memory is measured."""
+_SECONDS: Final = 0.1  # how often memory is measured
 _SIGNALS: Final = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGCHLD}
 _ALLOCATING: Final = {signal.SIGABRT, signal.SIGSEGV, signal.SIGBUS, signal.SIGILL, signal.SIGTRAP}
 """What C++ and Rust end by where an allocation fails."""

@@ -7,7 +7,7 @@ Files of no kind (pictures, meshes, bags) are not listed at all.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path  # noqa: TC003 - what is written for workers of a cluster is read by these annotations
+from pathlib import Path
 from typing import Final, NamedTuple
 
 from kg.facts import FileKind, Problem, Repository

@@ -116,8 +116,7 @@ def _meant(address: str, known: str) -> str:
     return f"An address begins with {known}."
 
 
-_DISCOVERED: Final = 2
-"""The version of ROS whose nodes are found by waiting, since no master lists them."""
+_DISCOVERED: Final = 2  # the version of ROS whose nodes are found by waiting, since no master lists them
 
 
 def address_of(settings: Settings) -> str:

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Final, Generic, NamedTuple, TypeVar
+from typing import Final, Generic, NamedTuple, TypeVar
 
 from kg.errors import RobotError
 from kg.robot.connection import Received, Value
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterator
-
-
 Item = TypeVar("Item")
 
-_MOST_FEEDBACK: Final = 1000
-"""So much feedback waits for who may not read it."""
+_MOST_FEEDBACK: Final = 1000  # so much feedback waits for who may not read it
 
 
 class Inbox(Generic[Item]):

@@ -40,10 +40,8 @@ _STATES: Final = {
 """The states of lifecycle_msgs/State; what a node tells as 0 is unknown."""
 _GET_STATE: Final = "lifecycle_msgs/GetState"
 _EVENT: Final = "lifecycle_msgs/TransitionEvent"
-_PATIENCE: Final = 1.0
-"""Seconds that a node may take to tell its state."""
-_AGAIN: Final = 2.0
-"""Seconds after which a node that is not active is asked again, for the event may have been missed."""
+_PATIENCE: Final = 1.0  # seconds that a node may take to tell its state
+_AGAIN: Final = 2.0  # seconds after which a node that is not active is asked again, for the event may have been missed
 
 
 @dataclass(slots=True)

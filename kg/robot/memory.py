@@ -11,9 +11,10 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from copy import deepcopy
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 from urllib.parse import urlsplit
 
 from kg.errors import RobotError
@@ -34,10 +35,6 @@ from kg.robot.connection import (
 from kg.robot.inbox import Changes, GoalProgress, Inbox
 from kg.robot.messages import Types
 from kg.robot.tasks import spawn
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
-    from types import TracebackType
 
 
 @dataclass(slots=True)
@@ -499,9 +496,7 @@ class Bus:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def changed(self) -> None:

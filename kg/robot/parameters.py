@@ -7,7 +7,8 @@ master, where those of a node are below its name. A value is a text as a paramet
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeGuard
+from collections.abc import Callable, Mapping
+from typing import Any, Final, Protocol, TypeGuard
 
 import msgspec
 from yaml import BaseLoader, YAMLError
@@ -19,14 +20,9 @@ from kg.robot.connection import Connection, GraphProblem, Value
 from kg.similar import did_you_mean
 from kg.yamltext import load_yaml
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-
 _LIST: Final = "rcl_interfaces/ListParameters"
 _LISTING: Final = "/list_parameters"
-_PATIENCE: Final = 5.0
-"""Seconds that a node may take to answer."""
+_PATIENCE: Final = 5.0  # seconds that a node may take to answer
 _UNSET: Final = "not set"
 _TYPES: Final[tuple[tuple[str, str], ...]] = (
     (_UNSET, ""),

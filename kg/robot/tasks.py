@@ -7,11 +7,9 @@ begins it also awaits it, whatever happens, `asyncio.ensure_future` is enough: t
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Awaitable, Coroutine
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Coroutine
+from typing import Any, TypeVar
 
 Result = TypeVar("Result")
 

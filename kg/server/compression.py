@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 _AS_THEY_ARE: Final = ("/sparql", "/update", "/store", "/jobs", "/robot/", "/health", "/metrics")
-_LEAST: Final = 1 << 10
-"""Bytes below which there is nothing to gain."""
+_LEAST: Final = 1 << 10  # bytes below which there is nothing to gain
 _LEVEL: Final = 5
 _NEVER: Final = re.compile(r"(?:^|,)\s*gzip\s*;\s*q\s*=\s*0(?:\.0*)?\s*(?:,|$)", re.IGNORECASE)
 """The weight that says so (RFC 9110, section 12.5.3)."""

@@ -107,13 +107,7 @@ async def _put(request: Request) -> Response:
     changing = writer(request)
     parameters = Parameters(request.scope["query_string"])
     graph = _graph(request, parameters)
-    put = partial(
-        changing.put_graph,
-        graph and graph.value,
-        await _parts(request),
-        base=_base(request, graph),
-        seconds=patience(request, parameters),
-    )
+    put = partial(changing.put_graph, graph and graph.value, await _parts(request), base=_base(request, graph))
     return _done(await _on_condition(request, parameters, graph, put))
 
 
@@ -122,13 +116,7 @@ async def _post(request: Request) -> Response:
     parameters = Parameters(request.scope["query_string"])
     is_new = _raw_path(request).rstrip("/") == _ROOT and "graph" not in parameters and "default" not in parameters
     graph = _new(request) if is_new else _graph(request, parameters)
-    post = partial(
-        changing.post_graph,
-        graph and graph.value,
-        await _parts(request),
-        base=_base(request, graph),
-        seconds=patience(request, parameters),
-    )
+    post = partial(changing.post_graph, graph and graph.value, await _parts(request), base=_base(request, graph))
     updated = await _on_condition(request, parameters, None if is_new else graph, post)
     return _done(updated, graph.value if is_new and graph else None)
 
@@ -137,7 +125,7 @@ async def _delete(request: Request) -> Response:
     changing = writer(request)
     parameters = Parameters(request.scope["query_string"])
     graph = _graph(request, parameters)
-    delete = partial(changing.delete_graph, graph and graph.value, seconds=patience(request, parameters))
+    delete = partial(changing.delete_graph, graph and graph.value)
     return _done(await _on_condition(request, parameters, graph, delete))
 
 
@@ -146,6 +134,7 @@ async def _on_condition(
 ) -> Updated:
     """Make a change if its condition holds; the unnamed graph and the store, which are None, are always there."""
     exists = partial(_exists, request, graph) if graph else None
+    change = partial(change, seconds=patience(request, parameters))
     return await on_condition(request, parameters, lambda snapshot: change(snapshot=snapshot), exists)
 
 

@@ -6,14 +6,12 @@ What kind of answer a query has is known only when it runs, so that one format i
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.server.errors import RequestError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 _RESULTS_JSON: Final = "application/sparql-results+json"
 _RESULTS_XML: Final = "application/sparql-results+xml"
@@ -47,8 +45,7 @@ GRAPH: Final[Sequence[tuple[str, str]]] = (
 )
 """Media type and format of graphs, the one that is preferred first."""
 
-_N3: Final = (("text/n3", "turtle"), ("text/rdf+n3", "turtle"))
-"""Media types of Notation3, of which Turtle is a part."""
+_N3: Final = (("text/n3", "turtle"), ("text/rdf+n3", "turtle"))  # media types of Notation3, of which Turtle is a part
 _KINDS: Final = {"rows": RESULTS, "boolean": RESULTS, "graph": (*GRAPH, *_N3)}
 
 _NAMES: Final = {

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from kg import forms
 from kg.settings import declared, setting
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 _DURATION: Final = forms.number(0.001)  # no timer is finer
 

@@ -6,13 +6,11 @@ What comes in is text and stays text; only the elements made here are markup.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from itertools import groupby
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from markupsafe import Markup, escape
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _ITEM: Final = re.compile(r"(?:[-*]|\d+[.)]) +")
 _CODE: Final = re.compile(r"`([^`\n]+)`")

@@ -31,10 +31,8 @@ if TYPE_CHECKING:
 QUERY: Final = "application/sparql-query"
 """The media type of a query."""
 
-_REMEMBERED: Final = 512
-"""How many requests are known as they are written, so that they need not be read again."""
-_REMEMBERED_BYTES: Final = 4096
-"""How long the body of one of them may be."""
+_REMEMBERED: Final = 512  # how many requests are known as they are written, so that they need not be read again
+_REMEMBERED_BYTES: Final = 4096  # how long the body of one of them may be
 _JOB: Final = re.compile(r"[A-Za-z0-9_-]{16,128}")
 
 

@@ -1,6 +1,4 @@
-"""Running the server until it is told to stop.
-
-A server that stops gracefully, and tells who started it when it is ready and when it stops.
+"""Runs the server: checks its options, reports to systemd when it is ready, and stops it gracefully.
 
 The first SIGTERM or Ctrl-C: nothing new is taken, and what runs has its grace; then its readers are killed, so that it
 is answered with an error. The second: now. A terminal that is closed (SIGHUP) counts as the first, unless the process
@@ -23,10 +21,12 @@ from typing import TYPE_CHECKING, Final
 
 import uvicorn
 
+from kg.errors import UsageError
 from kg.server import logs
 from kg.server.app import create_app
-from kg.server.safety import starting
 from kg.server.safety.connections import guarded
+from kg.server.safety.hosts import is_loopback
+from kg.server.safety.tokens import LEAST, Tokens
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from kg.server.options import Options
     from kg.settings import Settings
 
-_LAST_WORDS: Final = 2.0
-"""Seconds to tell clients whose work was ended."""
+
+_LAST_WORDS: Final = 2.0  # seconds to tell clients whose work was ended
 
 
 def notify(message: str) -> bool:
@@ -159,9 +159,9 @@ def serve(settings: Settings, options: Options, announce: Callable[[str], None] 
         StoreError: KG301 there is no store.
         UsageError: KG540 others would get in, KG541 the token cannot be used, KG542 the address is taken.
     """
-    starting.check(options)
+    check(options)
     app = create_app(settings, options)
-    listening = starting.listen(options)
+    listening = listen(options)
     logs.configure()
     config = uvicorn.Config(
         app,
@@ -209,3 +209,52 @@ def _end(app: Starlette) -> None:
         readers = app.state.server.readers
         for identity in tuple(readers.jobs):
             readers.cancel(identity)
+
+
+def check(options: Options) -> None:
+    """Refuse options that would let others in unasked.
+
+    Raises:
+        UsageError: KG540 other machines could read without a token, KG541 the token is missing or cannot be used,
+            KG002 origins that may not be listed.
+    """
+    given = options.token is not None or options.token_file is not None
+    if given and not _usable(options):
+        where = f"the file {options.token_file}" if options.token_file else "KG_TOKEN"
+        raise UsageError("KG541", f"{where} holds no token of at least {LEAST} characters")
+    if options.write and not given:
+        raise UsageError("KG541", "write access needs a token, but none is set")
+    if not is_loopback(options.host) and not given and not options.open_to_all:
+        raise UsageError("KG540", f"{options.host} is reachable from other machines, but no token is set")
+    for origin in options.origins:
+        if not _is_origin(origin):
+            hint = "List origins one by one, as in `--cors https://example.org`."
+            raise UsageError("KG002", f"{origin!r} is not an origin of a site", hint=hint)
+
+
+def _usable(options: Options) -> bool:
+    token = Tokens(options.token, options.token_file).current
+    return token is not None and len(token) >= LEAST and token.isascii() and token.isprintable() and " " not in token
+
+
+def _is_origin(text: str) -> bool:
+    scheme, separator, host = text.partition("://")
+    return scheme in {"http", "https"} and bool(separator and host) and not set(host) & set("/?#@* ")
+
+
+def listen(options: Options) -> socket.socket:
+    """Return a socket that listens where the options say; UsageError KG542 when that cannot be."""
+    if not 0 <= options.port < 1 << 16:
+        raise UsageError("KG542", f"{options.port} is not a port", hint="Ports go from 0, for a free one, to 65535.")
+    try:
+        family, kind, _, _, address = socket.getaddrinfo(
+            options.host.strip("[]"), options.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        listening = socket.socket(family, kind)
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.bind(address)
+        listening.listen(512)
+    except OSError as error:
+        message = f"cannot listen at {options.host} port {options.port}: {error.strerror or error}"
+        raise UsageError("KG542", message) from error
+    return listening

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from textual.binding import Binding, BindingType
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 CONTEXTS: Final = {
     "everywhere": "Everywhere",

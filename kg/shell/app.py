@@ -43,8 +43,7 @@ _THEME: Final = "textual-dark"
 _MOST_FAILURES: Final = 50
 """Unexpected errors after which the shell ends: one in what draws the screen would come again with every notice."""
 
-_LINE_BEHIND: Final = {"code", "code-insiders", "codium", "cursor", "windsurf"}
-"""Editors that take `-g FILE:LINE`."""
+_LINE_BEHIND: Final = {"code", "code-insiders", "codium", "cursor", "windsurf"}  # editors that take `-g FILE:LINE`
 _LINE_AFTER_COLON: Final = {"hx", "helix", "subl", "zed", "zeditor"}
 _LINE_OPTION: Final = {"clion", "idea", "pycharm", "kate", "gedit"}
 _FALLBACKS: Final = ("nano", "vim", "vi", "emacs")

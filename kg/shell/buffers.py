@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
     from textual.app import ComposeResult
 
-_TITLE: Final = 18
-"""Characters of a tab."""
+_TITLE: Final = 18  # characters of a tab
 
 
 class Buffer(TabPane):

@@ -12,7 +12,7 @@ from textual.widgets.option_list import Option
 from kg.query.statements import Statement, segment_at
 from kg.render.text import printable
 from kg.shell.delivery import deliver
-from kg.shell.options import Options
+from kg.shell.screens.listing import Options
 
 if TYPE_CHECKING:
     from kg.shell.editor import QueryEditor

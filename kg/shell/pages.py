@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from kg.render.text import count
 from kg.views.wording import quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
 
 Fact: TypeAlias = tuple[str, str, str]
 """Subject, predicate and object as the view `why` takes them."""

@@ -29,10 +29,8 @@ if TYPE_CHECKING:
 
 PAGE_ROWS: Final = 200
 """Rows that are widgets at a time."""
-_CELL: Final = 48
-"""Characters of a cell that are shown at most; Enter shows all."""
-_LEAST: Final = 12
-"""Characters that every column keeps where all of them have to fit the screen."""
+_CELL: Final = 48  # characters of a cell that are shown at most; Enter shows all
+_LEAST: Final = 12  # characters that every column keeps where all of them have to fit the screen
 _PADDING: Final = 2
 _TRIPLE: Final = ("subject", "predicate", "object")
 

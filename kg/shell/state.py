@@ -5,17 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg.store.layout import write_atomically
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-_KEPT: Final = 2_000
-"""Entries of the history that are kept."""
+_KEPT: Final = 2_000  # entries of the history that are kept
 
 
 def state_folder() -> Path:

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from kg.errors import Place, UsageError
 from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, write
 from kg.query.result import Boolean, Graph, Result, Solutions
 from kg.query.writing import parquet
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 _ENDINGS = {
     "tsv": ".tsv",

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     Row = dict[str, Any]
     Rows = Sequence[Row]
 
-_VALUES: Final = 200
-"""At most so many values of a facet are offered, those of most rows."""
+_VALUES: Final = 200  # at most so many values of a facet are offered, those of most rows
 
 
 @dataclass(frozen=True, slots=True)

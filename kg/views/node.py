@@ -29,8 +29,7 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-_MOST: Final = 6
-"""So many neighbours of a channel are named; of all, how many there are."""
+_MOST: Final = 6  # so many neighbours of a channel are named; of all, how many there are
 _MOST_USERS: Final = 100
 _ENDS: Final = """SELECT ?channel ?end ?node {
   VALUES ?channel { %s }

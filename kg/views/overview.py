@@ -31,14 +31,12 @@ QUESTIONS: Final = {
 """Stored queries that people who work with ROS ask first, and how they would say them."""
 _SOON: Final = 5_000
 """The lists of a store with so many interfaces are made while somebody waits; those of a larger one beforehand."""
-_WHOLE: Final = {"explore/unconnected"}
-"""Questions about the whole store, though the query takes a parameter."""
+_WHOLE: Final = {"explore/unconnected"}  # questions about the whole store, though the query takes a parameter
 _BUSIEST: Final = """SELECT ?node { ?node a rnkg:NodeType ; ros:hasComponent ?end }
     GROUP BY ?node ORDER BY DESC(COUNT(?end)) ?node LIMIT 1"""
 """Counted with what frameworks make, since to tell that apart takes seconds in a large store."""
 _TOPICS: Final = '"/scan" "/cmd_vel" "/odom" "/image_raw" "/joint_states"'
-_TYPES: Final = '"sensor_msgs/LaserScan" "geometry_msgs/Twist" "sensor_msgs/Image"'
-"""What everybody knows."""
+_TYPES: Final = '"sensor_msgs/LaserScan" "geometry_msgs/Twist" "sensor_msgs/Image"'  # what everybody knows
 _KNOWN: Final = """SELECT ?label {{ VALUES ?label {{ {names} }}
     FILTER EXISTS {{ ?known rdfs:label ?label . ?node {property} ?known }} }} LIMIT 1"""
 _OF_NODE: Final = """SELECT ?label {{ {node} {property} ?known . ?known rdfs:label ?label

@@ -9,30 +9,19 @@ import typer
 
 from kg.cli.diagnostics import note, say
 from kg.cli.options import (
-    Artifacts,
-    Base,
-    Calls,
-    Cluster,
-    Families,
-    Jobs,
     Json,
-    MaxFileBytes,
-    Memory,
-    NlpModel,
     NoRules,
-    Rules,
-    Store,
+    with_settings,
 )
 from kg.cli.output import Column, json_lines, listing, terminal
-from kg.cli.session import session
 from kg.cli.supervising import supervise
 from kg.errors import Exit
 from kg.render.text import count
+from kg.settings import Settings
 from kg.store.opening import layout_of, writable
 
 if TYPE_CHECKING:
     from kg.graph.source_states import SourceState
-    from kg.settings import Settings
 
 _WATCH_SECONDS: Final = 1.0
 
@@ -56,27 +45,29 @@ DryRun = Annotated[
 Problems = Annotated[bool, typer.Option("--problems", help="List all problems and reasons, not only the first.")]
 
 
+@with_settings(
+    "jobs",
+    "cluster",
+    "artifacts",
+    "max_file_bytes",
+    "memory",
+    "nlp_model",
+    "base",
+    "calls",
+    "rules",
+    "rule_families",
+    "store",
+)
 def build(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     sources: Sources = None,
     *,
+    settings: Settings,
     corpus: Corpus = None,
     problems: Problems = False,
-    jobs: Jobs = None,
-    cluster: Cluster = None,
-    artifacts: Artifacts = None,
     dry_run: DryRun = False,
-    max_file_bytes: MaxFileBytes = None,
-    memory: Memory = None,
-    nlp_model: NlpModel = None,
-    base: Base = None,
-    calls: Calls = None,
     watch: Watch = False,
     no_rules: NoRules = False,
-    rules: Rules = None,
-    rule_families: Families = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Read ROS packages into the store.
 
@@ -90,29 +81,16 @@ def build(  # noqa: PLR0913 - the options of a command
         kg build
         kg build --cluster tcp://scheduler:8786 --artifacts /shared/kg SOURCE...
     """
-    given = session(context).settings(
-        store=store,
-        jobs=jobs,
-        cluster=cluster,
-        artifacts=artifacts,
-        max_file_bytes=max_file_bytes,
-        memory=memory,
-        nlp_model=nlp_model,
-        base=base,
-        calls=calls,
-        rules=rules,
-        rule_families=rule_families,
-    )
-    if given.memory:
-        supervise(given.memory)
+    if settings.memory:
+        supervise(settings.memory)
     checkouts, whole = _checkouts(corpus) if corpus else ([], True)
     named = [*(sources or ()), *checkouts]
     if dry_run:
-        _estimate(named, given, json=json)
+        _estimate(named, settings, json=json)
         return
-    sound = _build(named, given, problems=problems, infer=not no_rules, json=json) and whole
+    sound = _build(named, settings, problems=problems, infer=not no_rules, json=json) and whole
     if watch:
-        _watch(given, problems=problems, infer=not no_rules, json=json)
+        _watch(settings, problems=problems, infer=not no_rules, json=json)
     elif not sound:
         raise typer.Exit(Exit.FOUND)
 
@@ -128,14 +106,14 @@ def _checkouts(corpus: str) -> tuple[list[str], bool]:
     return [str(folder) for folder in checkouts(lock, found)], not found.missing and not found.drifted
 
 
-def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, json: bool) -> bool:
+def _build(named: list[str], settings: Settings, *, problems: bool, infer: bool, json: bool) -> bool:
     """Build, tell what was found, and return whether all rules could be used."""
     from kg.cli.build_view import left_out, report_object, summary  # noqa: PLC0415 - start-up time
     from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
     from kg.pipeline.build import build as run  # noqa: PLC0415 - start-up time
 
-    with writable(given, create=bool(named)) as target, for_this_stream() as progress:
-        report = run(named, target, given, progress, " ".join(["kg build", *named]), rules=infer)
+    with writable(settings, create=bool(named)) as target, for_this_stream() as progress:
+        report = run(named, target, settings, progress, " ".join(["kg build", *named]), rules=infer)
     for line in summary(report, target.layout.root, every=problems):
         say(line)
     if json:
@@ -143,14 +121,14 @@ def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, 
     return not left_out(report.inferred)
 
 
-def _estimate(named: list[str], given: "Settings", *, json: bool) -> None:
+def _estimate(named: list[str], settings: Settings, *, json: bool) -> None:
     """List what a build would read of each source, and about how long that takes."""
     from kg.cli.build_view import volume_object, volume_row, volumes_in_words  # noqa: PLC0415 - start-up time
     from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
     from kg.pipeline.estimating import estimate  # noqa: PLC0415 - start-up time
 
     with for_people() as progress:
-        found = estimate(named, given, progress)
+        found = estimate(named, settings, progress)
     columns = (
         Column("source", "name"),
         *(Column(title, "number") for title in ("packages", "unchanged", "files", "code MB", "s of reading")),
@@ -161,29 +139,23 @@ def _estimate(named: list[str], given: "Settings", *, json: bool) -> None:
         note(line)
 
 
-def _watch(given: "Settings", *, problems: bool, infer: bool, json: bool) -> None:
+def _watch(settings: Settings, *, problems: bool, infer: bool, json: bool) -> None:
     """Build again whenever a source has changed, until Ctrl-C, which is how watching ends."""
     from kg.pipeline.pending import pending  # noqa: PLC0415 - start-up time
 
-    layout = layout_of(given)
+    layout = layout_of(settings)
     note("watching the sources; press Ctrl-C to stop")
     try:
         while True:
             sleep(_WATCH_SECONDS)
-            if any(pending(layout, given).values()):
-                _build([], given, problems=problems, infer=infer, json=json)
+            if any(pending(layout, settings).values()):
+                _build([], settings, problems=problems, infer=infer, json=json)
     except KeyboardInterrupt:
         say()
 
 
-def status(
-    context: typer.Context,
-    *,
-    rules: Rules = None,
-    rule_families: Families = None,
-    json: Json = False,
-    store: Store = None,
-) -> None:
+@with_settings("rules", "rule_families", "store")
+def status(*, settings: Settings, json: Json = False) -> None:
     """List the sources in the store and what has changed since the build.
 
     Shows each source's commit, packages, nodes, unresolved names, nodes that reached a limit of the interpretation
@@ -194,7 +166,6 @@ def status(
     from kg.pipeline.pending import pending, rules_changed  # noqa: PLC0415 - start-up time
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
     layout = layout_of(settings)
     with EmbeddedStore(layout).read() as snapshot:
         states, quads, generation = sources(snapshot), snapshot.count(), snapshot.generation

@@ -6,10 +6,12 @@ of nodes it tells only what they say themselves in the topics `/parameter_events
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from itertools import islice
-from typing import TYPE_CHECKING, Any, Final
+from pathlib import Path
+from typing import Any, Final
 
 from rosbags.interfaces import Connection as Channel
 from rosbags.interfaces import MessageDefinitionFormat, QosTime
@@ -23,18 +25,12 @@ from kg.robot.messages import Types
 from kg.robot.messages.types import learn, short
 from kg.robot.ros2.names import is_name
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
-
-
 _TELLING: Final = {
     "/parameter_events": ("rcl_interfaces/ParameterEvent", "node"),
     "/rosout": ("rcl_interfaces/Log", "name"),
 }
 """Topics of ROS 2 whose messages name the node that sent them, with their types and fields."""
-_ENOUGH: Final = 1000
-"""So many messages of such a topic are read: nodes tell of themselves when they start."""
+_ENOUGH: Final = 1000  # so many messages of such a topic are read: nodes tell of themselves when they start
 _LATCHED: Final = "transient_local"
 _FOREVER: Final = 2**31 - 1
 """Seconds that stand for no limit, at least (`RMW_DURATION_INFINITE`, and what 32 bits hold)."""

@@ -39,10 +39,8 @@ if TYPE_CHECKING:
 
 SUFFIXES: Final = {1: ".bag", 2: ".mcap"}
 """What the names of recordings end with, by the version of ROS."""
-_QUEUE: Final = 1000
-"""Messages of a topic that may wait to be written."""
-_VERSION: Final = 8
-"""Of the metadata of a bag of ROS 2: the newest that Iron reads, too."""
+_QUEUE: Final = 1000  # messages of a topic that may wait to be written
+_VERSION: Final = 8  # of the metadata of a bag of ROS 2: the newest that Iron reads, too
 
 
 @dataclass(frozen=True, slots=True)

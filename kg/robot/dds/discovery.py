@@ -86,8 +86,7 @@ Ends: TypeAlias = tuple[frozenset[bytes], ...]
 """The identifiers of the readers and of the writers of a node."""
 RosEnd: TypeAlias = "tuple[Role, str, str | None]"
 _PARTICIPANT: Final = b"\x00\x00\x01\xc1"
-_MOST: Final = 100_000
-"""So many entities of one kind are kept, more would be no robot."""
+_MOST: Final = 100_000  # so many entities of one kind are kept, more would be no robot
 
 
 def gid(told: Any) -> bytes:

@@ -13,7 +13,8 @@ sent all the same, but nobody of ROS 2 asks for more.
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Final
+from collections.abc import Mapping
+from typing import Final
 from xml.sax.saxutils import quoteattr
 
 from cyclonedds.core import DDSException, Qos
@@ -21,10 +22,6 @@ from cyclonedds.domain import Domain, DomainParticipant
 
 from kg.errors import RobotError
 from kg.robot.dds.entities import delete
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 
 _RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 

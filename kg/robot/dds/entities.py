@@ -237,8 +237,7 @@ class DdsWriter(_End):
 
 _HEADER: Final = struct.Struct("<Qq")
 _ENCAPSULATION: Final = 4
-_CLIENT_IS_READY: Final = 1.0
-"""Seconds that a response waits for the reader of its client to be found."""
+_CLIENT_IS_READY: Final = 1.0  # seconds that a response waits for the reader of its client to be found
 
 
 class Request(NamedTuple):
@@ -266,24 +265,36 @@ def unheaded(content: bytes) -> Request:
     return Request(client, number, content[:_ENCAPSULATION] + content[end:])
 
 
-class DdsCaller:
+class _ServiceEnd:
+    """A client or server of a service, which works with two ends."""
+
+    _requests: _End
+    _responses: _End
+
+    def connect(self, requests: _End, responses: _End) -> None:
+        """Take the two ends."""
+        self._requests, self._responses = requests, responses
+
+    @property
+    def peers(self) -> int:
+        """How many ends are at the other side."""
+        return self._requests.peers
+
+    def close(self) -> None:
+        """Close both ends."""
+        self._requests.close()
+        self._responses.close()
+
+
+class DdsCaller(_ServiceEnd):
     """A client of a service."""
+
+    _requests: DdsWriter
 
     def __init__(self, identity: int) -> None:
         self._identity = identity
         self._number = 0
         self._waiting: dict[int, asyncio.Future[bytes]] = {}
-        self._requests: DdsWriter
-        self._responses: DdsReader
-
-    def connect(self, requests: DdsWriter, responses: DdsReader) -> None:
-        """Take the two ends that it works with."""
-        self._requests, self._responses = requests, responses
-
-    @property
-    def peers(self) -> int:
-        """How many servers there are."""
-        return self._requests.peers
 
     async def ready(self) -> None:
         """Return when requests and responses are both connected."""
@@ -314,30 +325,21 @@ class DdsCaller:
 
     def close(self) -> None:
         """Stop being a client; who waits learns that it is lost."""
-        self._requests.close()
-        self._responses.close()
+        super().close()
         for waiting in self._waiting.values():
             if not waiting.done():
                 waiting.set_exception(RobotError("KG803", "the connection was closed before the service answered"))
 
 
-class DdsServer:
+class DdsServer(_ServiceEnd):
     """A service that is answered; a request that fails has no response, since ROS 2 has none for it."""
+
+    _requests: DdsReader
+    _responses: DdsWriter
 
     def __init__(self, answer: Callable[[bytes], Awaitable[bytes]]) -> None:
         self._answer = answer
         self._running = Tasks()
-        self._requests: DdsReader
-        self._responses: DdsWriter
-
-    def connect(self, requests: DdsReader, responses: DdsWriter) -> None:
-        """Take the two ends that it works with."""
-        self._requests, self._responses = requests, responses
-
-    @property
-    def peers(self) -> int:
-        """How many clients there are."""
-        return self._requests.peers
 
     async def ready(self) -> None:
         """Return when there is a client."""
@@ -364,5 +366,4 @@ class DdsServer:
     def close(self) -> None:
         """Stop answering."""
         self._running.cancel()
-        self._requests.close()
-        self._responses.close()
+        super().close()

@@ -39,8 +39,7 @@ _TOLD: Final = Qos("reliable", "transient_local", "keep_last", 1)
 _HEARD: Final = Qos("reliable", "transient_local", "keep_all")
 _SAMPLES: Final = 1000
 _ALIVE: Final = InstanceState.Alive
-_OURS: Final = "kg"
-"""In the user data of a participant: it is one of ours, which reads identifiers of any length."""
+_OURS: Final = "kg"  # in the user data of a participant: it is one of ours, which reads identifiers of any length
 
 
 class DdsMiddleware:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Mapping
+from typing import Any, Final
 
 from cyclonedds.core import Policy
 from cyclonedds.core import Qos as DdsQos
@@ -12,9 +13,6 @@ from cyclonedds.qos import _CQos
 from cyclonedds.util import duration
 
 from kg.facts import Qos
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _POLICIES: Final[Any] = _CQos
 _STRUCTURE: Final[Any] = dds_c_t.qos_p

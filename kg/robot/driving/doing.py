@@ -29,8 +29,7 @@ Ending: TypeAlias = Literal["taken over", "stopped"] | RobotError
 
 Result = TypeVar("Result")
 
-_LOOK: Final = 0.02
-"""Seconds of the wall between two looks whether a subscriber is connected."""
+_LOOK: Final = 0.02  # seconds of the wall between two looks whether a subscriber is connected
 
 
 class Command:
@@ -207,12 +206,9 @@ def _split(node: str) -> tuple[str, str]:
 Feedback: TypeAlias = "Callable[[dict[str, Any]], None]"
 """What is told how far an action is: its feedback by parameter, as it is where no parameter is known."""
 
-_SERVICE: Final = 10.0
-"""Seconds that a service may take when nothing else is said."""
-_SERVED: Final = 5.0
-"""Seconds to wait for an action server."""
-_PATIENCE: Final = 2.0
-"""Seconds of the wall that an action server is given to take a cancellation."""
+_SERVICE: Final = 10.0  # seconds that a service may take when nothing else is said
+_SERVED: Final = 5.0  # seconds to wait for an action server
+_PATIENCE: Final = 2.0  # seconds of the wall that an action server is given to take a cancellation
 _SLACK: Final = 1e-9
 
 

@@ -19,17 +19,13 @@ from kg.robot.tasks import finished, spawn
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Collection, Iterator, Mapping
-    from types import TracebackType
 
     from kg.robot.connection import ComputationGraph, Connection, GraphProblem, Subscription
     from kg.robot.driving.watchdog import Watchdog
 
-_QUEUE: Final = 100
-"""Messages that may wait for a reader that is slower than the robot."""
-_ANSWER: Final = 10.0
-"""Seconds that a service may take to tell what is read from it."""
-_GRAPH: Final = 1.0
-"""Seconds of the wall that a computation graph is good for when one of several ways is chosen."""
+_QUEUE: Final = 100  # messages that may wait for a reader that is slower than the robot
+_ANSWER: Final = 10.0  # seconds that a service may take to tell what is read from it
+_GRAPH: Final = 1.0  # seconds of the wall that a computation graph is good for when one of several ways is chosen
 
 _Key: TypeAlias = tuple[str, str, str, str]
 
@@ -93,9 +89,7 @@ class Driver:
             self._watchdog.open(self.interrupt)
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         await finished(self._close())
 
     async def _close(self) -> None:

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from kg.robot.clock import Clock
     from kg.robot.driving.routes import Route
 
-_EARLY: Final = 0.1
-"""The part of a period by which a message may come early and still be its turn."""
+_EARLY: Final = 0.1  # the part of a period by which a message may come early and still be its turn
 
 
 class Throttle:
@@ -133,14 +132,10 @@ _VELOCITY: Final = "sensingVelocity"
 """The capability whose parameters measure what the parameters of the same names command."""
 MEASURED: Final = frozenset({_VELOCITY, "sensingPose"})
 """The capabilities that show whether a robot moves."""
-_BEGINS: Final = 0.5
-"""Seconds of the robot's time that a robot may take to begin to move."""
-_SLOWEST: Final = 0.1
-"""The part of a commanded speed that counts as moving: what stands on smooth ground may slide."""
-_NOISE: Final = 0.15
-"""Metres, or radians, by which the measured place of a robot that stands still may vary."""
-_ENOUGH: Final = 2
-"""So many measurements without a speed show that a robot does not move."""
+_BEGINS: Final = 0.5  # seconds of the robot's time that a robot may take to begin to move
+_SLOWEST: Final = 0.1  # the part of a commanded speed that counts as moving: what stands on smooth ground may slide
+_NOISE: Final = 0.15  # metres, or radians, by which the measured place of a robot that stands still may vary
+_ENOUGH: Final = 2  # so many measurements without a speed show that a robot does not move
 _NO_CONTROLLERS: Final = (NODES, "/_participant_")
 """What names of nodes begin with that are watchdogs, or that DDS has found and that have not told their names yet."""
 

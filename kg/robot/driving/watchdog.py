@@ -33,17 +33,12 @@ NODES: Final = "/kg_watchdog_"
 """What the names of watchdogs begin with."""
 SILENCE: Final = 0.5
 """Seconds without a heartbeat after which the robot is stopped, where nothing else is set."""
-_BEATS: Final = 5
-"""Heartbeats in that time."""
-_IDLE: Final = 5.0
-"""Seconds that the controller may stand still while nothing moves before its commands end."""
-_TIMES: Final = 5
-"""How often zero is sent: what the controller sent last may still be on its way."""
+_BEATS: Final = 5  # heartbeats in that time
+_IDLE: Final = 5.0  # seconds that the controller may stand still while nothing moves before its commands end
+_TIMES: Final = 5  # how often zero is sent: what the controller sent last may still be on its way
 _PAUSE: Final = 0.1
-_HEARD: Final = 3.0
-"""Seconds to wait for a subscriber of a topic, or the server of a goal, that was used only just."""
-_ENDS: Final = 5.0
-"""Seconds that the watchdog may take to leave the graph."""
+_HEARD: Final = 3.0  # seconds to wait for a subscriber of a topic, or the server of a goal, that was used only just
+_ENDS: Final = 5.0  # seconds that the watchdog may take to leave the graph
 _CLOCK: Final = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
 """A clock that also counts while the machine sleeps, where there is one."""
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, Literal
+from collections.abc import Collection, Iterator
+from typing import Final, Literal
 
 from kg.errors import RobotError
 from kg.facts import Role
@@ -10,9 +11,6 @@ from kg.robot.capability import Capabilities, Capability, Way, role_of
 from kg.robot.connection import ComputationGraph, GraphProblem
 from kg.robot.lifecycle import ACTIVE, idle
 from kg.similar import did_you_mean, folded
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
 
 
 def find(capabilities: Capabilities, name: str, modality: Literal["read", "write"] | None = None) -> Capability:

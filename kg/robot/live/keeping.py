@@ -93,8 +93,7 @@ class Parts:
         return b"".join(sorted(gone)), b"".join(sorted(new))
 
 
-_NONE: Final = -1
-"""No generation: what the store holds has not been looked at."""
+_NONE: Final = -1  # no generation: what the store holds has not been looked at
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,10 +26,8 @@ if TYPE_CHECKING:
     from kg.facts import Interface, NodeReference
     from kg.robot.connection import ComputationGraph, LiveEnd
 
-_ANONYMOUS: Final = re.compile(r"(_\d+)+$")
-"""What ROS puts behind the names of nodes that are started anonymously."""
-_FEW: Final = 2
-"""So many ends, all under the names of the code, tell a node type of another name."""
+_ANONYMOUS: Final = re.compile(r"(_\d+)+$")  # what ROS puts behind the names of nodes that are started anonymously
+_FEW: Final = 2  # so many ends, all under the names of the code, tell a node type of another name
 _BLOCK: Final = re.compile(r"VALUES \?(\w+) \{ UNDEF \}")
 
 

@@ -55,8 +55,7 @@ def place_at(file: str, text: str | None, places: Mapping[str, tuple[int, int]],
     return Place(file, line, column, lines[line - 1] if line <= len(lines) else "")
 
 
-_VALUES_EVERY: Final = 0.2
-"""Seconds between two events that tell of one value."""
+_VALUES_EVERY: Final = 0.2  # seconds between two events that tell of one value
 
 
 class Ended(msgspec.Struct, frozen=True, kw_only=True):

@@ -32,8 +32,7 @@ TOPIC: Final = "/simulator/places"
 MOST: Final = 1 << 18
 """How many bytes a file of places may have."""
 _KIND: Final = "std_msgs/String"
-_FIRST: Final = 3.0
-"""Seconds to wait for the places of a robot that offers some."""
+_FIRST: Final = 3.0  # seconds to wait for the places of a robot that offers some
 
 
 class _Told(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -8,34 +8,9 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from kg.errors import RobotError
-from kg.robot.programs import values
+from kg.robot.programs import tree, values
 from kg.robot.programs.events import Events, Problem
 from kg.robot.programs.names import Known, takes_place
-from kg.robot.programs.tree import (
-    Binary,
-    Break,
-    Do,
-    Expression,
-    For,
-    Forever,
-    If,
-    Log,
-    OnEvent,
-    Parallel,
-    Position,
-    Read,
-    Repeat,
-    Set,
-    Statement,
-    Stop,
-    Unary,
-    Variable,
-    Wait,
-    WaitUntil,
-    While,
-    Written,
-    reads_of,
-)
 from kg.robot.tasks import ended, first
 
 if TYPE_CHECKING:
@@ -124,10 +99,8 @@ async def together(*work: Coroutine[Any, Any, None]) -> None:
         await ended(*tasks)
 
 
-_FIRST: Final = 10.0
-"""Seconds that are waited for the first message of a capability."""
-_ASKED: Final = 5.0
-"""How often a second a service is asked that a condition depends on."""
+_FIRST: Final = 10.0  # seconds that are waited for the first message of a capability
+_ASKED: Final = 5.0  # how often a second a service is asked that a condition depends on
 
 
 class Evaluation:
@@ -147,38 +120,38 @@ class Evaluation:
         for watcher in self._watchers:
             watcher.set()
 
-    async def of(self, expression: Expression, path: str, statement: Statement) -> values.Quantity:
+    async def of(self, expression: tree.Expression, path: str, statement: tree.Statement) -> values.Quantity:
         """Return the value of an expression at a statement; it waits for the first message of what is read.
 
         Raises:
             RobotError: KG833, KG838 when there is no value, KG836 for a variable without one, those of reading.
         """
         match expression:
-            case Written():
+            case tree.Written():
                 return values.written(expression)
-            case Variable():
+            case tree.Variable():
                 if expression.name not in self._variables:
                     raise RobotError("KG836", f"the variable `{expression.name}` has no value")
                 return self._variables[expression.name]
-            case Read():
+            case tree.Read():
                 return await self._read(expression, path, statement)
-            case Unary():
+            case tree.Unary():
                 return values.unary(expression.operator, await self.of(expression.of, path, statement))
-            case Binary():
+            case tree.Binary():
                 return await self._binary(expression, path, statement)
-            case Position():
+            case tree.Position():
                 said = {name: await self.of(one, path, statement) for name, one in expression.parts().items()}
                 return values.place(said)
 
-    async def truth(self, expression: Expression, path: str, statement: Statement) -> bool:
+    async def truth(self, expression: tree.Expression, path: str, statement: tree.Statement) -> bool:
         """Return whether a condition holds; RobotError as `of`."""
         return values.truth(await self.of(expression, path, statement))
 
-    async def seconds(self, expression: Expression | None, path: str, statement: Statement) -> float | None:
+    async def seconds(self, expression: tree.Expression | None, path: str, statement: tree.Statement) -> float | None:
         """Return a time in seconds, None for none; RobotError as `of`, KG835 for a negative one."""
         return None if expression is None else values.seconds(await self.of(expression, path, statement))
 
-    async def _binary(self, expression: Binary, path: str, statement: Statement) -> values.Quantity:
+    async def _binary(self, expression: tree.Binary, path: str, statement: tree.Statement) -> values.Quantity:
         left = await self.of(expression.left, path, statement)
         if expression.operator in {"and", "or"}:
             if values.truth(left) == (expression.operator == "or"):
@@ -186,7 +159,7 @@ class Evaluation:
             return values.Quantity(await self.truth(expression.right, path, statement))
         return values.binary(expression.operator, left, await self.of(expression.right, path, statement))
 
-    async def _read(self, read: Read, path: str, statement: Statement) -> values.Quantity:
+    async def _read(self, read: tree.Read, path: str, statement: tree.Statement) -> values.Quantity:
         capability = self.known.read(read.capability)
         parameter = self.known.parameter(capability, read.parameter)
         told = await self._driver.latest(capability.name, seconds=_FIRST)
@@ -195,10 +168,10 @@ class Evaluation:
         return values.of_parameter(parameter, value)
 
     @asynccontextmanager
-    async def watching(self, condition: Expression) -> AsyncIterator[asyncio.Event]:
+    async def watching(self, condition: tree.Expression) -> AsyncIterator[asyncio.Event]:
         """Yield an event that is set whenever something in a condition has changed, or can be sensed no more."""
         news = asyncio.Event()
-        names = {self.known.read(read.capability).name for read in reads_of(condition)}
+        names = {self.known.read(read.capability).name for read in tree.reads_of(condition)}
         listening = [asyncio.ensure_future(self._listen(name, news)) for name in names]
         self._watchers.add(news)
         try:
@@ -219,8 +192,7 @@ class Evaluation:
             news.set()
 
 
-_REST: Final = 0.02
-"""Seconds of a movement that are not worth to begin again for."""
+_REST: Final = 0.02  # seconds of a movement that are not worth to begin again for
 _SLACK: Final = 1e-9
 
 
@@ -252,19 +224,19 @@ class Statements:
         self._pace = pace
         self._events = events
 
-    async def program(self, body: Iterable[Statement]) -> None:
+    async def program(self, body: Iterable[tree.Statement]) -> None:
         """Carry out a whole program; raises as `sequence`, and RobotError KG836 for a `break` outside a loop."""
         try:
             await self.sequence(body, "/body")
         except _Left:
             raise RobotError("KG836", "`break` outside a loop") from None
 
-    async def sequence(self, body: Iterable[Statement], path: str) -> None:
+    async def sequence(self, body: Iterable[tree.Statement], path: str) -> None:
         """Carry out statements one after the other; Failed at the first that fails, Stopped by `stop`."""
         for number, statement in enumerate(body):
             await self._statement(statement, f"{path}/{number}")
 
-    async def _statement(self, statement: Statement, path: str) -> None:
+    async def _statement(self, statement: tree.Statement, path: str) -> None:
         try:
             await self._pace.step()
             self.count += 1
@@ -277,41 +249,41 @@ class Statements:
         finally:
             self._events.tell("leave", path, statement)
 
-    async def _carry_out(self, statement: Statement, path: str) -> None:
+    async def _carry_out(self, statement: tree.Statement, path: str) -> None:
         match statement:
-            case Do():
+            case tree.Do():
                 await self._do(statement, path)
-            case If():
+            case tree.If():
                 holds = await self._evaluation.truth(statement.condition, path, statement)
                 part = "then" if holds else "otherwise"
                 await self.sequence(statement.then if holds else statement.otherwise, f"{path}/{part}")
-            case While() | Forever() | Repeat() | For():
+            case tree.While() | tree.Forever() | tree.Repeat() | tree.For():
                 await self._loop(statement, path)
-            case Break():
+            case tree.Break():
                 raise _Left
-            case Set():
+            case tree.Set():
                 value = await self._evaluation.of(statement.value, path, statement)
                 self._give(statement, statement.variable, value, path)
-            case Wait():
+            case tree.Wait():
                 await self._pace.sleep(await self._evaluation.seconds(statement.seconds, path, statement) or 0.0)
-            case WaitUntil():
+            case tree.WaitUntil():
                 await self._wait_until(statement, path)
-            case Parallel():
+            case tree.Parallel():
                 work = (self.sequence(one, f"{path}/branches/{n}") for n, one in enumerate(statement.branches))
                 await together(*work)
-            case OnEvent():
+            case tree.OnEvent():
                 await self._on_event(statement, path)
-            case Log():
+            case tree.Log():
                 message = values.shown(await self._evaluation.of(statement.message, path, statement))
                 self._events.tell("log", path, statement, message=message)
-            case Stop():
+            case tree.Stop():
                 raise Stopped
 
-    def _give(self, statement: Statement, name: str, value: values.Quantity, path: str) -> None:
+    def _give(self, statement: tree.Statement, name: str, value: values.Quantity, path: str) -> None:
         self._evaluation.give(name, value)
         self._events.variable(path, statement, name, value, values.shown(value))
 
-    async def _do(self, statement: Do, path: str) -> None:
+    async def _do(self, statement: tree.Do, path: str) -> None:
         known = self._evaluation.known
         capability = known.write(statement.capability)
         arguments = await self._arguments(capability, statement, path)
@@ -335,7 +307,7 @@ class Statements:
             self._came(await work(left), path, statement)
         self._pace.waited()
 
-    async def _arguments(self, capability: Capability, statement: Do, path: str) -> dict[str, Any]:
+    async def _arguments(self, capability: Capability, statement: tree.Do, path: str) -> dict[str, Any]:
         """Return the values of parameters; what is given by its own name counts before what a place says."""
         known = self._evaluation.known
         placed, given = {}, {}
@@ -350,7 +322,7 @@ class Statements:
             one.name: values.for_parameter(one, found[one.name]) for one in capability.parameters if one.name in found
         }
 
-    def _came(self, outcome: Outcome, path: str, statement: Statement) -> None:
+    def _came(self, outcome: Outcome, path: str, statement: tree.Statement) -> None:
         """Tell what a dry run would have sent, or that a robot did not move; KG838 when another stopped it."""
         plan = outcome.plan
         if outcome.ended == "stopped":
@@ -377,41 +349,41 @@ class Statements:
                 if moves and left <= _REST:
                     return None
 
-    async def _loop(self, statement: While | Forever | Repeat | For, path: str) -> None:
+    async def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> None:
         try:
             match statement:
-                case While():
+                case tree.While():
                     while await self._evaluation.truth(statement.condition, path, statement):
                         await self._turn(statement, path)
-                case Forever():
+                case tree.Forever():
                     while True:
                         await self._turn(statement, path)
-                case Repeat():
+                case tree.Repeat():
                     for _ in range(await self._times(statement, path)):
                         await self._turn(statement, path)
-                case For():
+                case tree.For():
                     await self._for(statement, path)
         except _Left:
             return
 
-    async def _turn(self, statement: While | Forever | Repeat | For, path: str) -> None:
+    async def _turn(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> None:
         await self._pace.step()
         await self.sequence(statement.body, f"{path}/body")
 
-    async def _times(self, statement: Repeat, path: str) -> int:
+    async def _times(self, statement: tree.Repeat, path: str) -> int:
         times = await self._evaluation.of(statement.times, path, statement)
         if not times.number or times.dimension or not 0 <= times.value < float("inf"):
             raise RobotError("KG833", f"a block cannot be repeated {values.shown(times)} times")
         how_often: float = times.value
         return round(how_often)
 
-    async def _for(self, statement: For, path: str) -> None:
+    async def _for(self, statement: tree.For, path: str) -> None:
         async for value in self._values(statement, path):
             self._give(statement, statement.variable, value, path)
             await self._turn(statement, path)
 
-    async def _values(self, statement: For, path: str) -> Any:
-        async def number(expression: Expression) -> values.Quantity:
+    async def _values(self, statement: tree.For, path: str) -> Any:
+        async def number(expression: tree.Expression) -> values.Quantity:
             value = await self._evaluation.of(expression, path, statement)
             return values.binary("-", value, values.Quantity(0.0))
 
@@ -428,7 +400,7 @@ class Statements:
                 way = abs(step.value) if end.value >= start.value else -abs(step.value)
                 yield values.Quantity(start.value + number_of_step * way, start.dimension)
 
-    async def _wait_until(self, statement: WaitUntil, path: str) -> None:
+    async def _wait_until(self, statement: tree.WaitUntil, path: str) -> None:
         seconds = await self._evaluation.seconds(statement.seconds, path, statement)
         waiting = self._until(statement.condition, path, statement)
         if seconds is None:
@@ -440,7 +412,9 @@ class Statements:
                 raise RobotError("KG837", f"the condition was not met within {shown}", hint=hint)
             await self.sequence(statement.otherwise, f"{path}/otherwise")
 
-    async def _until(self, condition: Expression, path: str, statement: Statement, *, holds: bool = True) -> None:
+    async def _until(
+        self, condition: tree.Expression, path: str, statement: tree.Statement, *, holds: bool = True
+    ) -> None:
         """Return when a condition holds, or does not; it is looked at whenever something in it has changed."""
         async with self._evaluation.watching(condition) as news:
             while True:
@@ -451,7 +425,7 @@ class Statements:
                 await news.wait()
                 self._pace.waited()
 
-    async def _on_event(self, statement: OnEvent, path: str) -> None:
+    async def _on_event(self, statement: tree.OnEvent, path: str) -> None:
         body = self.sequence(statement.body, f"{path}/body")
         if statement.end:
             if await first(body, self._until(statement.condition, path, statement)) is None:
@@ -472,7 +446,7 @@ class Statements:
         if not watching.cancelled():
             watching.result()
 
-    async def _whenever(self, statement: OnEvent, path: str, handling: asyncio.Lock) -> None:
+    async def _whenever(self, statement: tree.OnEvent, path: str, handling: asyncio.Lock) -> None:
         while True:
             await self._until(statement.condition, path, statement)
             async with handling:

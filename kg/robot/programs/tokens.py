@@ -7,15 +7,13 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 from kg.errors import Place, RobotError
 from kg.robot.programs.units import ALIASES, UNITS
 from kg.similar import did_you_mean
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 FUNCTIONS: Final = ("absolute", "round", "count")
 """Functions of one value, written with parentheses."""

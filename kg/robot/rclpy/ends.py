@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 
     from kg.robot.ros2.middleware import Deliver
 
-_MOMENT: Final = 0.02
-"""Seconds between two looks for an end of another node, which rclpy does not report."""
+_MOMENT: Final = 0.02  # seconds between two looks for an end of another node, which rclpy does not report
 
 
 class End:

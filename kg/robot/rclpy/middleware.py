@@ -32,8 +32,7 @@ if TYPE_CHECKING:
     from kg.robot.messages import Types
     from kg.robot.ros2.graph import Watch
 
-_EVERY: Final = 0.2
-"""Seconds between two looks at the graph: rclpy does not report its changes."""
+_EVERY: Final = 0.2  # seconds between two looks at the graph: rclpy does not report its changes
 _BASE: Final = {"double": "float64", "float": "float32", "boolean": "bool", "octet": "byte"}
 """What `.msg` files call the types of IDL."""
 
@@ -267,5 +266,4 @@ def _from_ros(profile: QoSProfile) -> Qos:
     )
 
 
-_FOREVER: Final = 9e9
-"""Seconds that stand for no limit: middlewares tell the greatest number that they have."""
+_FOREVER: Final = 9e9  # seconds that stand for no limit: middlewares tell the greatest number that they have

@@ -65,12 +65,10 @@ def topics(kind: str) -> tuple[Part, ...]:
 
 _QUEUE: Final = 50
 _POLL: Final = 0.02
-_GONE: Final = 2.0
-"""Seconds of the wall that a server may be away before its goals are lost."""
+_GONE: Final = 2.0  # seconds of the wall that a server may be away before its goals are lost
 _TURNS: Final = 10
 """Turns of the loop that a result waits: feedback was sent before it, but has a connection of its own."""
-_LOOKS: Final = 4
-"""How often it is looked for in that time."""
+_LOOKS: Final = 4  # how often it is looked for in that time
 
 
 class Ros1Goal(GoalProgress):

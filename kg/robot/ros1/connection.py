@@ -28,8 +28,7 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 _PORT: Final = 11311
-_TICKING: Final = 2.0
-"""Seconds that the topic `/clock` is given to tell a time before the connection is used."""
+_TICKING: Final = 2.0  # seconds that the topic `/clock` is given to tell a time before the connection is used
 
 
 async def connect(address: str, name: str, types: Types | None) -> Ros1Connection:

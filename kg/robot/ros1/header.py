@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import struct
-from typing import TYPE_CHECKING, Final
+from collections.abc import Mapping
+from typing import Final
 
 from kg.errors import RobotError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 MOST_BYTES: Final = 1 << 26
 """The longest message that is received: an image of 64 MiB."""

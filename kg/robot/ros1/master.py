@@ -8,17 +8,14 @@ from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import Any, Final, Self
 
 from kg.errors import RobotError
 from kg.robot.ros1.names import is_name, is_type, netloc, peer, shown
 from kg.robot.ros1.xmlrpc import XmlRpcServer, call
 from kg.robot.tasks import Tasks
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-    from types import TracebackType
 
 
 class Parameters:
@@ -35,6 +32,14 @@ class Parameters:
                 raise KeyError(name)
             found = found[part]
         return found
+
+    def has(self, name: str) -> bool:
+        """Tell whether there is a value, or a namespace."""
+        try:
+            self.get(name)
+        except KeyError:
+            return False
+        return True
 
     def set(self, name: str, value: Any) -> None:
         """Set a value, or all of a namespace."""
@@ -62,15 +67,11 @@ class Parameters:
         first = name.strip("/").partition("/")[0]
         parts = _parts(space)
         while True:
-            inner = "/".join(["", *parts, first])
-            try:
-                self.get(inner)
-            except KeyError:
-                if not parts:
-                    raise
-                parts.pop()
-            else:
+            if self.has("/".join(["", *parts, first])):
                 return "/".join(["", *parts, name.strip("/")])
+            if not parts:
+                raise KeyError(name)
+            parts.pop()
 
     def names(self) -> list[str]:
         """Return the names of all values."""
@@ -151,9 +152,7 @@ class Master:
             raise RobotError("KG814", f"no master can listen at {self.address}: {error}", hint=hint) from None
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         """Stop listening."""
         self._telling.cancel()
         await self._server.aclose()
@@ -180,111 +179,100 @@ class Master:
         checked = [_CHECKS[sign](value) for sign, value in zip(shape, arguments[1:], strict=True)]
         if not all(checked):
             return [-1, f"{method}: `{shown(arguments[1 + checked.index(False)])}` does not fit", 0]
-        code, value = getattr(self, f"_on_{name}")(_slashed(arguments[0]), *arguments[1:])
-        return [code, "" if code == 1 else f"{method}: unknown {shown(arguments[1])}", value]
+        try:
+            return [1, "", getattr(self, f"_on_{name}")(_slashed(arguments[0]), *arguments[1:])]
+        except KeyError:
+            return [-1, f"{method}: unknown {shown(arguments[1])}", "" if name in _TEXTS else 0]
 
-    def _on_pid(self, _: str) -> tuple[int, int]:
-        return 1, os.getpid()
+    def _on_pid(self, _: str) -> int:
+        return os.getpid()
 
-    def _on_uri(self, _: str) -> tuple[int, str]:
-        return 1, self.uri
+    def _on_uri(self, _: str) -> str:
+        return self.uri
 
-    def _on_state(self, _: str) -> tuple[int, list[Any]]:
-        return 1, [self._publishers.rows(), self._subscribers.rows(), self._services.rows()]
+    def _on_state(self, _: str) -> list[Any]:
+        return [self._publishers.rows(), self._subscribers.rows(), self._services.rows()]
 
-    def _on_types(self, _: str) -> tuple[int, list[Any]]:
-        return 1, [[topic, kind] for topic, kind in self._kinds.items()]
+    def _on_types(self, _: str) -> list[Any]:
+        return [[topic, kind] for topic, kind in self._kinds.items()]
 
-    def _on_published(self, _: str, space: str) -> tuple[int, list[Any]]:
+    def _on_published(self, _: str, space: str) -> list[Any]:
         inside = space.rstrip("/") + "/"
-        return 1, [
-            [topic, self._kinds.get(topic, "*")] for topic in self._publishers.by_name if topic.startswith(inside)
-        ]
+        return [[topic, self._kinds.get(topic, "*")] for topic in self._publishers.by_name if topic.startswith(inside)]
 
-    def _on_node(self, _: str, name: str) -> tuple[int, str]:
-        return (1, self._nodes[name]) if name in self._nodes else (-1, "")
+    def _on_node(self, _: str, name: str) -> str:
+        return self._nodes[name]
 
-    def _on_service(self, _: str, name: str) -> tuple[int, str]:
-        nodes = self._services.by_name.get(name, {})
-        return (1, list(nodes.values())[-1]) if nodes else (-1, "")
+    def _on_service(self, _: str, name: str) -> str:
+        return list(self._services.by_name[name].values())[-1]
 
-    def _on_publish(self, caller: str, topic: str, kind: str, uri: str) -> tuple[int, list[str]]:
+    def _on_publish(self, caller: str, topic: str, kind: str, uri: str) -> list[str]:
         self._welcome(caller, uri)
         if kind != "*" and (self._kinds.get(topic, "*") == "*" or topic not in self._publishers.by_name):
             self._kinds[topic] = kind
         self._publishers.add(topic, caller, uri)
         self._tell_publishers(topic)
-        return 1, list(self._subscribers.by_name.get(topic, {}).values())
+        return list(self._subscribers.by_name.get(topic, {}).values())
 
-    def _on_unpublish(self, caller: str, topic: str, uri: str) -> tuple[int, int]:
+    def _on_unpublish(self, caller: str, topic: str, uri: str) -> int:
         count = self._publishers.remove(topic, caller, uri)
         if count:
             self._tell_publishers(topic)
             self._forget([caller], topic)
-        return 1, count
+        return count
 
-    def _on_subscribe(self, caller: str, topic: str, kind: str, uri: str) -> tuple[int, list[str]]:
+    def _on_subscribe(self, caller: str, topic: str, kind: str, uri: str) -> list[str]:
         self._welcome(caller, uri)
         self._kinds.setdefault(topic, kind)
         if self._kinds[topic] == "*":
             self._kinds[topic] = kind
         self._subscribers.add(topic, caller, uri)
-        return 1, list(self._publishers.by_name.get(topic, {}).values())
+        return list(self._publishers.by_name.get(topic, {}).values())
 
-    def _on_unsubscribe(self, caller: str, topic: str, uri: str) -> tuple[int, int]:
+    def _on_unsubscribe(self, caller: str, topic: str, uri: str) -> int:
         count = self._subscribers.remove(topic, caller, uri)
         self._forget([caller], topic)
-        return 1, count
+        return count
 
-    def _on_serve(self, caller: str, service: str, service_uri: str, uri: str) -> tuple[int, int]:
+    def _on_serve(self, caller: str, service: str, service_uri: str, uri: str) -> int:
         self._welcome(caller, uri)
         self._services.by_name[service] = {caller: service_uri}
-        return 1, 1
+        return 1
 
-    def _on_unserve(self, caller: str, service: str, service_uri: str) -> tuple[int, int]:
+    def _on_unserve(self, caller: str, service: str, service_uri: str) -> int:
         count = self._services.remove(service, caller, service_uri)
         self._forget([caller])
-        return 1, count
+        return count
 
-    def _on_get(self, _: str, name: str) -> tuple[int, Any]:
-        try:
-            return 1, self.parameters.get(name)
-        except KeyError:
-            return -1, 0
+    def _on_get(self, _: str, name: str) -> Any:
+        return self.parameters.get(name)
 
-    def _on_set(self, caller: str, name: str, value: Any) -> tuple[int, int]:
+    def _on_set(self, caller: str, name: str, value: Any) -> int:
         self.parameters.set(name, value)
         for watched, nodes in self._watching.by_name.items():
             if f"{name}/".startswith(f"{watched}/"):
                 self._tell([uri for node, uri in nodes.items() if node != caller], "paramUpdate", name, value)
-        return 1, 0
+        return 0
 
-    def _on_delete(self, _: str, name: str) -> tuple[int, int]:
-        try:
-            self.parameters.delete(name)
-        except KeyError:
-            return -1, 0
-        return 1, 0
+    def _on_delete(self, _: str, name: str) -> int:
+        self.parameters.delete(name)
+        return 0
 
-    def _on_has(self, _: str, name: str) -> tuple[int, bool]:
-        return 1, self._on_get("/", name)[0] == 1
+    def _on_has(self, _: str, name: str) -> bool:
+        return self.parameters.has(name)
 
-    def _on_search(self, caller: str, name: str) -> tuple[int, str]:
-        try:
-            return 1, self.parameters.search(caller, name)
-        except KeyError:
-            return -1, ""
+    def _on_search(self, caller: str, name: str) -> str:
+        return self.parameters.search(caller, name)
 
-    def _on_names(self, _: str) -> tuple[int, list[str]]:
-        return 1, self.parameters.names()
+    def _on_names(self, _: str) -> list[str]:
+        return self.parameters.names()
 
-    def _on_watch(self, caller: str, uri: str, name: str) -> tuple[int, Any]:
+    def _on_watch(self, caller: str, uri: str, name: str) -> Any:
         self._watching.add(name, caller, uri)
-        code, value = self._on_get(caller, name)
-        return 1, value if code == 1 else {}
+        return self.parameters.get(name) if self.parameters.has(name) else {}
 
-    def _on_unwatch(self, caller: str, uri: str, name: str) -> tuple[int, int]:
-        return 1, self._watching.remove(name, caller, uri)
+    def _on_unwatch(self, caller: str, uri: str, name: str) -> int:
+        return self._watching.remove(name, caller, uri)
 
     def _welcome(self, caller: str, uri: str) -> None:
         """Take a node; one that had its name before, at another address, is told to end and forgotten."""
@@ -353,6 +341,7 @@ def _is_uri(value: object) -> bool:
     return True
 
 
+_TEXTS: Final = frozenset({"node", "service", "search"})  # calls that answer "" where there is nothing, others 0
 _CHECKS: Final[dict[str, Callable[[object], bool]]] = {
     "n": lambda value: is_name(_slashed(value)),
     "t": lambda value: value == "*" or is_type(value),

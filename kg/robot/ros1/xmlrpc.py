@@ -7,17 +7,15 @@ from __future__ import annotations
 
 import asyncio
 import socket
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 from xml.parsers import expat
 from xmlrpc import client
 
 from kg.errors import RobotError
 from kg.robot.ros1.names import netloc, peer
 from kg.robot.tasks import Tasks
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
 
 _ODD: Final = (expat.ExpatError, client.Error, ValueError, TypeError, LookupError, AttributeError, OverflowError)
 
@@ -79,8 +77,7 @@ _MOST_CONNECTIONS: Final = 256
 _IDLE: Final = 30.0
 _SLOWEST: Final = 5.0
 _BACKLOG: Final = 1024
-_ENDING: Final = 1.0
-"""Seconds that answers which are being given may take when the server ends."""
+_ENDING: Final = 1.0  # seconds that answers which are being given may take when the server ends
 
 
 async def ask(uri: str, method: str, *arguments: Any, seconds: float = 3.0) -> Any:

@@ -28,12 +28,9 @@ if TYPE_CHECKING:
 
 _ACCEPTED, _EXECUTING, _CANCELLING, _SUCCEEDED, _CANCELLED, _ABORTED = range(1, 7)
 _STATUS: Final = {0: "is not known to the server", _CANCELLED: "was cancelled", _ABORTED: "was aborted"}
-_MOST_FEEDBACK: Final = 1000
-"""So much feedback waits for who may not read it."""
-_GIVING_UP: Final = 1.0
-"""Seconds of the wall that cancelling a goal may take that is given up."""
-_CONFIRMING: Final = 5.0
-"""Seconds that a server may take to say that it has heard of a wish to cancel."""
+_MOST_FEEDBACK: Final = 1000  # so much feedback waits for who may not read it
+_GIVING_UP: Final = 1.0  # seconds of the wall that cancelling a goal may take that is given up
+_CONFIRMING: Final = 5.0  # seconds that a server may take to say that it has heard of a wish to cancel
 
 
 async def send_goal(  # noqa: PLR0913 - what a goal consists of
@@ -185,8 +182,7 @@ class Ros2Goal:
 
 
 _UNKNOWN_GOAL, _TERMINATED = 2, 3
-_KEPT: Final = 64
-"""So many goals that have ended are remembered, for clients that ask for a result late."""
+_KEPT: Final = 64  # so many goals that have ended are remembered, for clients that ask for a result late
 _NOBODY: Final = bytes(16)
 
 

@@ -19,8 +19,7 @@ _OPTIONS: Final = {
     "distribution": "humble",
     "types": "peers",
 }
-_MAXIMUM: Final = 232
-"""The largest number of a domain: the ports of a larger one would be none (DDSI-RTPS 2.5, 9.6.2)."""
+_MAXIMUM: Final = 232  # the largest number of a domain: the ports of a larger one would be none (DDSI-RTPS 2.5, 9.6.2)
 _NUMBERS: Final = f"A domain is a number from 0 to {_MAXIMUM}, as in dds://0; settle is one of seconds."
 
 

@@ -110,10 +110,8 @@ def misfit(offer: Qos, ask: Qos) -> str | None:
     return None
 
 
-_PAUSE: Final = 0.05
-"""Seconds in which changes are gathered: a node that starts tells a dozen ends."""
-_GONE: Final = 2.0
-"""Seconds without anybody after which a robot is lost; a node that starts anew is back sooner."""
+_PAUSE: Final = 0.05  # seconds in which changes are gathered: a node that starts tells a dozen ends
+_GONE: Final = 2.0  # seconds without anybody after which a robot is lost; a node that starts anew is back sooner
 _MOST_PROBLEMS: Final = 100
 
 

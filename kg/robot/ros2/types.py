@@ -80,8 +80,7 @@ def _describe_service(types: Types, kind: str, found: dict[str, Any]) -> None:
 
 
 _SERVICE: Final = "type_description_interfaces/GetTypeDescription"
-_PATIENCE: Final = 2.0
-"""Seconds that a node may take to describe a type."""
+_PATIENCE: Final = 2.0  # seconds that a node may take to describe a type
 _NESTED, _STRING, _BOUNDED_STRING = 1, 17, 21
 _BASE: Final = {
     2: "int8",

@@ -25,24 +25,20 @@ Quaternion = tuple[float, float, float, float]
 
 _MODEL: Final = "franka_panda/panda.urdf"
 _FINGERS: Final = (9, 10)
-_HAND: Final = 11
-"""The point between the tips of the fingers."""
+_HAND: Final = 11  # the point between the tips of the fingers
 _HOME: Final = (0.0, -0.4, 0.0, -2.2, 0.0, 1.8, 0.785)
 _LOWEST: Final = (-2.9, -1.76, -2.9, -3.07, -2.9, -0.02, -2.9)
 _HIGHEST: Final = (2.9, 1.76, 2.9, -0.07, 2.9, 3.75, 2.9)
 _FORCES: Final = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
-_QUICKEST: Final = 2.0
-"""How fast a joint turns at most, in rad/s."""
+_QUICKEST: Final = 2.0  # how fast a joint turns at most, in rad/s
 _DOWN: Final[Quaternion] = (1.0, 0.0, 0.0, 0.0)
 _SPEED: Final = 0.25
 _TURNING: Final = 1.0
 _SHOULDER: Final = 0.333
 _REACH: Final = 0.75
 """How far the hand reaches from the shoulder, pointing down; a target beyond is moved to this sphere."""
-_LOWEST_HAND: Final = 0.01
-"""The hand stays so many metres above the table."""
-_GRIP: Final = 40.0
-"""The gripper's own force in newtons, where a command has none."""
+_LOWEST_HAND: Final = 0.01  # the hand stays so many metres above the table
+_GRIP: Final = 40.0  # the gripper's own force in newtons, where a command has none
 _CLOSING: Final = 0.1
 _SUBSTEPS: Final = 4
 _FRICTION: Final = 1.2

@@ -18,17 +18,12 @@ TABLE: Final = "table"
 """The frame of poses of the hand: the corner of the table is its origin, z is the height above it."""
 _FINGERS: Final = ("panda_finger_joint1", "panda_finger_joint2")
 _PERIOD: Final = 0.1
-_CLOSE: Final = 0.02
-"""A trajectory has ended when each joint is within so many radians of its position."""
-_OPEN: Final = 0.002
-"""The gripper has reached an opening within so many metres."""
-_STILL: Final = 0.002
-"""Fingers slower than this many m/s stand still."""
-_PATIENCE: Final = 3.0
-"""Seconds that the joints or fingers get beyond the planned end."""
+_CLOSE: Final = 0.02  # A trajectory has ended when each joint is within so many radians of its position
+_OPEN: Final = 0.002  # the gripper has reached an opening within so many metres
+_STILL: Final = 0.002  # fingers slower than this many m/s stand still
+_PATIENCE: Final = 3.0  # seconds that the joints or fingers get beyond the planned end
 _INVALID: Final = -1
-_MISSED: Final = -5
-"""`INVALID_GOAL` and `GOAL_TOLERANCE_VIOLATED` of `control_msgs/FollowJointTrajectory`."""
+_MISSED: Final = -5  # `INVALID_GOAL` and `GOAL_TOLERANCE_VIOLATED` of `control_msgs/FollowJointTrajectory`
 
 
 async def arm_nodes(stage: Stage, arm: Arm) -> None:

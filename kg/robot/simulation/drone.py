@@ -29,8 +29,7 @@ _GROUND: Final = 0.08
 _PUSH: Final = 3.0
 _INERTIA: Final = (0.0070, 0.0070, 0.0131)
 _HOLD: Final = 1.2
-_STILL: Final = 0.1
-"""A drone brakes to this speed before it chooses the place to hold."""
+_STILL: Final = 0.1  # A drone brakes to this speed before it chooses the place to hold
 
 
 class State(IntEnum):

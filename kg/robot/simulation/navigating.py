@@ -185,8 +185,7 @@ REACHED: Final = 0.1
 
 _TURNED: Final = 0.06
 _PASSED: Final = 0.25
-_ABOUT: Final = 0.6
-"""Where the way bends by more radians, the robot turns on the spot."""
+_ABOUT: Final = 0.6  # where the way bends by more radians, the robot turns on the spot
 
 _STOP: Final = 0.08
 
@@ -241,8 +240,7 @@ def free_ahead(ranges: Sequence[float]) -> float:
 
 
 _PERIOD: Final = 0.1
-_PATIENCE: Final = 12.0
-"""Seconds without coming nearer after which a goal is given up."""
+_PATIENCE: Final = 12.0  # seconds without coming nearer after which a goal is given up
 
 _NEARER: Final = 0.05
 

@@ -206,8 +206,7 @@ def _nothing(_value: Value) -> None:
 _MILLI: Final = 1000.0
 _CENTI: Final = 100.0
 _STRONGEST: Final = 255.0
-_LIFT: Final = 2.0
-"""The lift of a rotor in newtons that navdata calls the strongest."""
+_LIFT: Final = 2.0  # the lift of a rotor in newtons that navdata calls the strongest
 
 
 async def drone_nodes(stage: Stage, drone: Drone) -> None:

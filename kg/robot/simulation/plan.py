@@ -13,8 +13,7 @@ PLANS: Final = ("office", "drone", "arm")
 """The names of the worlds that there are."""
 
 _FOLDER: Final = Path(__file__).parent / "worlds"
-_DOOR: Final = 1.1
-"""How wide doors are, in metres: a base of 0.2 m radius with its margin passes."""
+_DOOR: Final = 1.1  # how wide doors are, in metres: a base of 0.2 m radius with its margin passes
 
 
 class Place(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -29,7 +29,6 @@ from kg.robot.tasks import first
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
-    from types import TracebackType
     from typing import Self
 
     from kg.robot.connection import Connection
@@ -41,8 +40,7 @@ VIEW: Final = "/simulator/view"
 _TURNS: Final = 8
 """How often others may go on between two steps when time does not wait for them: to hear, to decide, to answer."""
 
-_LATE: Final = 0.2
-"""Seconds that the simulation catches up at most; beyond, it is slower than it should be."""
+_LATE: Final = 0.2  # seconds that the simulation catches up at most; beyond, it is slower than it should be
 
 
 class Simulation:
@@ -85,9 +83,7 @@ class Simulation:
             raise
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         await self.aclose()
 
     async def aclose(self) -> None:

@@ -16,21 +16,15 @@ if TYPE_CHECKING:
     from kg.robot.simulation.plan import Plan, Thing
     from kg.robot.simulation.world import World
 
-_ACROSS: Final = 600
-"""Units of the picture across the world: letters have sizes that all viewers draw."""
+_ACROSS: Final = 600  # units of the picture across the world: letters have sizes that all viewers draw
 
-_MARGIN: Final = 15
-"""Units around the world."""
-_BELOW: Final = 28
-"""Units below the world for the line of words."""
-_NAME: Final = 0.76
-"""How far up in a room its name stands, above the tag on a pad."""
+_MARGIN: Final = 15  # units around the world
+_BELOW: Final = 28  # units below the world for the line of words
+_NAME: Final = 0.76  # how far up in a room its name stands, above the tag on a pad
 
 _BASE: Final = 0.08
-_HAND: Final = 0.03
-"""The sizes of the base and the hand of an arm, in metres."""
-_SHOWN: Final = 400
-"""So many points of the trail are drawn: 40 m."""
+_HAND: Final = 0.03  # the sizes of the base and the hand of an arm, in metres
+_SHOWN: Final = 400  # so many points of the trail are drawn: 40 m
 
 _STYLE: Final = """
 .floor{fill:#fbfaf7}.wall{stroke:#57534e;stroke-width:5;stroke-linecap:square}.room{fill:none;stroke:#d6d3d1;

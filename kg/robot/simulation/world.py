@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final, Self
 
 import numpy as np
 
@@ -14,11 +14,6 @@ from kg.robot.simulation.plan import Place, Plan, read_plan
 from kg.robot.simulation.robots import Pose, Trail
 from kg.robot.simulation.scene import Scene, Vector
 from kg.robot.simulation.wheeled import Wheeled
-
-if TYPE_CHECKING:
-    from types import TracebackType
-    from typing import Self
-
 
 _STEPS: Final = {"wheeled": 0.02, "drone": 0.01, "arm": 0.01}
 _ROBOTS: Final[dict[str, type[Wheeled | Drone | Arm]]] = {"wheeled": Wheeled, "drone": Drone, "arm": Arm}
@@ -95,7 +90,5 @@ class World:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()

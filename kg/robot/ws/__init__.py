@@ -22,12 +22,9 @@ if TYPE_CHECKING:
 __all__ = ["connect"]
 
 _HINT = "foxglove_bridge and rosbridge_server are bridges; the latter needs `rosapi`."
-_OPENING = 5.0
-"""Seconds that a server may take to answer."""
-_PING = 3.0
-"""Seconds between two questions whether the server is there, and that it may take to answer one."""
-_LARGEST = 1 << 28
-"""Bytes of a message, at most: a point cloud has some tens of millions."""
+_OPENING = 5.0  # seconds that a server may take to answer
+_PING = 3.0  # seconds between two questions whether the server is there, and that it may take to answer one
+_LARGEST = 1 << 28  # bytes of a message, at most: a point cloud has some tens of millions
 
 
 async def connect(address: str, name: str, types: Types | None = None) -> BridgeConnection:

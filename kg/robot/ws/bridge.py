@@ -5,8 +5,9 @@ from __future__ import annotations
 import asyncio
 import json
 import struct
+from collections.abc import Awaitable, Callable, Iterable
 from itertools import count
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from kg.errors import RobotError
 from kg.facts import Role
@@ -17,10 +18,6 @@ from kg.robot.ros1.graph import fold
 from kg.robot.ros2.graph import computation_graph
 from kg.robot.ros2.middleware import Neighbourhood
 from kg.robot.ros2.names import family
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable
-
 
 Send: TypeAlias = "Callable[[str | bytes], Awaitable[None]]"
 """Sends a text or bytes to the server."""

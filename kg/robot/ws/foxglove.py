@@ -35,8 +35,7 @@ _GRAPH: Final = {
     "subscribedTopics": ("subscriberIds", Role.SUBSCRIBES),
     "advertisedServices": ("providerIds", Role.SERVICES),
 }
-_QUIET: Final = 0.3
-"""Seconds without news after which what there is counts as told: the protocol does not say."""
+_QUIET: Final = 0.3  # seconds without news after which what there is counts as told: the protocol does not say
 
 
 class Foxglove(Bridge):

@@ -83,8 +83,7 @@ def _write_one(types: Types, field: Field, value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-_PERIOD: Final = 1.0
-"""Seconds between two questions which nodes, topics and services there are."""
+_PERIOD: Final = 1.0  # seconds between two questions which nodes, topics and services there are
 _WHOLE: Final = 5
 """Every so many of them each node is asked for its ends, too, which else is done where a list has changed."""
 _FAILED: Final = "# failed"

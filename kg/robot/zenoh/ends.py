@@ -11,17 +11,14 @@ import asyncio
 import hashlib
 import struct
 import time
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from collections.abc import Awaitable, Callable
+from typing import Any, Final, NamedTuple
 
 import zenoh
 from zenoh import CongestionControl, ConsolidationMode, Query, QueryTarget, Reply, Session
 
 from kg.errors import RobotError
 from kg.robot.tasks import Tasks, outcome
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
 
 _GID: Final = 16
 _FORM: Final = struct.Struct("<qqB16s")

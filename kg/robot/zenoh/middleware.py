@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from kg.robot.ros2.graph import Watch
 
 _PORT: Final = 7447
-_OPENING: Final = 3000
-"""Milliseconds in which what the address names has to answer."""
+_OPENING: Final = 3000  # milliseconds in which what the address names has to answer
 _MOST: Final = 100_000
 
 

@@ -23,8 +23,7 @@ _RELIABILITY: Final = {"": "reliable", "0": "reliable", "1": "reliable", "2": "b
 _DURABILITY: Final = {"": "volatile", "0": "volatile", "1": "transient_local", "2": "volatile"}
 _HISTORY: Final = {"": "keep_last", "0": "keep_last", "1": "keep_last", "2": "keep_all"}
 _LIVELINESS: Final = {"": "automatic", "0": "automatic", "1": "automatic", "3": "manual_by_topic"}
-_DEPTH: Final = 42
-"""The depth that a part left empty means."""
+_DEPTH: Final = 42  # the depth that a part left empty means
 _LONGEST: Final = 4096
 
 

@@ -24,8 +24,7 @@ _OWN: Final = frozenset({"query", "name", "snapshot", "limit", "timeout"})
 _ROWS: Final = {"json": "JSON", "csv": "CSV", "tsv": "TSV", "xml": "XML", "markdown": "Markdown"}
 """Format of the endpoint for rows to its name."""
 _GRAPHS: Final = {"turtle": "Turtle", "ntriples": "N-Triples", "jsonld": "JSON-LD", "rdfxml": "RDF/XML"}
-_LIMIT: Final = 1000
-"""How many rows the page asks for unless told otherwise."""
+_LIMIT: Final = 1000  # how many rows the page asks for unless told otherwise
 
 
 async def _query(request: Request) -> Response:

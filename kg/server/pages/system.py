@@ -1,4 +1,4 @@
-"""`/system?name=`: what a launch file starts, wired, and what is wrong in it."""
+"""`/system?name=` and `/channel?kind=&name=`: a wired launch file, and a topic, service or action with all its ends."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from starlette.requests import Request
+
 
 _SEE_OTHER: Final = 303
 _LONG: Final = 100
@@ -92,4 +93,20 @@ def _drawn(one: Mapping[str, Any]) -> dict[str, Any]:
     return {**node, "marked": True} if one["findings"] else node
 
 
-ROUTES = [Route("/system", _system)]
+async def _channel(request: Request) -> Response:
+    names = ("kind", "name", "system")
+    asked = {name: value for name in names if (value := request.query_params.get(name, ""))}
+    name, kind = asked.setdefault("name", ""), asked.setdefault("kind", "topic")
+    if not name:
+        return RedirectResponse(url("/search"), _SEE_OTHER)
+    try:
+        found = await view(request, "channel", **asked)
+    except KgError as error:
+        if error.code not in {*ABSENT, SEVERAL}:
+            raise
+        return missing(request, error, f"No such {kind}", name, lambda other: url("/channel", kind=kind, name=other))
+    twin = url("/api/channel", **asked)
+    return page(request, "channel.html", title=found["name"] or name, twin=twin, found=found, asked=asked, tags=TAGS)
+
+
+ROUTES = [Route("/system", _system), Route("/channel", _channel)]

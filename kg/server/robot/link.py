@@ -36,10 +36,8 @@ TOPIC: Final = "/simulator/view"
 _KIND: Final = "std_msgs/String"
 LARGEST: Final = 1 << 20
 """How many characters a picture may have."""
-_FIRST: Final = 5.0
-"""Seconds to wait for the first picture."""
-_UNSEEN: Final = 10.0
-"""Seconds after which nobody looks any more."""
+_FIRST: Final = 5.0  # seconds to wait for the first picture
+_UNSEEN: Final = 10.0  # seconds after which nobody looks any more
 
 
 def has_picture(graph: ComputationGraph) -> bool:
@@ -131,8 +129,7 @@ class Proofs:
         return {"capability": one.name, "proofs": [telling.proof(proof) for proof in subject.why(one.iri)]}
 
 
-_PAUSE: Final = 2.0
-"""Seconds until a robot that does not answer is asked again."""
+_PAUSE: Final = 2.0  # seconds until a robot that does not answer is asked again
 
 
 class Link:

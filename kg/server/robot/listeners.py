@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import asyncio
 import secrets
+from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg.errors import KgError
 from kg.robot.tasks import report
 from kg.server.errors import RequestError
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
 MOST: Final = 64
 """How many pages may look on at a time."""
 _WAITING: Final = 2000
 """How many events may wait for a page; one that takes less is ended, and asks for everything anew when it is back."""
-_ALIVE: Final = 15.0
-"""Seconds after which something is sent, so that a page that has gone is noticed."""
+_ALIVE: Final = 15.0  # seconds after which something is sent, so that a page that has gone is noticed
 
 
 @dataclass(eq=False)

@@ -39,7 +39,7 @@ _PICTURE: Final = "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame
 """The policy of a picture that comes from the robot: it may have colours, and do nothing."""
 
 
-class _Check(msgspec.Struct, forbid_unknown_fields=True):
+class _Given(msgspec.Struct, forbid_unknown_fields=True):
     program: Program | None = None
     text: str | None = None
 
@@ -48,11 +48,6 @@ class _Convert(msgspec.Struct, forbid_unknown_fields=True):
     program: Program | None = None
     bt: str | None = None
     to: Literal["text", "rospy", "rclpy", "bt"] = "text"
-
-
-class _Run(msgspec.Struct, forbid_unknown_fields=True):
-    program: Program | None = None
-    text: str | None = None
 
 
 class _Here(msgspec.Struct, forbid_unknown_fields=True):
@@ -154,7 +149,7 @@ async def _why(request: Request) -> Response:
 
 
 async def _check(request: Request) -> Response:
-    asked = await _read(request, _Check)
+    asked = await _read(request, _Given)
     return _json(await _judged(state(request).robot, asked.program, asked.text))
 
 
@@ -183,7 +178,7 @@ def _connected(request: Request) -> Robot:
 
 async def _run(request: Request) -> Response:
     session = _session(request)
-    asked = await _read(request, _Run)
+    asked = await _read(request, _Given)
     found = await _judged(session, asked.program, asked.text)
     for problem in found["problems"]:
         if problem["severity"] == "error":
@@ -200,24 +195,17 @@ def _place(text: str, problem: dict[str, Any]) -> Place:
     return Place("text", line, problem.get("column") or 1, lines[line - 1] if line <= len(lines) else "")
 
 
-async def _do(request: Request) -> Response:
-    session = _session(request)
-    asked = await _read(request, _Do)
-    session.do(asked.listener, asked.capability, asked.arguments, asked.seconds)
-    return Response(status_code=204)
+def _posted(
+    kind: type[msgspec.Struct], act: Callable[[Session], Callable[..., None]]
+) -> Callable[[Request], Awaitable[Response]]:
+    """Return the endpoint that calls a method of the session with the members of a body of that kind."""
 
+    async def endpoint(request: Request) -> Response:
+        session = _session(request)
+        act(session)(*msgspec.structs.astuple(await _read(request, kind)))
+        return Response(status_code=204)
 
-async def _follow(request: Request) -> Response:
-    session = _session(request)
-    asked = await _read(request, _Read)
-    session.follow(asked.listener, asked.capabilities)
-    return Response(status_code=204)
-
-
-async def _here(request: Request) -> Response:
-    session = _session(request)
-    session.here((await _read(request, _Here)).listener)
-    return Response(status_code=204)
+    return endpoint
 
 
 def _simply(act: Callable[[Session], Awaitable[Any]]) -> Callable[[Request], Awaitable[Response]]:
@@ -241,7 +229,7 @@ ROUTES = [
     route("/robot/pause", POST=_simply(lambda session: session.pause())),
     route("/robot/resume", POST=_simply(lambda session: session.resume())),
     route("/robot/stop", POST=_simply(lambda session: session.stop())),
-    route("/robot/do", POST=_do),
-    route("/robot/read", POST=_follow),
-    route("/robot/here", POST=_here),
+    route("/robot/do", POST=_posted(_Do, lambda session: session.do)),
+    route("/robot/read", POST=_posted(_Read, lambda session: session.follow)),
+    route("/robot/here", POST=_posted(_Here, lambda session: session.here)),
 ]

@@ -21,7 +21,6 @@ from kg.server.robot.work import Hands, Readings, Running
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
-    from types import TracebackType
 
     from kg.robot.capability import Capabilities, Capability, Way
     from kg.robot.connection import GraphProblem
@@ -50,10 +49,8 @@ def _reason(way: Way, modality: str) -> str:
     return _WORDS[way.kind, modality].format(node=way.node, name=way.name, type=way.type)
 
 
-_FRAME: Final = 0.25
-"""Seconds between two pictures from above."""
-_LAST: Final = 3.0
-"""Seconds that stopping the robot may take before the server ends all the same."""
+_FRAME: Final = 0.25  # seconds between two pictures from above
+_LAST: Final = 3.0  # seconds that stopping the robot may take before the server ends all the same
 
 
 class Session:
@@ -76,9 +73,7 @@ class Session:
         ]
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         """Stop the robot and leave it."""
         await self.leave()
         await ended(*self._tasks)

@@ -27,11 +27,9 @@ if TYPE_CHECKING:
     from kg.robot.programs.events import Ended
     from kg.robot.programs.tree import Program
 
-_VALUES_EVERY: Final = 0.1
-"""Seconds between two values of a capability that are told; the newest is never left out."""
+_VALUES_EVERY: Final = 0.1  # seconds between two values of a capability that are told; the newest is never left out
 
-_ELEMENTS: Final = 50
-"""How many elements of a list are told."""
+_ELEMENTS: Final = 50  # how many elements of a list are told
 
 
 class Readings:
@@ -100,10 +98,8 @@ SILENT: Final = 4.0
 """Seconds that a page may say nothing while it drives; then nobody is thought to be there."""
 _LONGEST: Final = 60.0
 """Seconds that one movement by hand takes at most; what ends by itself, as a goal, may take ten times as long."""
-_USUAL: Final = 1.0
-"""Seconds of a movement for which none are said."""
-_MOST: Final = 16
-"""How many things are done by hand at a time."""
+_USUAL: Final = 1.0  # seconds of a movement for which none are said
+_MOST: Final = 16  # how many things are done by hand at a time
 
 
 class Hands:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from starlette.requests import HTTPConnection
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-    from kg.server.safety.gate import Check
+    from kg.server.safety.floods import Check
 
 ADDRESS_BYTES: Final = 8192
 """How long path and query of an address may be together."""
@@ -25,10 +25,8 @@ QUERY_BYTES: Final = 16 << 20
 """How large a body may be where nothing is changed: a query, the arguments of a view. It is held in memory, several
 times over, for whoever may read."""
 
-_PAUSE: Final = 10.0
-"""Seconds that a body may keep us waiting for its next part."""
-_PACE: Final = 1024
-"""Bytes a second that a body comes with at least, once it has had a pause."""
+_PAUSE: Final = 10.0  # seconds that a body may keep us waiting for its next part
+_PACE: Final = 1024  # bytes a second that a body comes with at least, once it has had a pause
 
 
 def announced(most: int) -> Check:

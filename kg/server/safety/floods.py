@@ -1,17 +1,24 @@
-"""One client may not take all the room: a bound on how much of one address is unanswered at a time."""
+"""Checks that answer a request in place of the server: the gate that asks them, and the check for floods."""
 
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from starlette.requests import HTTPConnection
 
+from kg.errors import KgError
 from kg.server.errors import RequestError, answer
 from kg.server.safety.hosts import is_loopback
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from starlette.responses import Response
     from starlette.types import ASGIApp, Receive, Scope, Send
+
+
+Check: TypeAlias = "Callable[[HTTPConnection], KgError | Response | None]"
 
 ALWAYS: Final = frozenset({"/health", "/metrics"})
 """Paths that are answered however busy the server is: a supervisor must not take a busy server for a dead one."""
@@ -45,3 +52,22 @@ class Floods:
             self._open[client] -= 1
             if not self._open[client]:
                 del self._open[client]
+
+
+class Gate:
+    """Let pass what all checks let pass; a check returns None, an error to be told, or an answer."""
+
+    def __init__(self, app: ASGIApp, checks: tuple[Check, ...]) -> None:
+        self._app = app
+        self._checks = checks
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer an HTTP request that a check stops; all else goes on."""
+        if scope["type"] == "http":
+            request = HTTPConnection(scope)
+            for check in self._checks:
+                if found := check(request):
+                    stopped = answer(request, found) if isinstance(found, KgError) else found
+                    await stopped(scope, receive, send)
+                    return
+        await self._app(scope, receive, send)

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
 _LOCAL: Final = re.compile(r"/(?![/\\])[^\x00-\x20\\]*")
 """A path on this server: nothing that a browser could take for another host."""
-_PAUSE: Final = 0.3
-"""Seconds that a wrong token costs who tries it."""
+_PAUSE: Final = 0.3  # seconds that a wrong token costs who tries it
 
 
 def _page(request: Request, following: str, *, wrong: bool = False) -> Response:

@@ -14,7 +14,6 @@ from textual.widgets.option_list import Option
 
 from kg.render.text import count, printable
 from kg.shell.actions import bindings
-from kg.shell.options import Options
 from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from textual.events import Key
 
     from kg.shell.state import Entry
+
 
 _MOST = 500
 _MOVES = {"up": "cursor_up", "down": "cursor_down", "pageup": "page_up", "pagedown": "page_down"}
@@ -172,3 +172,17 @@ class HistoryScreen(ListScreen):
     def choose(self, entry: Entry) -> None:
         """Answer with the query."""
         self.dismiss(entry.text)
+
+
+class Options(OptionList):
+    """Textual's list; it turns pages only once it is drawn, since it has no lines before."""
+
+    def action_page_up(self) -> None:
+        """Go up a page."""
+        if self.scrollable_content_region:
+            super().action_page_up()  # type: ignore[no-untyped-call]  # textual has no type here
+
+    def action_page_down(self) -> None:
+        """Go down a page."""
+        if self.scrollable_content_region:
+            super().action_page_down()  # type: ignore[no-untyped-call]  # as above

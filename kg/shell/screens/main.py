@@ -40,11 +40,9 @@ if TYPE_CHECKING:
     from kg.shell.link import Link
     from kg.shell.state import State
 
-_FOLLOW_SECONDS: Final = 2.0
-"""How often the pointer of the store is looked at."""
+_FOLLOW_SECONDS: Final = 2.0  # how often the pointer of the store is looked at
 _RUNNING_SECONDS: Final = 0.2
-_TYPING_SECONDS: Final = 0.15
-"""How long a pause in typing is before the store is asked what fits."""
+_TYPING_SECONDS: Final = 0.15  # how long a pause in typing is before the store is asked what fits
 _CHECK_SECONDS: Final = 0.4
 
 

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
 
 
-_PART = 500
-"""So many configurations are asked for at a time."""
+_PART = 500  # so many configurations are asked for at a time
 
 
 class FindingTree(LineTree):

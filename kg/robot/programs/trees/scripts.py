@@ -12,23 +12,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
+from kg.robot.programs import tree
 from kg.robot.programs.kinds import Kinds, constant
 from kg.robot.programs.names import Known, takes_place
-from kg.robot.programs.tree import (
-    EXPRESSIONS_DEEP,
-    Binary,
-    Do,
-    Expression,
-    For,
-    Position,
-    Read,
-    Set,
-    Statement,
-    Unary,
-    Variable,
-    Written,
-    expressions_of,
-)
 from kg.robot.programs.units import unit_of
 
 if TYPE_CHECKING:
@@ -62,13 +48,13 @@ class Bare:
         self._known = known
         self._kinds = kinds
 
-    def head(self, statement: Statement) -> Statement:
+    def head(self, statement: tree.Statement) -> tree.Statement:
         """Return a statement with its own expressions bare, not those of statements within it, without id and comment.
 
         A time is in seconds, the numbers of a loop are those that it counts.
         """
         made = msgspec.structs.replace(statement, id=None, comment="")
-        if isinstance(statement, Do):
+        if isinstance(statement, tree.Do):
             capability = self._known.write(statement.capability)
             arguments = {
                 name if takes_place(capability, name) else self._known.parameter(capability, name).name: self._argument(
@@ -77,14 +63,14 @@ class Bare:
                 for name, value in statement.arguments.items()
             }
             made = msgspec.structs.replace(made, capability=capability.name, arguments=arguments)
-        if isinstance(statement, Set | For):
+        if isinstance(statement, tree.Set | tree.For):
             made = msgspec.structs.replace(made, variable=identifier(statement.variable))
-        own = dict(expressions_of(made))
+        own = dict(tree.expressions_of(made))
         given = {name: self.expression(one) for name, one in own.items() if "/" not in name}
         given |= {name: _rounded(given[name]) for name in ("seconds", "within") if name in given}
         return msgspec.structs.replace(made, **given)
 
-    def _argument(self, capability: Capability, name: str, value: Expression) -> Expression:
+    def _argument(self, capability: Capability, name: str, value: tree.Expression) -> tree.Expression:
         if takes_place(capability, name):
             return self.expression(value)
         parameter = self._known.parameter(capability, name)
@@ -92,60 +78,59 @@ class Bare:
         made = self.expression(value)
         if self._kinds.of(value, "").dimension != unit.dimension or unit.factor == 1:
             return made
-        return _folded(Binary(operator="/", left=made, right=Written(value=unit.factor)))
+        return _folded(tree.Binary(operator="/", left=made, right=tree.Written(value=unit.factor)))
 
-    def expression(self, expression: Expression) -> Expression:
+    def expression(self, expression: tree.Expression) -> tree.Expression:
         """Return an expression in base units; a place in metres and radians."""
         match expression:
-            case Written():
+            case tree.Written():
                 return self._written(expression)
-            case Variable():
-                return Variable(name=identifier(expression.name))
-            case Read():
+            case tree.Variable():
+                return tree.Variable(name=identifier(expression.name))
+            case tree.Read():
                 return self._read(expression)
-            case Unary():
-                return _folded(Unary(operator=expression.operator, of=self.expression(expression.of)))
-            case Binary():
+            case tree.Unary():
+                return _folded(tree.Unary(operator=expression.operator, of=self.expression(expression.of)))
+            case tree.Binary():
                 left, right = self.expression(expression.left), self.expression(expression.right)
-                return _folded(Binary(operator=expression.operator, left=left, right=right))
-            case Position():
-                return Position(**{name: self.expression(one) for name, one in expression.parts().items()})
+                return _folded(tree.Binary(operator=expression.operator, left=left, right=right))
+            case tree.Position():
+                return tree.Position(**{name: self.expression(one) for name, one in expression.parts().items()})
 
     @staticmethod
-    def _written(value: Written) -> Written:
+    def _written(value: tree.Written) -> tree.Written:
         if isinstance(value.value, bool | str):
             return value
-        return Written(value=float(value.value) * unit_of(value.unit).factor)
+        return tree.Written(value=float(value.value) * unit_of(value.unit).factor)
 
-    def _read(self, read: Read) -> Expression:
+    def _read(self, read: tree.Read) -> tree.Expression:
         capability = self._known.read(read.capability)
         parameter = self._known.parameter(capability, read.parameter)
         factor = unit_of(parameter.unit).factor
-        made = Read(capability=capability.name, parameter=parameter.name)
-        return made if factor == 1 else Binary(operator="*", left=made, right=Written(value=factor))
+        made = tree.Read(capability=capability.name, parameter=parameter.name)
+        return made if factor == 1 else tree.Binary(operator="*", left=made, right=tree.Written(value=factor))
 
 
-def _rounded(seconds: Expression) -> Expression:
+def _rounded(seconds: tree.Expression) -> tree.Expression:
     """Return a time without what calculations in milliseconds add behind the ninth digit."""
-    value = seconds.value if isinstance(seconds, Written) else None
+    value = seconds.value if isinstance(seconds, tree.Written) else None
     numeric = value is not None and not isinstance(value, bool | str)
-    return Written(value=round(value, 9)) if numeric and value is not None else seconds  # type: ignore[arg-type] # a number
+    return tree.Written(value=round(value, 9)) if numeric and value is not None else seconds  # type: ignore[arg-type] # a number
 
 
-def _folded(expression: Expression) -> Expression:
+def _folded(expression: tree.Expression) -> tree.Expression:
     """Return the number that an expression always is, else the expression."""
     always = constant(expression)
-    return Written(value=always.value) if always and always.number and isfinite(always.value) else expression
+    return tree.Written(value=always.value) if always and always.number and isfinite(always.value) else expression
 
 
 MOST: Final = 1000
 """How many numbers a tree may list."""
 _SLACK: Final = 1e-9
-_DIGITS: Final = 12
-"""Digits behind the point that a tree lists: 0.1 + 0.2 is 0.3 there."""
+_DIGITS: Final = 12  # digits behind the point that a tree lists: 0.1 + 0.2 is 0.3 there
 
 
-def counted(loop: For) -> list[float] | None:
+def counted(loop: tree.For) -> list[float] | None:
     """Return the numbers that a bare loop counts, None where they depend on the run, are endless or too many."""
     start, end = constant(loop.start), constant(loop.end)
     step = constant(loop.step)
@@ -177,7 +162,7 @@ class Assignment(NamedTuple):
     """A variable and its new value."""
 
     name: str
-    value: Expression
+    value: tree.Expression
 
 
 def number(value: float) -> str:
@@ -185,40 +170,40 @@ def number(value: float) -> str:
     return repr(float(value) + 0.0).removesuffix(".0")
 
 
-def script(expression: Expression) -> str:
+def script(expression: tree.Expression) -> str:
     """Return a bare expression as a script; ScriptError for what scripts have no words for."""
     match expression:
-        case Written(value=bool() as value):
+        case tree.Written(value=bool() as value):
             return "true" if value else "false"
-        case Written(value=str() as value):
+        case tree.Written(value=str() as value):
             if "'" in value or not value.isprintable():
                 raise ScriptError(f"the text {value!r} contains a character that scripts cannot quote")
             return f"'{value}'"
-        case Written(value=float() | int() as value):
+        case tree.Written(value=float() | int() as value):
             return number(value) if value >= 0 else f"-{number(-value)}"
-        case Variable(name=name):
+        case tree.Variable(name=name):
             return name
-        case Read(capability=capability, parameter=parameter):
+        case tree.Read(capability=capability, parameter=parameter):
             return reading(capability, parameter)
-        case Unary(operator="count", of=Read(capability=capability, parameter=parameter)):
+        case tree.Unary(operator="count", of=tree.Read(capability=capability, parameter=parameter)):
             return reading(capability, f"{COUNT}{parameter}")
-        case Unary(operator="not" | "-" as operator, of=of):
+        case tree.Unary(operator="not" | "-" as operator, of=of):
             return f"{'!' if operator == 'not' else '-'}{_inner(of)}"
-        case Binary(operator=operator, left=left, right=right) if operator != "contains":
+        case tree.Binary(operator=operator, left=left, right=right) if operator != "contains":
             return f"{_inner(left)} {_OPERATORS.get(operator, operator)} {_inner(right)}"
-        case Unary(operator=operator) | Binary(operator=operator):
+        case tree.Unary(operator=operator) | tree.Binary(operator=operator):
             raise ScriptError(f"scripts have no `{operator}`")
         case _:
             raise ScriptError("scripts have no places")
 
 
-def _inner(expression: Expression) -> str:
+def _inner(expression: tree.Expression) -> str:
     shown = script(expression)
-    negative = isinstance(expression, Written) and shown.startswith("-")
-    return f"({shown})" if negative or isinstance(expression, Unary | Binary) else shown
+    negative = isinstance(expression, tree.Written) and shown.startswith("-")
+    return f"({shown})" if negative or isinstance(expression, tree.Unary | tree.Binary) else shown
 
 
-def expression_of(code: str, names: Mapping[str, Expression]) -> Expression:
+def expression_of(code: str, names: Mapping[str, tree.Expression]) -> tree.Expression:
     """Return the expression that a script is; `names` stand for what was read or computed before.
 
     Raises:
@@ -230,7 +215,7 @@ def expression_of(code: str, names: Mapping[str, Expression]) -> Expression:
     return found
 
 
-def assignments(code: str, names: Mapping[str, Expression]) -> list[Assignment]:
+def assignments(code: str, names: Mapping[str, tree.Expression]) -> list[Assignment]:
     """Return the assignments of a script; raises as `expression_of`."""
     reader = _Reader(code, names)
     found = []
@@ -242,7 +227,7 @@ def assignments(code: str, names: Mapping[str, Expression]) -> list[Assignment]:
         reader.take("sign")
         value = reader.expression(0, 0)
         if operator:
-            value = Binary(operator=operator, left=Variable(name=name), right=value)  # type: ignore[arg-type] # of four
+            value = tree.Binary(operator=operator, left=tree.Variable(name=name), right=value)  # type: ignore[arg-type] # of four
         found.append(Assignment(name, value))
         if not reader.at(";"):
             break
@@ -252,7 +237,7 @@ def assignments(code: str, names: Mapping[str, Expression]) -> list[Assignment]:
 
 
 class _Reader:
-    def __init__(self, code: str, names: Mapping[str, Expression]) -> None:
+    def __init__(self, code: str, names: Mapping[str, tree.Expression]) -> None:
         self._names = names
         self._tokens: list[tuple[str, str]] = []
         at = 0
@@ -291,29 +276,29 @@ class _Reader:
         if not self.at(""):
             raise ScriptError(f"programs have no `{self._token[1]}` as in this script")
 
-    def expression(self, level: int, depth: int) -> Expression:
+    def expression(self, level: int, depth: int) -> tree.Expression:
         """Read operators of a level and above."""
-        if depth > EXPRESSIONS_DEEP:
-            raise ScriptError(f"expressions are nested more than {EXPRESSIONS_DEEP} deep")
+        if depth > tree.EXPRESSIONS_DEEP:
+            raise ScriptError(f"expressions are nested more than {tree.EXPRESSIONS_DEEP} deep")
         if level == len(_LEVELS):
             return self._single(depth)
         left = self.expression(level + 1, depth)
         while self.sign in _LEVELS[level]:
             operator = self.take("sign")
             right = self.expression(level + 1, depth)
-            left = Binary(operator=_OURS.get(operator, operator), left=left, right=right)  # type: ignore[arg-type] # one of ours
+            left = tree.Binary(operator=_OURS.get(operator, operator), left=left, right=right)  # type: ignore[arg-type] # one of ours
         return left
 
-    def _single(self, depth: int) -> Expression:
+    def _single(self, depth: int) -> tree.Expression:
         kind, text = self._token
         self._next += 1
         match kind, text:
             case "sign", "!":
-                return Unary(operator="not", of=self._single(depth + 1))
+                return tree.Unary(operator="not", of=self._single(depth + 1))
             case "sign", "-":
                 of = self._single(depth + 1)
-                numeric = isinstance(of, Written) and not isinstance(of.value, bool | str)
-                return Written(value=-of.value) if numeric else Unary(operator="-", of=of)  # type: ignore[union-attr,operator] # a number
+                numeric = isinstance(of, tree.Written) and not isinstance(of.value, bool | str)
+                return tree.Written(value=-of.value) if numeric else tree.Unary(operator="-", of=of)  # type: ignore[union-attr,operator] # a number
             case "sign", "(":
                 inner = self.expression(0, depth + 1)
                 if not self.at(")"):
@@ -321,11 +306,11 @@ class _Reader:
                 self._next += 1
                 return inner
             case "number", _:
-                return Written(value=float(text))
+                return tree.Written(value=float(text))
             case "text", _:
-                return Written(value=text[1:-1])
+                return tree.Written(value=text[1:-1])
             case "name", "true" | "false":
-                return Written(value=text == "true")
+                return tree.Written(value=text == "true")
             case "name", _:
-                return self._names.get(text, Variable(name=text))
+                return self._names.get(text, tree.Variable(name=text))
         raise ScriptError(f"`{text or 'the end of the script'}` is not a value")
