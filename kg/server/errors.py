@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 STATUS: Final[Mapping[str, int]] = {
     "KG001": 404,
+    "KG225": 502,
     "KG226": 404,
     "KG301": 503,
     "KG302": 503,
@@ -37,6 +38,7 @@ STATUS: Final[Mapping[str, int]] = {
     "KG304": 507,
     "KG305": 503,
     "KG306": 503,
+    "KG309": 501,
     "KG422": 404,
     "KG502": 403,
     "KG503": 503,

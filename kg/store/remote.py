@@ -37,7 +37,7 @@ from kg.errors import GraphError, Place, SourceError, StoreError
 from kg.store.http import Answer, Endpoint
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
     from types import TracebackType
 
@@ -168,7 +168,7 @@ class RemoteStore:
     def update(self, text: str, *, timeout: float | None = None) -> None:
         """Run one request of SPARQL Update now; never sent twice."""
         try:
-            self._updates.post({"update": text}, timeout=timeout)
+            self._updates.post([("update", text)], timeout=timeout)
         except StoreError as error:
             if self._one_address and re.search(_REFUSED, error.message):
                 hint = "This address takes queries only; name the one for updates too, with --update-url."
@@ -188,21 +188,25 @@ class RemoteSnapshot:
         """A new one for each reading, as a server does not report whether its content changed."""
         return self._identity
 
-    def query(
+    def query(  # noqa: PLR0913 - what the protocol has
         self,
         text: str,
         *,
         prefixes: Mapping[str, str] | None = None,
         union: bool = True,
         timeout: float | None = None,
+        default_graphs: Sequence[NamedNode] = (),
+        named_graphs: Sequence[NamedNode] = (),
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
-        """Run a SPARQL query.
+        """Run a SPARQL query; graphs named here are its data set (SPARQL 1.1 Protocol, section 2.1.4).
 
         The protocol has no word for `union`: most servers have it always, Oxigraph takes a parameter of its own,
         which is sent, and Fuseki a setting of the data set (`unionDefaultGraph`).
         """
         declared = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in (prefixes or {}).items())
-        fields = {"query": declared + text} | ({"union-default-graph": "true"} if union else {})
+        fields = [("query", declared + text), *([("union-default-graph", "true")] if union else [])]
+        fields += [("default-graph-uri", graph.value) for graph in default_graphs]
+        fields += [("named-graph-uri", graph.value) for graph in named_graphs]
         accept = _TRIPLES if _MAKES_TRIPLES.match(text) else _ROWS
         answer = self._endpoint.post(fields, accept=accept, timeout=timeout)
         found = self._parsed(answer)

@@ -24,6 +24,8 @@ _PART: Final = 1
 class Configuration(msgspec.Struct, frozen=True, tag="configuration"):
     """The first message to a reader: `root` is the folder of the store, `memory` how many bytes a request may use.
 
+    `address` is that of the server that has the data, None for a store of this machine.
+
     `calls` names the module whose `CALLS` other requests are looked up in, by `Call.name`; `settings` are flags for
     `kg.settings.load`, which these are given.
     """
@@ -32,6 +34,7 @@ class Configuration(msgspec.Struct, frozen=True, tag="configuration"):
     memory: int | None = None
     calls: str = ""
     settings: dict[str, Any] = {}
+    address: str | None = None
 
 
 class Question(msgspec.Struct, frozen=True, tag="question", kw_only=True):

@@ -29,6 +29,7 @@ from kg.query.readers.messages import Call, Configuration, Question, frame
 from kg.query.readers.processes import PROGRAM, Spawner
 from kg.query.readers.scheduler import Run, Scheduler
 from kg.query.runner import DeadlineError
+from kg.store.following import Following
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Mapping, Sequence
@@ -94,18 +95,23 @@ class Readers:
         self._prepare = prepare
         self._preparing: asyncio.Task[None] | None = None
         self.jobs: dict[str, Job] = {}
-        configuration = Configuration(str(layout.root), memory, calls, dict(settings or {}))
+        configuration = Configuration(str(layout.root), memory, calls, dict(settings or {}), layout.address)
         self._fleet = Fleet(Spawner(configuration, program), processes + 1)
         self._scheduler = Scheduler.of(processes, queue, self._fleet)
-        self._cache = AnswerCache(cache)
+        self.following = Following(layout) if layout.address is not None else None
+        """Looks at the data of a server, which may be new before we notice: answers of queries are not kept."""
+        self._cache = AnswerCache(0 if self.following else cache)
         self._pointer = Pointer(layout)
         self._look_ups = LookUps(layout)
         self._looking: asyncio.Task[None] | None = None
+        self._following: asyncio.Task[None] | None = None
         self._closed = False
 
     async def __aenter__(self) -> Self:
         self._fleet.fill()
         self._looking = asyncio.get_running_loop().create_task(self._look())
+        if self.following is not None:
+            self._following = asyncio.get_running_loop().create_task(_follow(self.following))
         self._begin_preparing()
         return self
 
@@ -113,7 +119,7 @@ class Readers:
         self._closed = True
         for job in tuple(self.jobs.values()):
             job.end(QueryError("KG510", _CLOSED))
-        for task in (self._looking, self._preparing):
+        for task in (self._looking, self._following, self._preparing):
             if task is not None:
                 task.cancel()
                 await asyncio.gather(task, return_exceptions=True)
@@ -240,6 +246,12 @@ class Readers:
         # Whoever asks for what could not be prepared is told why.
         with suppress(KgError):
             await self.call(self._prepare, {}, seconds=None)
+
+
+async def _follow(following: Following) -> None:
+    while True:
+        await asyncio.to_thread(following.look)
+        await asyncio.sleep(following.pause)
 
 
 def _expire(job: Job, seconds: float) -> None:
