@@ -12,6 +12,7 @@ REMOTE: Final = frozenset(
     {
         "action",
         "actions",
+        "build",
         "compose",
         "config",
         "export",

@@ -75,6 +75,19 @@ def _named_by_a_file(settings: Settings) -> UsageError:
     return UsageError("KG002", "kg.toml cannot name a server as the store", place=origin.place, hint=hint)
 
 
+def mirrored(settings: Settings) -> Settings:
+    """Return the settings with a store of this machine in the place of a server, whose data that store mirrors.
+
+    It is in the user's folder for caches, and made where it is missing.
+    """
+    import hashlib  # noqa: PLC0415 - most stores are folders
+
+    from kg.store.layout import create, user_cache  # noqa: PLC0415 - start-up time
+
+    name = hashlib.blake2b(str(settings.store).encode(), digest_size=8).hexdigest()
+    return replace(settings, store=create(user_cache() / "servers" / name).root)
+
+
 def existing(settings: Settings) -> EmbeddedStore:
     """Return the store in force; StoreError KG301 if there is none."""
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time

@@ -137,15 +137,17 @@ class RemoteStore:
     """A SPARQL 1.1 server; see `kg.store.interface.QuadStore`.
 
     Without an address for updates the one for queries takes them too. `timeout` is how many seconds the server may
-    be silent.
+    be silent, `from_environment` that of `kg.store.http.Endpoint`.
 
     Raises:
         StoreError: KG225 when an address is not one of http or https; so does every call that fails.
     """
 
-    def __init__(self, query_url: str, update_url: str | None = None, *, timeout: float = 60.0) -> None:
-        self._queries = Endpoint(query_url, timeout=timeout)
-        self._updates = Endpoint(update_url or query_url, timeout=timeout)
+    def __init__(
+        self, query_url: str, update_url: str | None = None, *, timeout: float = 60.0, from_environment: bool = False
+    ) -> None:
+        self._queries = Endpoint(query_url, timeout=timeout, from_environment=from_environment)
+        self._updates = Endpoint(update_url or query_url, timeout=timeout, from_environment=from_environment)
         self._one_address = update_url in {None, query_url}
 
     @property

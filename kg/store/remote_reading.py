@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from kg.store.layout import Layout
     from kg.store.terms import Term
 
+_EVERY_GRAPH: Final = re.compile(r"\bGRAPH\s+(\?\w+)\s*\{\s*\}", re.IGNORECASE)
 _NAMES_GRAPHS: Final = re.compile(r"\b(?:GRAPH|FROM)\b", re.IGNORECASE)
 
 
@@ -51,10 +52,7 @@ class RemoteReading(EmbeddedSnapshot):
 
     def __init__(self, layout: Layout) -> None:
         address = layout.address or ""
-        if urlsplit(address).username is not None:
-            hint = "Set KG_REMOTE_USER and KG_REMOTE_PASSWORD, or KG_REMOTE_TOKEN, and leave them out of the address."
-            place = Place(urlsplit(address).hostname or "")
-            raise StoreError("KG225", "credentials do not belong on the command line", place=place, hint=hint)
+        without_credentials(address)
         self.layout = layout
         self._followed = layout.current()
         self.generation, self._handle = self._followed or 0, -1
@@ -95,6 +93,8 @@ class RemoteReading(EmbeddedSnapshot):
         if not union and not given and not _NAMES_GRAPHS.search(whole):
             return Store().query(whole, prefixes=known, base_iri=base)
         _check(whole, known, base)
+        if not given:
+            whole = _EVERY_GRAPH.sub(self._named, whole)
         declared = f"BASE <{base}>\n" if base else ""
         return self._remote.query(
             declared + whole,
@@ -153,6 +153,10 @@ class RemoteReading(EmbeddedSnapshot):
     def close(self) -> None:
         """Nothing is held."""
 
+    def _named(self, match: re.Match[str]) -> str:
+        """Return the names of all graphs, for a pattern that servers match with none of them (Virtuoso)."""
+        return f"VALUES {match[1]} {{ {' '.join(map(str, self.graphs()))} }}"
+
     def _substituted(self, text: str, given: Mapping[Variable, Term]) -> str:
         """Return a query of this program in which terms stand for variables, in its body and as what it selects."""
         head, brace, body = text.partition("{")
@@ -169,6 +173,14 @@ class RemoteReading(EmbeddedSnapshot):
     def _unsupported(self, reason: str) -> StoreError:
         hint = "Use a store of this machine; `kg pull` makes one of a published graph."
         return StoreError("KG309", f"a SPARQL server cannot answer this: {reason}", place=self._place, hint=hint)
+
+
+def without_credentials(address: str) -> None:
+    """Raise StoreError KG225 for an address with credentials in it."""
+    if urlsplit(address).username is not None:
+        hint = "Set KG_REMOTE_USER and KG_REMOTE_PASSWORD, or KG_REMOTE_TOKEN, and leave them out of the address."
+        place = Place(urlsplit(address).hostname or "")
+        raise StoreError("KG225", "credentials do not belong on the command line", place=place, hint=hint)
 
 
 def _used(text: str, prefixes: Mapping[str, str]) -> dict[str, str]:

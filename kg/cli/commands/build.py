@@ -22,18 +22,22 @@ from kg.cli.options import (
     NoRules,
     Rules,
     Store,
+    UpdateUrl,
 )
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.session import session
 from kg.cli.supervising import supervise
-from kg.errors import Exit
+from kg.errors import Exit, UsageError
 from kg.render.text import count
-from kg.store.opening import layout_of, writable
+from kg.store.opening import layout_of, mirrored, writable
 
 if TYPE_CHECKING:
     from kg.graph.source_states import SourceState
     from kg.settings import Settings
+    from kg.store.remote import RemoteStore
 
+_SERVER_SECONDS: Final = 3600.0
+"""How long a server may take to replace graphs."""
 _WATCH_SECONDS: Final = 1.0
 
 Sources = Annotated[
@@ -77,18 +81,21 @@ def build(  # noqa: PLR0913 - the options of a command
     rule_families: Families = None,
     json: Json = False,
     store: Store = None,
+    update_url: UpdateUrl = None,
 ) -> None:
     """Read ROS packages into the store.
 
     Nodes and their interfaces are extracted from the source code; nothing is compiled or run. A second build reads
     only what has changed. Unreadable files are reported and the rest is built. Rules then infer further facts. If a
-    build is interrupted or reaches the `memory` limit, the store is unchanged. For example:
+    build is interrupted or reaches the `memory` limit, the store is unchanged. If the store is a SPARQL server, the
+    graphs that differ are replaced there at the end (docs/cluster.md). For example:
 
         kg build ~/catkin_ws/src
         kg build https://github.com/ros-planning/navigation.git@noetic-devel
         kg build --corpus robots/corpus.lock.toml
         kg build
         kg build --cluster tcp://scheduler:8786 --artifacts /shared/kg SOURCE...
+        kg build --store http://localhost:7878/query --update-url http://localhost:7878/update SOURCE...
     """
     given = session(context).settings(
         store=store,
@@ -105,14 +112,17 @@ def build(  # noqa: PLR0913 - the options of a command
     )
     if given.memory:
         supervise(given.memory)
+    server = _server(given, update_url)
+    if server is not None:
+        given = mirrored(given)
     checkouts, whole = _checkouts(corpus) if corpus else ([], True)
     named = [*(sources or ()), *checkouts]
     if dry_run:
         _estimate(named, given, json=json)
         return
-    sound = _build(named, given, problems=problems, infer=not no_rules, json=json) and whole
+    sound = _build(named, given, server, problems=problems, infer=not no_rules, json=json) and whole
     if watch:
-        _watch(given, problems=problems, infer=not no_rules, json=json)
+        _watch(given, server, problems=problems, infer=not no_rules, json=json)
     elif not sound:
         raise typer.Exit(Exit.FOUND)
 
@@ -128,7 +138,24 @@ def _checkouts(corpus: str) -> tuple[list[str], bool]:
     return [str(folder) for folder in checkouts(lock, found)], not found.missing and not found.drifted
 
 
-def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, json: bool) -> bool:
+def _server(given: "Settings", update_url: str | None) -> "RemoteStore | None":
+    """Return the server that the settings name as the store, None where that is a folder."""
+    if not isinstance(given.store, str):
+        if update_url:
+            raise UsageError("KG003", "--update-url needs a server, but the store is a folder")
+        return None
+    layout_of(given)  # refuses a server that a file of settings names
+    from kg.store.remote import RemoteStore  # noqa: PLC0415 - start-up time
+    from kg.store.remote_reading import without_credentials  # noqa: PLC0415 - start-up time
+
+    for address in filter(None, (given.store, update_url)):
+        without_credentials(address)
+    return RemoteStore(given.store, update_url, timeout=_SERVER_SECONDS, from_environment=True)
+
+
+def _build(  # noqa: PLR0913 - the options of the command
+    named: list[str], given: "Settings", server: "RemoteStore | None", *, problems: bool, infer: bool, json: bool
+) -> bool:
     """Build, tell what was found, and return whether all rules could be used."""
     from kg.cli.build_view import left_out, report_object, summary  # noqa: PLC0415 - start-up time
     from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
@@ -138,6 +165,12 @@ def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, 
         report = run(named, target, given, progress, " ".join(["kg build", *named]), rules=infer)
     for line in summary(report, target.layout.root, every=problems):
         say(line)
+    if server is not None:
+        from kg.store.replacing import replace_on  # noqa: PLC0415 - start-up time
+
+        sent = replace_on(target.layout, server)
+        removed = f", removed {sent.removed:,}" if sent.removed else ""
+        say(f"wrote {count(sent.graphs, 'graph')} with {count(sent.triples, 'triple')}{removed} to {server.address}")
     if json:
         json_lines([report_object(report)])
     return not left_out(report.inferred)
@@ -161,7 +194,7 @@ def _estimate(named: list[str], given: "Settings", *, json: bool) -> None:
         note(line)
 
 
-def _watch(given: "Settings", *, problems: bool, infer: bool, json: bool) -> None:
+def _watch(given: "Settings", server: "RemoteStore | None", *, problems: bool, infer: bool, json: bool) -> None:
     """Build again whenever a source has changed, until Ctrl-C, which is how watching ends."""
     from kg.pipeline.pending import pending  # noqa: PLC0415 - start-up time
 
@@ -171,7 +204,7 @@ def _watch(given: "Settings", *, problems: bool, infer: bool, json: bool) -> Non
         while True:
             sleep(_WATCH_SECONDS)
             if any(pending(layout, given).values()):
-                _build([], given, problems=problems, infer=infer, json=json)
+                _build([], given, server, problems=problems, infer=infer, json=json)
     except KeyboardInterrupt:
         say()
 
