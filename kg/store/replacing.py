@@ -6,7 +6,7 @@
 
 All changes of up to 64 MB are one request, which servers run as a whole or not at all. Larger ones take several: a
 client may then see some graphs new and others old until the last one is done. Virtuoso 7 fails at several operations in
-one request.
+one request, and `kg serve` refuses to write graphs that it keeps itself.
 """
 
 from __future__ import annotations
