@@ -135,7 +135,7 @@ class Settings:
         None,
         forms.store,
         "FOLDER",
-        "Folder of the store, or the address of a SPARQL server for commands that read (docs/cluster.md); by default "
+        "Folder of the store, or the address of a SPARQL server (docs/cluster.md); by default "
         "the nearest .kg in this folder or above.",
         short="-s",
     )

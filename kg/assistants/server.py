@@ -34,7 +34,7 @@ def create_server(settings: Settings) -> MCPServer:
     from importlib.metadata import version  # noqa: PLC0415 - searches the installation
 
     layout = layout_of(settings)
-    tools = Tools(str(layout.root), settings.timeout or _SECONDS, settings.robot)
+    tools = Tools(layout.address or str(layout.root), settings.timeout or _SECONDS, settings.robot)
 
     @asynccontextmanager
     async def lifespan(_server: MCPServer) -> AsyncIterator[None]:

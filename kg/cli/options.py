@@ -126,3 +126,6 @@ System = Annotated[
         autocompletion=launches,
     ),
 ]
+UpdateUrl = Annotated[
+    str | None, typer.Option("--update-url", metavar="URL", help="Address for updates of the server, if different.")
+]

@@ -6,26 +6,38 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from kg.settings import Settings, load
-from kg.store.opening import remote_refusal
+from kg.store.failure import remote_refusal
 
 REMOTE: Final = frozenset(
     {
         "action",
         "actions",
+        "build",
+        "compose",
         "config",
+        "export",
+        "graph",
+        "impact",
+        "instances",
         "lint",
+        "mcp",
         "node",
         "nodes",
         "packages",
         "param",
+        "publish",
         "query",
         "search",
+        "serve",
+        "shell",
+        "stats",
         "service",
         "services",
         "show",
         "topic",
         "topics",
         "why",
+        "why-not",
     }
 )
 """The commands whose answers over a SPARQL server are those of the embedded store with the same graph."""

@@ -60,7 +60,7 @@ CODES: Final = {
     "KG530": CodeEntry(
         "read-only",
         "The server was started read-only and refuses changes.",
-        "Start it with `kg serve --write`.",
+        "Start it with `kg serve --write`. Send changes to the SPARQL server itself if `--store` names one.",
     ),
     "KG531": CodeEntry(
         "too many requests",

@@ -15,7 +15,7 @@ from starlette.middleware import Middleware
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from kg.errors import UsageError
+from kg.errors import Place, StoreError, UsageError
 from kg.pipeline.updating.writer import Writer
 from kg.query.readers.pool import Readers
 from kg.server import (
@@ -39,6 +39,7 @@ from kg.server.robot import routes as robot
 from kg.server.robot.session import Session
 from kg.server.safety import login
 from kg.server.state import State
+from kg.store.following import Following
 from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 
     from kg.server.options import Options
     from kg.settings import Settings
+    from kg.store.layout import Layout
 
 _FOLDER: Final = Path(__file__).parent
 
@@ -54,11 +56,14 @@ def create_app(settings: Settings, options: Options) -> Starlette:
     """Return the application that serves the store of the settings.
 
     Raises:
-        StoreError: KG301 there is no store.
+        StoreError: KG301 there is no store, KG225 the server that has the data does not answer, KG309 the data is on a
+            server, and `options.write` is set.
         UsageError: KG002 the root path is the address of a page.
     """
     _check_root(options.root_path)
     layout = layout_of(settings)
+    if layout.address is not None:
+        _check_server(layout, options)
 
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
@@ -87,6 +92,15 @@ def create_app(settings: Settings, options: Options) -> Starlette:
     )
     app.router.redirect_slashes = False  # to an address without the root path; `not_found` redirects instead
     return app
+
+
+def _check_server(layout: Layout, options: Options) -> None:
+    """Refuse a server that has the data but does not answer (StoreError KG225), and changes of it (KG309)."""
+    if options.write:
+        hint = "Leave out --write, and send changes to the server itself."
+        message = "`kg serve` does not change the data of another server"
+        raise StoreError("KG309", message, place=Place(layout.name), hint=hint)
+    Following(layout).check()
 
 
 def _routes() -> list[BaseRoute]:

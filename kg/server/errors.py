@@ -46,6 +46,8 @@ STATUS: Final[Mapping[str, int]] = {
         429: "KG531",
         431: "KG535",
         500: "KG900",
+        501: "KG309",
+        502: "KG225",
         503: "KG301 KG302 KG303 KG305 KG306 KG503 KG507 KG508 KG509 KG510 KG533 KG568 KG802 KG803 KG846",
         507: "KG304",
     }.items()

@@ -110,7 +110,7 @@ class Shell(App[None]):
         self.settings = settings
         self.actions = actions
         self.link = Link(settings, layout)
-        self.state = state or State(state_folder(), str(layout.root))
+        self.state = state or State(state_folder(), layout.name)
         self._opened = False
         self.failures: list[BaseException] = []
         """Unexpected errors that were shown instead of ending the shell; of a sound shell there are none."""

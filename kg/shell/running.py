@@ -27,6 +27,7 @@ from textual.keys import Keys
 from kg.errors import Place, StoreError, UsageError
 from kg.shell.actions import ACTIONS, CONTEXTS, TOGETHER, Action, key_named, key_words
 from kg.similar import did_you_mean
+from kg.store.following import Following
 from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
@@ -118,6 +119,8 @@ def run(settings: Settings) -> int:
         StoreError: KG301 without a store, or with an empty one.
     """
     layout = layout_of(settings)
+    if layout.address is not None:
+        Following(layout).check()
     if layout.current() is None:
         raise StoreError("KG301", f"the store {layout.root} is empty", hint="Run `kg build FOLDER` first.")
     if not (sys.stdin.isatty() and sys.stdout.isatty()):

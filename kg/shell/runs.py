@@ -87,7 +87,7 @@ class Runs:
         finally:
             buffer.job = None
         seconds = time.perf_counter() - clock
-        self._state.remember(Entry(text, began, str(self._link.layout.root), rows, seconds, outcome))
+        self._state.remember(Entry(text, began, self._link.layout.name, rows, seconds, outcome))
         self._screen.keep()
         self.tell()
 

@@ -1,4 +1,4 @@
-"""`kg build`: read sources into the store. `kg status`: what stands in it, and what has changed since."""
+"""`kg build`: read sources into the store. `kg status`: the sources in the store, and their changes since."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -8,21 +8,20 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import (
-    Json,
-    NoRules,
-    with_settings,
-)
+from kg.cli.options import Json, NoRules, UpdateUrl, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.supervising import supervise
-from kg.errors import Exit
+from kg.errors import Exit, UsageError
 from kg.render.text import count
 from kg.settings import Settings
-from kg.store.opening import layout_of, writable
+from kg.store.opening import layout_of, mirrored, writable
 
 if TYPE_CHECKING:
     from kg.graph.source_states import SourceState
+    from kg.store.remote import RemoteStore
 
+_SERVER_SECONDS: Final = 3600.0
+"""Seconds for a server to replace graphs."""
 _WATCH_SECONDS: Final = 1.0
 
 Sources = Annotated[
@@ -68,6 +67,7 @@ def build(  # noqa: PLR0913 - the options of a command
     watch: Watch = False,
     no_rules: NoRules = False,
     json: Json = False,
+    update_url: UpdateUrl = None,
 ) -> None:
     """Read ROS packages into the store.
 
@@ -80,17 +80,21 @@ def build(  # noqa: PLR0913 - the options of a command
         kg build --corpus robots/corpus.lock.toml
         kg build
         kg build --cluster tcp://scheduler:8786 --artifacts /shared/kg SOURCE...
+        kg build --store http://localhost:7878/query --update-url http://localhost:7878/update SOURCE...
     """
     if settings.memory:
         supervise(settings.memory)
+    server = _server(settings, update_url)
+    if server is not None:
+        settings = mirrored(settings)
     checkouts, whole = _checkouts(corpus) if corpus else ([], True)
     named = [*(sources or ()), *checkouts]
     if dry_run:
         _estimate(named, settings, json=json)
         return
-    sound = _build(named, settings, problems=problems, infer=not no_rules, json=json) and whole
+    sound = _build(named, settings, server, problems=problems, infer=not no_rules, json=json) and whole
     if watch:
-        _watch(settings, problems=problems, infer=not no_rules, json=json)
+        _watch(settings, server, problems=problems, infer=not no_rules, json=json)
     elif not sound:
         raise typer.Exit(Exit.FOUND)
 
@@ -106,8 +110,25 @@ def _checkouts(corpus: str) -> tuple[list[str], bool]:
     return [str(folder) for folder in checkouts(lock, found)], not found.missing and not found.drifted
 
 
-def _build(named: list[str], settings: Settings, *, problems: bool, infer: bool, json: bool) -> bool:
-    """Build, tell what was found, and return whether all rules could be used."""
+def _server(settings: Settings, update_url: str | None) -> "RemoteStore | None":
+    """Return the server that the settings name as the store, None if that is a folder."""
+    if not isinstance(settings.store, str):
+        if update_url:
+            raise UsageError("KG003", "--update-url needs a server, but the store is a folder")
+        return None
+    layout_of(settings)  # refuses a server that a file of settings names
+    from kg.store.remote import RemoteStore  # noqa: PLC0415 - start-up time
+    from kg.store.remote_reading import without_credentials  # noqa: PLC0415 - start-up time
+
+    for address in filter(None, (settings.store, update_url)):
+        without_credentials(address)
+    return RemoteStore(settings.store, update_url, timeout=_SERVER_SECONDS, from_environment=True)
+
+
+def _build(  # noqa: PLR0913 - the options of the command
+    named: list[str], settings: Settings, server: "RemoteStore | None", *, problems: bool, infer: bool, json: bool
+) -> bool:
+    """Build, report the results, and return whether all rules could be used."""
     from kg.cli.build_view import left_out, report_object, summary  # noqa: PLC0415 - start-up time
     from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
     from kg.pipeline.build import build as run  # noqa: PLC0415 - start-up time
@@ -116,6 +137,12 @@ def _build(named: list[str], settings: Settings, *, problems: bool, infer: bool,
         report = run(named, target, settings, progress, " ".join(["kg build", *named]), rules=infer)
     for line in summary(report, target.layout.root, every=problems):
         say(line)
+    if server is not None:
+        from kg.store.replacing import replace_on  # noqa: PLC0415 - start-up time
+
+        sent = replace_on(target.layout, server)
+        removed = f", removed {sent.removed:,}" if sent.removed else ""
+        say(f"wrote {count(sent.graphs, 'graph')} with {count(sent.triples, 'triple')}{removed} to {server.address}")
     if json:
         json_lines([report_object(report)])
     return not left_out(report.inferred)
@@ -139,7 +166,7 @@ def _estimate(named: list[str], settings: Settings, *, json: bool) -> None:
         note(line)
 
 
-def _watch(settings: Settings, *, problems: bool, infer: bool, json: bool) -> None:
+def _watch(settings: Settings, server: "RemoteStore | None", *, problems: bool, infer: bool, json: bool) -> None:
     """Build again whenever a source has changed, until Ctrl-C, which is how watching ends."""
     from kg.pipeline.pending import pending  # noqa: PLC0415 - start-up time
 
@@ -149,7 +176,7 @@ def _watch(settings: Settings, *, problems: bool, infer: bool, json: bool) -> No
         while True:
             sleep(_WATCH_SECONDS)
             if any(pending(layout, settings).values()):
-                _build([], settings, problems=problems, infer=infer, json=json)
+                _build([], settings, server, problems=problems, infer=infer, json=json)
     except KeyboardInterrupt:
         say()
 

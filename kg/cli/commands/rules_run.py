@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Json, with_settings
+from kg.cli.options import Json, UpdateUrl, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.supervising import supervise
 from kg.errors import UsageError
@@ -38,9 +38,6 @@ _REMOTE_COLUMNS: Final = (
 Full = Annotated[bool, typer.Option("--full", help="Evaluate everything again, not only what changed.")]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Write nothing.")]
 Remote = Annotated[str | None, typer.Option("--remote", metavar="URL", help="Run on this SPARQL 1.1 server.")]
-UpdateUrl = Annotated[
-    str | None, typer.Option("--update-url", metavar="URL", help="Update endpoint of that server, if different.")
-]
 Verbose = Annotated[
     bool, typer.Option("--all", "--verbose", "-v", help="Show the results of each rule and the time of each step.")
 ]

@@ -66,7 +66,7 @@ def announce(
     from kg.store.opening import layout_of  # noqa: PLC0415 - start-up time
 
     data = "unnamed graph" if options.no_union else "union of all graphs"
-    say(f"serving {layout_of(settings).root} at {address}")
+    say(f"serving {layout_of(settings).name} at {address}")
     say(f"SPARQL at {address}sparql (default graph: {data}), graphs at {address}store")
     say("changes: from clients with the token" if options.write else "changes: none; `--write` allows them")
     if options.robot:
