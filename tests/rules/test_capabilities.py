@@ -87,3 +87,35 @@ def test_a_robot_of_an_office() -> None:
 def test_contexts(role: Role, name: str, kind: str, capability: str) -> None:
     """The name tells what a plain message is used for."""
     assert capability in reached(("/node", role, name, kind))
+
+
+@pytest.mark.parametrize(
+    ("role", "name", "kind", "capability"),
+    [
+        (S, "/speech_recognizing", "std_msgs/String", "speaking"),
+        (S, "/speaker_audio", "std_msgs/String", "speaking"),
+        (S, "/ethercat/motors_halted", "std_msgs/Bool", "enablingMotors"),
+        (SERVICE, "/spot/arm_stow", "std_srvs/Trigger", "enablingMotors"),
+        (S, "/gripper/finger_joint/current", "std_msgs/Float64", "gripping"),
+        (S, "/grasp_planner/event_in", "std_msgs/String", "gripping"),
+        (P, "/force_disturbance", "geometry_msgs/Vector3", "sensingForce"),
+        (P, "/odom_to_euler/euler", "geometry_msgs/Vector3Stamped", "sensingVelocity"),
+        (P, "/imu/data_raw", "sensor_msgs/Imu", "sensingOrientation"),
+        (P, "/setpoint_position/global", "geographic_msgs/GeoPoseStamped", "sensingGeographicPosition"),
+        (P, "/map/image", "sensor_msgs/Image", "seeing"),
+        (P, "/waypoints_reached", "geometry_msgs/Point", "knowingPlaces"),
+        (P, "/nearest_point", "geometry_msgs/PoseStamped", "sensingPose"),
+    ],
+)
+def test_names_that_mean_something_else(role: Role, name: str, kind: str, capability: str) -> None:
+    """The name tells that a message is not used for what it could be."""
+    assert capability not in reached(("/node", role, name, kind))
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("/detected_objects", "geometry_msgs/PoseArray"), ("/ball_position", "geometry_msgs/PointStamped")],
+)
+def test_places_of_things(name: str, kind: str) -> None:
+    """Points and poses tell where things are if the name speaks of things."""
+    assert "knowingPlaces" in reached(("/node", P, name, kind))
