@@ -105,6 +105,10 @@ def test_contexts(role: Role, name: str, kind: str, capability: str) -> None:
         (P, "/map/image", "sensor_msgs/Image", "seeing"),
         (P, "/waypoints_reached", "geometry_msgs/Point", "knowingPlaces"),
         (P, "/nearest_point", "geometry_msgs/PoseStamped", "sensingPose"),
+        (P, "/air_humidity/desired", "std_msgs/Float64", "sensingHumidity"),
+        (P, "/target_heading", "std_msgs/Float32", "sensingOrientation"),
+        (P, "/lidar_gimbal_mode", "std_msgs/Int16", "measuringOneDistance"),
+        (S, "/amcl_pose", "geometry_msgs/PoseWithCovarianceStamped", "beingToldPose"),
     ],
 )
 def test_names_that_mean_something_else(role: Role, name: str, kind: str, capability: str) -> None:
