@@ -109,6 +109,13 @@ def test_contexts(role: Role, name: str, kind: str, capability: str) -> None:
         (P, "/target_heading", "std_msgs/Float32", "sensingOrientation"),
         (P, "/lidar_gimbal_mode", "std_msgs/Int16", "measuringOneDistance"),
         (S, "/amcl_pose", "geometry_msgs/PoseWithCovarianceStamped", "beingToldPose"),
+        (S, "/robot/pose", "geometry_msgs/PoseStamped", "goingToPose"),
+        (P, "/debug_image", "sensor_msgs/Image", "seeing"),
+        (P, "/flir/image", "sensor_msgs/Image", "sensingTemperature"),
+        (P, "/face/mode", "std_msgs/String", "sensingMode"),
+        (P, "/smart_move/object", "std_msgs/String", "recognizingObjects"),
+        (S, "/display_server/stimulus_mode", "std_msgs/String", "showing"),
+        (SERVICE, "/node/tf2_frames", "tf2_msgs/FrameGraph", "knowingFrames"),
     ],
 )
 def test_names_that_mean_something_else(role: Role, name: str, kind: str, capability: str) -> None:
