@@ -116,6 +116,8 @@ def test_contexts(role: Role, name: str, kind: str, capability: str) -> None:
         (P, "/smart_move/object", "std_msgs/String", "recognizingObjects"),
         (S, "/display_server/stimulus_mode", "std_msgs/String", "showing"),
         (SERVICE, "/node/tf2_frames", "tf2_msgs/FrameGraph", "knowingFrames"),
+        (SERVICE, "/gripper/emergency_release", "std_srvs/Trigger", "stoppingInEmergency"),
+        (P, "/wind/true", "geometry_msgs/Pose2D", "sensingPose"),
     ],
 )
 def test_names_that_mean_something_else(role: Role, name: str, kind: str, capability: str) -> None:
