@@ -82,6 +82,7 @@ def test_a_robot_of_an_office() -> None:
         (SERVICE, "/mavros/cmd/takeoff", "mavros_msgs/CommandTOL", "takingOff"),
         (SERVICE, "/drone/motors/arm", "std_srvs/SetBool", "enablingMotors"),
         (ACTION, "/navigate_to_pose", "nav2_msgs/NavigateToPose", "goingToPose"),
+        (S, "/wrench_command", "geometry_msgs/WrenchStamped", "applyingForce"),
     ],
 )
 def test_contexts(role: Role, name: str, kind: str, capability: str) -> None:
