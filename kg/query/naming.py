@@ -37,11 +37,15 @@ _ENDING: Final = """SELECT DISTINCT ?t WHERE {
   FILTER(STRENDS(STR(?t), %s) && ISIRI(?t) && (STRENDS(STR(?t), %s) || STRENDS(STR(?t), %s)))
 } ORDER BY ?t"""
 """What has an IRI that ends in a name. The first test fails for nearly all, and each test reads the IRI again."""
+_SAMPLE: Final = "{{ SELECT DISTINCT ?kind {{ {{ SELECT ?other {{ %s }} LIMIT 200 }} ?other a ?kind }} }} ?t a ?kind"
 _PLACES: Final = (
-    ("?t {0} ?any", "?other {0} ?any . ?other a ?kind . ?t a ?kind"),
-    ("?any {0} ?t", "?any {0} ?other . ?other a ?kind . ?t a ?kind"),
+    ("?t {0} ?any", _SAMPLE % "?other {0} ?any", "?other {0} ?any . ?other a ?kind . ?t a ?kind"),
+    ("?any {0} ?t", _SAMPLE % "?any {0} ?other", "?any {0} ?other . ?other a ?kind . ?t a ?kind"),
 )
-"""For the subject and the object of a property: what is used there, and what is of a kind that is."""
+"""For the subject and the object of a property: what is used there, and what is of a kind that is, in a sample or
+anywhere."""
+_JOINED: Final = ("?t {0} ?end VALUES ?end {{ {1} }}", "?end {0} ?t VALUES ?end {{ {1} }}")
+"""The same: what has the property with one of some values at its other end."""
 _NAMES: Final = "SELECT DISTINCT ?name WHERE { ?t rdfs:label ?name }"
 _PROPERTIES: Final = "SELECT DISTINCT ?name WHERE { ?s ?name ?o }"
 _ALL_PROPERTIES: Final = "`kg query 'SELECT DISTINCT ?p { ?s ?p ?o }'` lists the properties that the store has."
@@ -64,7 +68,7 @@ def facts(
 
     A name that several things have means the ones of which the store holds the fact, and of these the ones that
     have exactly this name before those whose name only ends in it; where it holds none, those that the property is used
-    with.
+    with. Of two names that things have, at least one means one of these.
 
     Raises:
         UnknownNameError: KG001 with suggestions for a word that names nothing.
@@ -72,16 +76,22 @@ def facts(
     """
     predicates = terms(snapshot, predicate, property_=True, prefixes=prefixes)
     words = (subject, value)
-    used = [" UNION ".join(f"{{ {use.format(one)} }}" for one in predicates) for use, _ in _PLACES]
-    # What has the names is found at once. Of what only ends in them, the property tells what can be meant.
-    for among in ([None, None], used):
-        subjects, values = (
-            terms(snapshot, word, among=use, prefixes=prefixes) for word, use in zip(words, among, strict=True)
-        )
-        every = _triples(subjects, predicates, values)
-        held = [fact for fact in every if snapshot.query(f"ASK {{ {fact.subject} {fact.predicate} {fact.object} }}")]
-        if held:
-            break
+    subjects, values = ends = [terms(snapshot, word, among=None, prefixes=prefixes) for word in words]
+    held = _held(snapshot, _triples(subjects, predicates, values))
+    if not held and subjects and values:
+        # At least one of two names that things have is meant as it is, so the store has few things to look at.
+        ended = [
+            terms(snapshot, word, among=_among(use, predicates, other), prefixes=prefixes)
+            for word, use, other in zip(words, _JOINED, (values, subjects), strict=True)
+        ]
+        held = _held(snapshot, [*_triples(ended[0], predicates, values), *_triples(subjects, predicates, ended[1])])
+    elif not held:
+        # Of what only ends in the names, the property tells what can be meant.
+        subjects, values = ends = [
+            terms(snapshot, word, among=_among(tests[0], predicates), prefixes=prefixes)
+            for word, tests in zip(words, _PLACES, strict=True)
+        ]
+        held = _held(snapshot, _triples(subjects, predicates, values))
     if held:
         exact = {*_named(snapshot, subject), *_named(snapshot, value)} if len(held) > 1 else set()
         ranks = [(fact.subject not in exact) + (fact.object not in exact) for fact in held]
@@ -90,7 +100,7 @@ def facts(
         _meant(snapshot, word, found, [test.format(predicates[0]) for test in tests], prefixes)
         if len(predicates) == 1
         else terms(snapshot, word, prefixes=prefixes)
-        for word, found, tests in zip(words, (subjects, values), _PLACES, strict=True)
+        for word, found, tests in zip(words, ends, _PLACES, strict=True)
     )
     if len(predicates) == 1 and max(len(subjects), len(values)) > 1:
         _check_used(snapshot, predicates[0], prefixes)
@@ -100,6 +110,21 @@ def facts(
             ways = "\n".join(str(term) for term in found)
             raise UsageError("KG003", f"{len(found)} things are called `{word}`; choose one", hint=ways)
     return _triples(subjects, predicates, values), False
+
+
+def _held(snapshot: Askable, facts: list[Triple]) -> list[Triple]:
+    """Return those facts that the store holds, each once."""
+    return [
+        fact
+        for fact in dict.fromkeys(facts)
+        if snapshot.query(f"ASK {{ {fact.subject} {fact.predicate} {fact.object} }}")
+    ]
+
+
+def _among(pattern: str, predicates: list[_Term], ends: list[_Term] | None = None) -> str:
+    """Return a pattern of `?t` for any of some properties."""
+    listed = " ".join(str(one) for one in ends or () if isinstance(one, NamedNode | Literal))
+    return " UNION ".join(f"{{ {pattern.format(one, listed)} }}" for one in predicates)
 
 
 def _exactly(snapshot: Askable, word: str, found: list[_Term]) -> list[_Term]:
@@ -130,14 +155,17 @@ def _meant(
 ) -> list[_Term]:
     """Return the things called `word` that pass the first test of a property that any passes, or all.
 
-    `found` are those that have the name, and those whose IRI ends in it and that pass the first test. Where what has
-    exactly the name passes the second, nothing else is meant, and not all that is named has to be read.
+    `found` are those that have the name, and perhaps those whose IRI ends in it and that pass the first test. Where
+    what has exactly the name passes another, nothing else is meant, and not all that is named has to be read.
     """
-    for test, ones in ((tests[0], found), (tests[1], [one for one in found if one in _named(snapshot, word)])):
-        if passed := _passing(snapshot, ones, test):
+    if passed := _passing(snapshot, found, tests[0]):
+        return passed
+    named = _named(snapshot, word)
+    for test in tests[1:]:
+        if passed := _passing(snapshot, [one for one in found if one in named], test):
             return passed
     every = terms(snapshot, word, prefixes=prefixes)
-    return _passing(snapshot, every, tests[1]) or every
+    return _passing(snapshot, every, tests[-1]) or every
 
 
 def _passing(snapshot: Askable, found: list[_Term], test: str) -> list[_Term]:
