@@ -114,11 +114,13 @@ def facts(
 
 def _held(snapshot: Askable, facts: list[Triple]) -> list[Triple]:
     """Return those facts that the store holds, each once."""
-    return [
-        fact
-        for fact in dict.fromkeys(facts)
-        if snapshot.query(f"ASK {{ {fact.subject} {fact.predicate} {fact.object} }}")
-    ]
+    known: set[Triple] = set()
+    for predicate in dict.fromkeys(fact.predicate for fact in facts):
+        # Names may have hundreds of things on either side, and few of the pairs are facts.
+        subjects = " ".join(dict.fromkeys(str(fact.subject) for fact in facts))
+        rows: Any = snapshot.query(f"SELECT ?s ?o {{ VALUES ?s {{ {subjects} }} ?s {predicate} ?o }}")
+        known.update(Triple(row[0], predicate, row[1]) for row in rows)
+    return [fact for fact in dict.fromkeys(facts) if fact in known]
 
 
 def _among(pattern: str, predicates: list[_Term], ends: list[_Term] | None = None) -> str:
@@ -164,6 +166,8 @@ def _meant(
     for test in tests[1:]:
         if passed := _passing(snapshot, [one for one in found if one in named], test):
             return passed
+    if passed := _passing(snapshot, terms(snapshot, word, among=f"{{ {tests[0]} }}", prefixes=prefixes), tests[0]):
+        return passed
     every = terms(snapshot, word, prefixes=prefixes)
     return _passing(snapshot, every, tests[-1]) or every
 

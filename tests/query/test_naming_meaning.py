@@ -115,5 +115,5 @@ def choice(
     kinds = {kind for one, prop, kind in known if prop == KIND and one in used}
     alike = [one for one in every if any((one, KIND, kind) in known for kind in kinds)]
     named = [one for one in alike if (one, LABEL, word) in known]
-    fitting = [one for one in first if one in used] or named or alike or every
+    fitting = [one for one in first if one in used] or named or [one for one in every if one in used] or alike or every
     return [one for one in fitting if (one, LABEL, word) in known] or fitting
