@@ -23,7 +23,7 @@ from kg.similar import did_you_mean
 from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     _Term: TypeAlias = NamedNode | BlankNode | Literal
 
@@ -37,13 +37,10 @@ _ENDING: Final = """SELECT DISTINCT ?t WHERE {
   FILTER(STRENDS(STR(?t), %s) && ISIRI(?t) && (STRENDS(STR(?t), %s) || STRENDS(STR(?t), %s)))
 } ORDER BY ?t"""
 """What has an IRI that ends in a name. The first test fails for nearly all, and each test reads the IRI again."""
-_SAMPLE: Final = "{{ SELECT DISTINCT ?kind {{ {{ SELECT ?other {{ %s }} LIMIT 200 }} ?other a ?kind }} }} ?t a ?kind"
-_PLACES: Final = (
-    ("?t {0} ?any", _SAMPLE % "?other {0} ?any", "?other {0} ?any . ?other a ?kind . ?t a ?kind"),
-    ("?any {0} ?t", _SAMPLE % "?any {0} ?other", "?any {0} ?other . ?other a ?kind . ?t a ?kind"),
-)
-"""For the subject and the object of a property: what is used there, and what is of a kind that is, in a sample or
-anywhere."""
+_PLACES: Final = (("?t {0} ?any", "?other {0} ?any"), ("?any {0} ?t", "?any {0} ?other"))
+"""For the subject and the object of a property: what is used there, as `?t` and as `?other`."""
+_KINDS: Final = "SELECT DISTINCT ?kind WHERE {{ {{ SELECT ?other WHERE {{ {0} }} {1} }} ?other a ?kind }}"
+_SAMPLE: Final = "LIMIT 200"
 _JOINED: Final = ("?t {0} ?end VALUES ?end {{ {1} }}", "?end {0} ?t VALUES ?end {{ {1} }}")
 """The same: what has the property with one of some values at its other end."""
 _NAMES: Final = "SELECT DISTINCT ?name WHERE { ?t rdfs:label ?name }"
@@ -88,8 +85,8 @@ def facts(
     elif not held:
         # Of what only ends in the names, the property tells what can be meant.
         subjects, values = ends = [
-            terms(snapshot, word, among=_among(tests[0], predicates), prefixes=prefixes)
-            for word, tests in zip(words, _PLACES, strict=True)
+            terms(snapshot, word, among=_among(places[0], predicates), prefixes=prefixes)
+            for word, places in zip(words, _PLACES, strict=True)
         ]
         held = _held(snapshot, _triples(subjects, predicates, values))
     if held:
@@ -97,10 +94,10 @@ def facts(
         ranks = [(fact.subject not in exact) + (fact.object not in exact) for fact in held]
         return [fact for fact, rank in zip(held, ranks, strict=True) if rank == min(ranks)], True
     subjects, values = (
-        _meant(snapshot, word, found, [test.format(predicates[0]) for test in tests], prefixes)
+        _meant(snapshot, word, found, [place.format(predicates[0]) for place in places], prefixes)
         if len(predicates) == 1
         else terms(snapshot, word, prefixes=prefixes)
-        for word, found, tests in zip(words, ends, _PLACES, strict=True)
+        for word, found, places in zip(words, ends, _PLACES, strict=True)
     )
     if len(predicates) == 1 and max(len(subjects), len(values)) > 1:
         _check_used(snapshot, predicates[0], prefixes)
@@ -153,29 +150,40 @@ def _triples(subjects: list[_Term], predicates: list[_Term], values: list[_Term]
 
 
 def _meant(
-    snapshot: Askable, word: str, found: list[_Term], tests: list[str], prefixes: Mapping[str, str]
+    snapshot: Askable, word: str, found: list[_Term], places: list[str], prefixes: Mapping[str, str]
 ) -> list[_Term]:
-    """Return the things called `word` that pass the first test of a property that any passes, or all.
+    """Return the things called `word` that a property is used with, or else those of a kind that it is, or else all.
 
-    `found` are those that have the name, and perhaps those whose IRI ends in it and that pass the first test. Where
-    what has exactly the name passes another, nothing else is meant, and not all that is named has to be read.
+    `found` are those that have the name, and perhaps those whose IRI ends in it and that the property is used with.
+    Where what has exactly the name is of such a kind, nothing else is meant, and not all that is named has to be read.
     """
-    if passed := _passing(snapshot, found, tests[0]):
+    used, other = places
+    if passed := _passing(snapshot, found, used):
         return passed
-    named = _named(snapshot, word)
-    for test in tests[1:]:
-        if passed := _passing(snapshot, [one for one in found if one in named], test):
+    named = [one for one in _named(snapshot, word) if one in found]
+    for limit in (_SAMPLE, ""):
+        if named and (passed := _alike(snapshot, named, _KINDS.format(other, limit))):
             return passed
-    if passed := _passing(snapshot, terms(snapshot, word, among=f"{{ {tests[0]} }}", prefixes=prefixes), tests[0]):
+    if passed := _passing(snapshot, terms(snapshot, word, among=f"{{ {used} }}", prefixes=prefixes), used):
         return passed
     every = terms(snapshot, word, prefixes=prefixes)
-    return _passing(snapshot, every, tests[-1]) or every
+    return _alike(snapshot, every, _KINDS.format(other, "")) or every
 
 
-def _passing(snapshot: Askable, found: list[_Term], test: str) -> list[_Term]:
+def _passing(snapshot: Askable, found: Sequence[_Term], test: str) -> list[_Term]:
     """Return those IRIs of which the store has a match of a pattern of `?t`."""
     iris = [one for one in found if isinstance(one, NamedNode)]
     return [one for one in iris if snapshot.query(f"ASK {{ {test.replace('?t', str(one))} }}")]
+
+
+def _alike(snapshot: Askable, found: Sequence[_Term], query: str) -> list[_Term]:
+    """Return those IRIs that are of one of the kinds that a query finds."""
+    rows: Any = snapshot.query(query)
+    kinds = {row[0] for row in rows}
+    listed = " ".join(str(one) for one in found if isinstance(one, NamedNode))
+    pairs: Any = snapshot.query(f"SELECT ?t ?kind WHERE {{ VALUES ?t {{ {listed} }} ?t a ?kind }}")
+    alike = {row[0] for row in pairs if row[1] in kinds}
+    return [one for one in found if one in alike]
 
 
 def terms(
