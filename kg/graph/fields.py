@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final, TypeAlias
 
 from kg.facts import Access, LaunchProblemKind, NodeKind, Resolution
@@ -22,14 +23,8 @@ Properties: TypeAlias = Mapping[str, list[str]]
 
 def one(properties: Properties, term: str) -> str | None:
     """Return the value of a term that has one; the least where it has several."""
-    return _least(properties.get(v.bare(term)))
-
-
-def _least(values: list[str] | None) -> str | None:
-    """Return the least of some values, of which there is mostly one."""
-    if not values:
-        return None
-    return values[0] if len(values) == 1 else min(values)
+    values = properties.get(term[1:-1])
+    return None if values is None else values[0] if len(values) == 1 else min(values, default=None)
 
 
 def word(properties: Properties, term: str) -> str:
@@ -43,15 +38,16 @@ def _local(iri: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """One attribute of a fact: `parse` is given None where the property is missing; `unwritten` is not written.
+    """One attribute of a fact; `unwritten` is a value that is not written.
 
+    `parse` is given None where the property is missing; without it the attribute is the text, or None.
     `several` is a tuple of texts, one triple each; it is sorted when it is read.
     """
 
     name: str
     term: str
     spell: Callable[[Any], str] = literal
-    parse: Callable[[str | None], Any] = lambda text: text
+    parse: Callable[[str | None], Any] | None = None
     unwritten: Any = None
     several: bool = False
 
@@ -86,9 +82,10 @@ class Fields:
         for name, term, several, parse in self._readers:
             values = properties.get(term)
             if several:
-                found[name] = tuple(sorted(values or ()))
-            else:
-                found[name] = parse(_least(values))
+                found[name] = tuple(sorted(values)) if values else ()
+                continue
+            value = None if values is None else values[0] if len(values) == 1 else min(values, default=None)
+            found[name] = value if parse is None else parse(value)
         return found
 
 
@@ -98,7 +95,7 @@ def _flag(name: str, term: str) -> _Field:
 
 def _word(name: str, term: str, kind: Callable[[str], Any]) -> _Field:
     """Return an attribute that is an enumerator, for which RNKG has a term."""
-    return _Field(name, term, v.rnkg, lambda iri: kind(_local(iri or "")))
+    return _Field(name, term, v.rnkg, cache(lambda iri: kind(_local(iri or ""))))
 
 
 def _count(text: str | None) -> int:

@@ -24,6 +24,7 @@ _Parts: TypeAlias = "list[tuple[str, str]]"
 _HAVING: Final = "?instance ros:hasComponent ?part"
 _STARTED: Final = "GRAPH ?graph { ?instance rnkg:startedWith ?part }"
 _UNKNOWN: Final = 'SELECT DISTINCT ?name WHERE { ?end rnkg:resolvedName ?name FILTER(CONTAINS(?name, "{")) }'
+_HOLDING: Final = "SELECT DISTINCT ?value WHERE { ?part rnkg:value ?value FILTER(CONTAINS(?value, %s)) }"
 _SETTABLE: Final = """
 SELECT DISTINCT ?name WHERE { ?start rnkg:hasSetting ?part . ?part rnkg:name|(rnkg:sets/rnkg:name) ?name }"""
 
@@ -44,15 +45,20 @@ def at_channel(graph: Queryable, kind: str, name: str, partly: Iterable[str]) ->
     `partly` are the names that are not known whole.
     """
     text, bare = literal(name), literal(name.lstrip("/"))
+    # All values are read for this, once.
+    holding = _values("?value", {row["value"].value for row in select(graph, _HOLDING % bare)})
     unknown = {own for own in partly if fits(own, name)}
     ends = (
         f"GRAPH ?graph {{ ?channel rdfs:label {text} . ?part rnkg:connectsTo ?channel . {_HAVING} }}",
         f"{_values('?name', unknown)} GRAPH ?graph {{ ?part rnkg:resolvedName ?name . {_HAVING} }}",
         f"?remap rnkg:from {text} . GRAPH ?graph {{ ?part rnkg:remappedBy ?remap . {_HAVING} }}",
-        f"{_holding('?setting', bare)} GRAPH ?graph {{ ?part rnkg:namedBy ?setting . {_HAVING} }}",
+        f"{holding} ?setting rnkg:value ?value . GRAPH ?graph {{ ?part rnkg:namedBy ?setting . {_HAVING} }}",
     )
     usual = [end for end in unstated_ends(graph, name) if end.role.channel == kind]
-    return [*((v.HAS_COMPONENT, end) for end in ends), (v.HAS_SETTING, _setting(_holding("?part", bare)))], usual
+    return [
+        *((v.HAS_COMPONENT, end) for end in ends),
+        (v.HAS_SETTING, _setting(f"{holding} ?part rnkg:value ?value .")),
+    ], usual
 
 
 def at_parameter(name: str, known: Iterable[str]) -> _Parts:
@@ -126,10 +132,6 @@ def of_types(graph: Queryable, names: Iterable[str]) -> tuple[_Parts, list[Usual
 def _setting(pattern: str) -> str:
     """Return the pattern of settings of instances; `pattern` is one for ?part."""
     return f"{pattern} ?start rnkg:hasSetting ?part . GRAPH ?graph {{ ?instance rnkg:startedWith ?start }}"
-
-
-def _holding(variable: str, text: str) -> str:
-    return f"{variable} rnkg:value ?value FILTER(CONTAINS(?value, {text}))"
 
 
 def _named(variable: str, names: Iterable[str]) -> str:

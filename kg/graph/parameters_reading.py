@@ -110,14 +110,25 @@ def set_names(graph: Queryable) -> list[str]:
 
 
 def declarations(
-    graph: Queryable, named: Collection[str], iris: Collection[str]
+    graph: Queryable, named: Collection[str], iris: Collection[str], owners: Collection[str] | None = None
 ) -> dict[str, tuple[NodeReference, Parameter]]:
-    """Return what code does with parameters of some names, and with those of some IRIs, by IRI; with the node types."""
-    if not named and not iris:
+    """Return what code does with parameters of some names, and with those of some IRIs, by IRI; with the node types.
+
+    With `owners` relative names are those of parameters of these node types alone.
+    """
+    relative = [] if owners is None else [one for one in named if not one.startswith("/")]
+    names = " ".join(literal(one) for one in sorted(named) if one not in relative)
+    those = [f"VALUES ?name {{ {names} }} ?subject rnkg:name ?name"] if names else []
+    if relative and owners:
+        among = ", ".join(map(literal, sorted(relative)))
+        having = f"VALUES ?owner {{ {_listing(owners)} }} ?owner ros:hasComponent|rnkg:hasParameter ?subject"
+        those.append(f"{having} . ?subject rnkg:name ?name FILTER(?name IN ({among}))")
+    if iris:
+        those.append(f"VALUES ?subject {{ {_listing(iris)} }}")
+    if not those:
         return {}
-    names, listed = " ".join(map(literal, sorted(named))), _listing(iris)
-    those = f"{{ VALUES ?name {{ {names} }} ?subject rnkg:name ?name }} UNION {{ VALUES ?subject {{ {listed} }} }}"
-    found = facts(graph, f"{{ {those} }} ?subject rnkg:access ?access .")
+    either = " UNION ".join(f"{{ {one} }}" for one in those)
+    found = facts(graph, f"{{ {either} }} ?subject rnkg:access ?access .")
     kept = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Parameter)}
     return dict(sorted(kept.items(), key=lambda one: (one[1][0], str(one[1][1].access), str(one[1][1].location))))
 
@@ -147,6 +158,11 @@ def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
         )
     found = [one for one in found if name in {one.name, one.absolute}]
     return sorted(found, key=lambda one: (one.absolute, one.system, str(one.location)))
+
+
+def types_started(graph: Queryable, names: Collection[str]) -> set[str]:
+    """Return the IRIs of the node types of instances of some names."""
+    return {row["type"].value for row in select(graph, _NAMED % " ".join(map(literal, sorted(names))))}
 
 
 def starts(graph: Queryable, types: Collection[str], names: Collection[str] | None = None) -> list[Start]:

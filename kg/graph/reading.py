@@ -42,6 +42,7 @@ _Ends: TypeAlias = "list[tuple[Interface, str]]"
 _Settable: TypeAlias = "list[tuple[Parameter, str]]"
 
 _ROLES: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
+_KIND: Final = v.bare(v.TYPE)
 _ANY: Final = "?node a rnkg:NodeType ."
 _PLACE: Final = (v.PATH, v.LINE, v.IN_REPOSITORY)
 _OF_NODES: Final = (*NODE.terms, *_PLACE, v.BOUND, v.EXPORTED_AT, v.IMPORTED_AT)
@@ -299,8 +300,8 @@ def grouped(rows: Iterable[Any]) -> dict[str, dict[str, list[str]]]:
 
 def end_of(properties: Properties, types: Mapping[str, str]) -> Interface | None:
     """Return the interface that an end with properties of its own says; `types` are names of types by IRI."""
-    roles = [_ROLES[kind] for kind in properties.get(v.bare(v.TYPE), ()) if kind in _ROLES]
-    return _interface(roles[0], properties, types, {}) if roles else None
+    roles = [_ROLES[kind] for kind in properties.get(_KIND, ()) if kind in _ROLES]
+    return _interface(roles[0], properties, types.get(type_of(properties) or ""), {}) if roles else None
 
 
 def type_of(properties: Properties) -> str | None:
@@ -331,12 +332,20 @@ def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tup
 
 def _facts(graph: Queryable, parts: Mapping[str, Properties]) -> dict[str, Interface | Parameter]:
     """Return interfaces and parameters from their properties, by their IRIs."""
-    types = _types(graph, {iri for properties in parts.values() if (iri := type_of(properties))})
+    ends = {
+        iri: (role, type_of(properties))
+        for iri, properties in parts.items()
+        if (role := next((_ROLES[kind] for kind in properties[_KIND] if kind in _ROLES), None))
+    }
+    types = _types(graph, {kind for _, kind in ends.values() if kind})
     known = qualities(graph, {iri for properties in parts.values() for iri in properties.get(v.bare(v.HAS_QOS), ())})
     found: dict[str, Interface | Parameter] = {}
     for iri, properties in parts.items():
-        roles = [_ROLES[kind] for kind in properties[v.bare(v.TYPE)] if kind in _ROLES]
-        found[iri] = _interface(roles[0], properties, types, known) if roles else _parameter(properties)
+        if iri in ends:
+            role, kind = ends[iri]
+            found[iri] = _interface(role, properties, types.get(kind or ""), known)
+        else:
+            found[iri] = _parameter(properties)
     return found
 
 
@@ -366,7 +375,7 @@ def _owner(part: str, nodes: Mapping[str, list[str]]) -> str:
 
 
 def _location(properties: Properties) -> Location:
-    path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
+    path, line, repository = one(properties, v.PATH), one(properties, v.LINE), one(properties, v.IN_REPOSITORY)
     return Location(path or "", int(line or 0), repository)
 
 
@@ -399,11 +408,10 @@ def _import(text: str) -> Import:
     return Import(name, *chain_of(place))
 
 
-def _interface(role: Role, properties: Properties, types: Mapping[str, str], qualities: Mapping[str, Qos]) -> Interface:
-    type_iri = type_of(properties)
+def _interface(role: Role, properties: Properties, kind: str | None, qualities: Mapping[str, Qos]) -> Interface:
     return Interface(
         role=role,
-        type=types.get(type_iri) if type_iri else None,
+        type=kind,
         location=_location(properties),
         qos=qualities.get(one(properties, v.HAS_QOS) or ""),
         via=chain_of(one(properties, v.VIA)),

@@ -59,7 +59,7 @@ def overview(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
     `interfaces` are sums over the sources. `questions` are objects of `stored` without their text, with `question` (as
     people say it), and in `parameters` an `example` that this store has.
     """
-    states = sources(snapshot)
+    states = sources(snapshot, counted=True)
     return {
         "snapshot": snapshot.identity,
         "sources": [_source(one) for one in states],

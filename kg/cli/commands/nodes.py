@@ -76,8 +76,10 @@ def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None
 
 def _table(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
     from kg.graph import overview  # noqa: PLC0415 - start-up time
+    from kg.views.answers import node_summaries  # noqa: PLC0415 - start-up time
 
-    found = [one for one in overview.nodes(snapshot, package) if kind in {None, one.kind}]
+    every = node_summaries(snapshot) if package is None else overview.nodes(snapshot, package)
+    found = [one for one in every if kind in {None, one.kind}]
     listing(COLUMNS, [_row(one) for one in found])
     if terminal():
         note(f"{count(len(found), 'node')}; `kg node NAME` shows one")
