@@ -193,6 +193,9 @@ def _of_command(command: tuple[str, ...], event: str, seconds: float, over: str)
         arguments = ["-m", "kg", "robot", *command, "--robot", found.address]
         process = stack.enter_context(_process(arguments, folder))
         moving(found)
+        if event in CUTS:
+            for _ in range(5):  # about as long as the watchdog takes to start
+                moving(found)
         begun = time.monotonic()
         if event == MASTER_STOPPED:
             end_master()
