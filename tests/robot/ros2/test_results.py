@@ -24,6 +24,14 @@ class Answering:
         """Return the answer."""
         return self._answer
 
+    @property
+    def peers(self) -> int:
+        """Say that the server is there."""
+        return 1
+
+    async def ready(self) -> None:
+        """Be ready at once."""
+
     def close(self) -> None:
         """End."""
 

@@ -281,7 +281,7 @@ def test_a_program_by_keys_is_run(browser: Chromium, robot_site: str) -> None:
 def test_text_and_blocks_are_one_program(browser: Chromium, robot_site: str) -> None:
     """A program that is written as text is shown as blocks; what does not fit is told at both."""
 
-    async def write(visit: Visit) -> tuple[int, str, list[str], int]:
+    async def write(visit: Visit) -> tuple[int, str, list[str], int, list[str]]:
         page = visit.page
         await wrote(page, PROGRAM)
         blocks = await page.locator("#blocks .blocklyBlockCanvas g.blocklyDraggable").count()
