@@ -94,8 +94,9 @@ class Shown(TypedDict):
 class Examined:
     """What was found out about a page.
 
-    `status`, what went wrong (`Visit.troubles`), what axe says in light and in dark, how many links lead to the page as
-    JSON, what cannot be reached by Tab, what does not show that it has the focus, how wide the page is on a phone.
+    `status`, what went wrong (`Visit.troubles`), what axe says in light, and in dark on a phone, how many links lead
+    to the page as JSON, what cannot be reached by Tab, what does not show that it has the focus, how wide the page is
+    on a phone.
     """
 
     status: int
@@ -122,20 +123,18 @@ async def examine(browser: Chromium, address: str) -> Examined:
 
 async def inspect(visit: Visit) -> Examined:
     """Find out about a page that is open, with tools and in light."""
-    light, dark = await _accessible(visit)
+    light = await _accessible(visit)
     twins = await visit.page.locator("footer a[type='application/json']").count()
     missed, ringless = await _walked(visit.page)
     await visit.page.set_viewport_size({"width": _PHONE, "height": 800})
     width = await visit.page.evaluate("document.documentElement.scrollWidth")
+    await visit.page.emulate_media(color_scheme="dark")
+    dark = await _accessible(visit)
     return Examined(visit.status, await visit.troubles(), light, dark, twins, missed, ringless, width)
 
 
-async def _accessible(visit: Visit) -> tuple[list[str], list[str]]:
-    if not axe():
-        return [], []
-    light = await visit.violations()
-    await visit.page.emulate_media(color_scheme="dark")
-    return light, await visit.violations()
+async def _accessible(visit: Visit) -> list[str]:
+    return await visit.violations() if axe() else []
 
 
 async def _walked(page: Page) -> tuple[list[str], list[str]]:

@@ -196,8 +196,9 @@ CODES: Final = {
     ),
     "KG828": CodeEntry(
         "controller stalled",
-        "The process that drives the robot was suspended, blocked or killed. Its watchdog stopped the robot: it sent "
-        "zero velocity to every moving topic and cancelled every goal.",
+        "The process that drives the robot was suspended, blocked or killed, or lost the connection while the robot "
+        "moved. Its watchdog stopped the robot: it sent zero velocity to every moving topic and cancelled every goal. "
+        "After a loss, it tries to do so for a minute.",
         "Give the command again, because nothing resumes by itself. On a busy machine, increase the timeout: "
         "`KG_WATCHDOG=2`.",
     ),

@@ -25,6 +25,16 @@ if TYPE_CHECKING:
 
 _ROOT: Final[ContextVar[str]] = ContextVar("kg_root_path", default="")
 
+NAVIGATION: Final = {
+    "/": "Start",
+    "/nodes": "Nodes",
+    "/systems": "Systems",
+    "/query": "Query",
+    "/rules": "Rules",
+    "/robot": "Robot",
+}
+"""Address to name: the menu of all pages."""
+
 
 @contextmanager
 def rooted(root: str) -> Iterator[None]:

@@ -17,7 +17,7 @@ from starlette.routing import Route
 
 from kg.errors import CATALOGUE, KgError, Place, QueryError, RobotError
 from kg.render.marking import marked
-from kg.server.addresses import url
+from kg.server.addresses import NAVIGATION, url
 from kg.server.leaving import GONE, ClientLeftError
 from kg.server.prose import inline
 from kg.server.records import record
@@ -151,14 +151,11 @@ def _text(members: Mapping[str, Any], place: Place | None = None) -> str:
     return "\n".join([*lines, members["hint"], ""])
 
 
-_NAVIGATION: Final = ("Search", "Systems", "Query", "Rules", "Robot")
-
-
 def _page(members: Mapping[str, Any]) -> str:
     """Return a page that needs no template: errors must be told when templates fail too."""
     title = f"{members['code']}: {members['title']}"
     start, static = url("/"), url("/static")
-    pages = "".join(f'<li><a href="{url("/" + name.lower())}">{name}</a></li>' for name in _NAVIGATION)
+    pages = "".join(f'<li><a href="{url(address)}">{name}</a></li>' for address, name in NAVIGATION.items())
     place = f"<p>Line {members['line']}, column {members['column']}</p>" if members["line"] else ""
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(title)}</title>'

@@ -19,7 +19,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from starlette.responses import HTMLResponse
 
 from kg.server import libraries
-from kg.server.addresses import url
+from kg.server.addresses import NAVIGATION, url
 from kg.server.prose import breakable, inline, prose, source
 from kg.server.safety.headers import policy
 from kg.server.safety.tokens import is_trusted
@@ -29,14 +29,6 @@ from kg.server.views import answer
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-_NAVIGATION: Final = (
-    ("/", "Start"),
-    ("/nodes", "Nodes"),
-    ("/systems", "Systems"),
-    ("/query", "Query"),
-    ("/rules", "Rules"),
-    ("/robot", "Robot"),
-)
 _WEB: Final = {"http", "https", "vscode"}
 
 
@@ -55,7 +47,7 @@ def page(
         "title": title,
         "twin": twin,
         "path": request.url.path,
-        "navigation": _NAVIGATION,
+        "navigation": tuple(NAVIGATION.items()),
         "search_text": request.query_params.get("q", "") if request.url.path == "/search" else "",
         "snapshot": server.readers.layout.current(),
         "writable": server.options.write,

@@ -32,6 +32,10 @@ QUESTIONS: Final = {
 _SOON: Final = 5_000
 """The lists of a store with so many interfaces are made while somebody waits; those of a larger one beforehand."""
 _WHOLE: Final = {"explore/unconnected"}  # questions about the whole store, though the query takes a parameter
+_STARTED: Final = """SELECT ?node { ?instance rnkg:instanceOf ?node
+    FILTER EXISTS { ?node rnkg:usesHardware ?hardware } FILTER EXISTS { ?node rnkg:feeds ?other } }
+    GROUP BY ?node ORDER BY DESC(COUNT(?instance)) ?node LIMIT 1"""
+"""The node that launch files start most often, of those about which every question has an answer."""
 _BUSIEST: Final = """SELECT ?node { ?node a rnkg:NodeType ; ros:hasComponent ?end }
     GROUP BY ?node ORDER BY DESC(COUNT(?end)) ?node LIMIT 1"""
 """Counted with what frameworks make, since to tell that apart takes seconds in a large store."""
@@ -111,7 +115,7 @@ def _example(snapshot: EmbeddedSnapshot, query: str, parameter: str) -> str | No
     """Return an example from the store for the first parameter of a question; None if there is none."""
     names, leads = _EXAMPLES.get(query, ("", ""))
     known = _first(snapshot, _KNOWN.format(names=names, property=leads)) if names else None
-    busiest = None if known else _first(snapshot, _BUSIEST)
+    busiest = None if known else _first(snapshot, _STARTED) or _first(snapshot, _BUSIEST)
     if busiest and parameter in {"node", "from"}:
         known = _first(snapshot, f"SELECT ?name {{ {busiest} rnkg:name ?name }} LIMIT 1")
     elif busiest and names:

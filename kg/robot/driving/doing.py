@@ -76,6 +76,8 @@ class Channel:
         self.topic = topic
         self.zero: Callable[[], Value] | None = None
         self.last_zero: Callable[[], Value] | None = None
+        self.lost = False
+        """Whether the message that was to end the last movement could not be sent."""
         self._publication = publication
         self._clock = clock
         self._gap = 1 / limit
@@ -124,8 +126,11 @@ class Channel:
         zero = self.zero or (self.last_zero if again else None)
         self.zero, self.last_zero = None, zero or self.last_zero
         if zero is not None:
-            with suppress(RobotError):  # a robot that is lost cannot be told; what was going on has its own error
+            try:
                 await self._send(zero())
+                self.lost = False
+            except RobotError:  # a robot that is lost cannot be told; what was going on has its own error
+                self.lost = True
 
     async def _send(self, message: Value) -> None:
         task = asyncio.ensure_future(self._publish(message))  # its error is raised here, or nobody is there any more
@@ -256,7 +261,7 @@ class Doing:
                 await channel.release(command)
             finally:
                 if self._watchdog is not None and channel.zero is None:
-                    await self._watchdog.forget(plan.name)
+                    await (self._watchdog.owe if channel.lost else self._watchdog.forget)(plan.name)
         return {}
 
     async def _channel(self, plan: Plan, route: Route) -> Channel:

@@ -3,6 +3,9 @@
 The driving process, the controller, sends it heartbeats from the event loop that drives. Without one for a while the
 watchdog sends zero velocity to every topic that moves and cancels every goal, and reports so. The controller then ends
 its commands (KG828): when it runs again nothing moves before a new command.
+
+A connection that is lost while the robot moves takes the zero with it. A third process, which needs neither of the
+others, then sends it as soon as the robot can be reached again.
 """
 
 from __future__ import annotations
@@ -11,13 +14,14 @@ import asyncio
 import json
 import os
 import signal
+import subprocess
 import sys
 import time
 from asyncio.subprocess import PIPE, Process
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from kg.errors import RobotError
 from kg.robot.clock import stamp
@@ -39,8 +43,13 @@ _TIMES: Final = 5  # how often zero is sent: what the controller sent last may s
 _PAUSE: Final = 0.1
 _HEARD: Final = 3.0  # seconds to wait for a subscriber of a topic, or the server of a goal, that was used only just
 _ENDS: Final = 5.0  # seconds that the watchdog may take to leave the graph
+_AGAIN: Final = 60.0  # seconds for which a robot that was lost while it moved is looked for
+_LOOK: Final = 1.0  # seconds between attempts to reach it
 _CLOCK: Final = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
 """A clock that also counts while the machine sleeps, where there is one."""
+
+_Order: TypeAlias = list[Any]
+"""What the controller sends: a word, and what it is about."""
 
 
 class Watchdog:
@@ -90,6 +99,11 @@ class Watchdog:
         """Leave a topic, which others may move by now, or a goal alone: it was stopped, or has ended."""
         self._watched.discard(key)
         await self._send(["forget", key])
+
+    async def owe(self, topic: str) -> None:
+        """Have zero sent to a topic when the robot can be reached again: it was lost before it could be stopped."""
+        self._watched.discard(topic)
+        await self._send(["owe", topic])
 
     def late(self) -> RobotError | None:
         """Return the error KG828 when this process has sent no heartbeat for too long, None otherwise.
@@ -164,9 +178,47 @@ def main() -> None:
 async def _watch(address: str, silence: float) -> None:
     connection = await connect(address, name=f"{NODES}{os.getpid()}")
     try:
-        await _Watching(connection, silence).run()
+        watching = _Watching(connection, silence)
+        await watching.run()
+        if watching.owed:  # before this connection is closed, which may take longer than the controller waits
+            _leave_to_another(address, watching.owed)
     finally:
         await connection.aclose()
+
+
+def _leave_to_another(address: str, owed: list[_Order]) -> None:
+    """Start the process that stops the robot later; who waits for the output of the controller need not wait for it."""
+    topics = ", ".join(f"`{order[1]}`" for order in owed)
+    _report("KG828", f"the robot was lost while it moved; for {_AGAIN:.0f} s, kg tries to send zero to {topics}")
+    command = (sys.executable, "-P", "-c", f"from {__name__} import stop_later; stop_later()", address)
+    stderr = None if sys.stderr.isatty() else subprocess.DEVNULL
+    process = subprocess.Popen(  # noqa: S603 - this program itself
+        command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=stderr, start_new_session=True
+    )
+    if process.stdin is not None:
+        process.stdin.write(json.dumps(owed).encode())
+        process.stdin.close()
+
+
+def stop_later() -> None:
+    """Be the process that stops a robot when it is back; the address is the argument, what to stop is the input."""
+    asyncio.run(_stop_later(sys.argv[1], json.load(sys.stdin)))
+
+
+async def _stop_later(address: str, owed: list[_Order]) -> None:
+    with suppress(TimeoutError):
+        async with asyncio.timeout(_AGAIN):
+            while True:
+                try:
+                    connection = await connect(address, name=f"{NODES}{os.getpid()}")
+                except RobotError:
+                    await asyncio.sleep(_LOOK)
+                    continue
+                try:
+                    await _Watching(connection, SILENCE).stop_all(owed)
+                finally:
+                    await connection.aclose()
+                return
 
 
 class _Watching:
@@ -177,6 +229,9 @@ class _Watching:
         self._silence = silence
         self._heard = 0.0
         self._released = False
+        self.owed: list[_Order] = []
+        """The orders of the topics that are to be stopped when the robot can be reached again."""
+        self._moving: dict[str, _Order] = {}
         self._zeros: dict[str, Value] = {}
         self._goals: dict[str, str] = {}
         self._publications: dict[str, asyncio.Task[Publication]] = {}
@@ -202,25 +257,38 @@ class _Watching:
         await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
         while (line := await reader.readline()).endswith(b"\n"):  # half an order is none
             self._heard = loop.time()
-            match json.loads(line):
-                case ["topic", topic, kind, zero]:
-                    if topic not in self._publications:
-                        # Latched as the controller's: a subscriber that adapts to what publishers offer stays as it is.
-                        offering = self._connection.advertise(topic, kind, latch=True)
-                        self._publications[topic] = asyncio.ensure_future(offering)
-                        self._publications[topic].add_done_callback(partial(_check, f"stop `{topic}`"))
-                    self._zeros[topic] = zero
-                case ["goal", identity, action, kind]:
-                    if action not in self._cancellers:
-                        self._cancellers[action] = asyncio.ensure_future(self._connection.canceller(action, kind))
-                        self._cancellers[action].add_done_callback(partial(_check, f"cancel goals of `{action}`"))
-                    self._goals[identity] = action
-                case ["forget", key]:
-                    self._zeros.pop(key, None)
-                    self._goals.pop(key, None)
-                case ["end"]:
-                    self._released = True
-                    return
+            self._take(json.loads(line))
+            if self._released:
+                return
+
+    def _take(self, order: _Order) -> None:
+        match order:
+            case ["topic", topic, kind, zero]:
+                if topic not in self._publications:
+                    # Latched as the controller's: a subscriber that adapts to what publishers offer stays as it is.
+                    offering = self._connection.advertise(topic, kind, latch=True)
+                    self._publications[topic] = asyncio.ensure_future(offering)
+                    self._publications[topic].add_done_callback(partial(_check, f"stop `{topic}`"))
+                self._zeros[topic], self._moving[topic] = zero, order
+            case ["goal", identity, action, kind]:
+                if action not in self._cancellers:
+                    self._cancellers[action] = asyncio.ensure_future(self._connection.canceller(action, kind))
+                    self._cancellers[action].add_done_callback(partial(_check, f"cancel goals of `{action}`"))
+                self._goals[identity] = action
+            case ["forget", key]:
+                self._zeros.pop(key, None)
+                self._goals.pop(key, None)
+            case ["owe", topic]:
+                if self._zeros.pop(topic, None) is not None:
+                    self.owed.append(self._moving[topic])
+            case ["end"]:
+                self._released = True
+
+    async def stop_all(self, orders: list[_Order]) -> None:
+        """Stop the topics of orders at once."""
+        for order in orders:
+            self._take(order)
+        await self._stop("the robot was lost while it moved, and is back")
 
     async def _stop(self, why: str) -> None:
         """Stop everything at the same time: what cannot be stopped delays nothing else."""

@@ -131,6 +131,9 @@ class Ros2Goal:
             status = _STATUS.get(response["status"], f"ended with the status {response['status']}")
             raise RobotError("KG809", f"the goal of `{self._action}` {status}")
         result: Value = response["result"]
+        if not result and self._owner.types.fields(f"{self._kind}_Result"):
+            told = "its result does not decode, because this robot has another version of the type; the status counts"
+            self._owner.watch.report(GraphProblem("KG816", self._action, told))
         return result
 
     def _served(self) -> bool:

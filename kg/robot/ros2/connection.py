@@ -150,10 +150,15 @@ class Ros2Connection:
         raise RobotError("KG804", f"the message type `{message}` is not known{because}", hint=hint)
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> Ros2Publication:
-        """Offer a topic; `latch` keeps the last message for those that come later (transient local)."""
+        """Offer a topic; `latch` keeps the last message for those that come later (transient local).
+
+        So does a subscriber that asks for it, which otherwise would get nothing.
+        """
         self._present()
         await self.known(kind, kind, topic)
-        writer = self.wire.writer(topic, kind, LATCHED if latch else OFFERED)
+        asked = [one.qos for one in self.ends(Role.SUBSCRIBES, topic) if one.qos]
+        kept = latch or any(one.durability == "transient_local" for one in asked)
+        writer = self.wire.writer(topic, kind, LATCHED if kept else OFFERED)
         publication = Ros2Publication(topic, partial(self.types.encode, kind), writer)
         self._open.add(publication)
         return publication

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from kg.robot.ros2.connection import Ros2Connection
 
 Result = TypeVar("Result")
+_ENCAPSULATION: Final = 4
+"""Bytes before the first field of what CDR encodes."""
 
 
 class Client:
@@ -32,12 +34,18 @@ class Client:
         self._caller = caller
 
     async def call(self, request: Value) -> Value:
-        """Return the response; RobotError KG805, KG808, or KG816 for one that does not decode."""
+        """Return the response; RobotError KG805, KG808, or KG816 for one that does not decode.
+
+        Distributions differ in the results of actions, as Humble and Jazzy in that of `NavigateToPose`, but not in the
+        status before it: of a result that does not decode, the status is returned, with an empty `result`.
+        """
         content = self._types.encode(f"{self._kind}_Request", request)
         response = await self._caller.call(content)
         try:
             return self._types.decode(f"{self._kind}_Response", response)
         except RobotError as error:
+            if self._kind.endswith("_GetResult") and len(response) > _ENCAPSULATION:
+                return {"status": response[_ENCAPSULATION], "result": {}}
             raise RobotError("KG816", f"the response of a {self._kind} does not decode: {error.message}") from None
 
     def end(self) -> None:
