@@ -42,7 +42,8 @@ def read_launches(
     """
     launches = (entry.path for entry in package.files if entry.kind is FileKind.LAUNCH)
     paths = sorted(path for path in launches if not _TEMPLATES & set(path.split("/")))
-    found = [one for path in paths if (one := read_configuration(reader, path, ros)) is not None]
+    files = Files(reader)
+    found = [one for path in paths if (one := _configuration(files, path, ros)) is not None]
     if also is not None:
         found = [replace(one, problems=tuple(map(_undecided, one.problems))) for one in found]
     own = {entry.path for entry in package.files}
@@ -69,6 +70,17 @@ def read_configuration(
 
     None for a file that is not a launch file after all. Errors are in `problems` of the result.
     """
+    return _configuration(Files(reader), path, ros, given, environment)
+
+
+def _configuration(
+    files: Files,
+    path: str,
+    ros: int,
+    given: Mapping[str, str] = _NOTHING,
+    environment: Mapping[str, str] = _NOTHING,
+) -> LaunchConfiguration | None:
+    reader = files.reader
     file = FilePath(reader.repository, path)
     text = reader.read(file)
     dialect = _dialect_of(file, text or b"", ros)
@@ -81,7 +93,7 @@ def read_configuration(
             reader.repository, package.name, path, 1, LaunchDialect.ROSLAUNCH, problems=(problem,), folder=package.path
         )
     evaluate = evaluate_roslaunch if dialect is LaunchDialect.ROSLAUNCH else evaluate_ros2
-    found = evaluate(Files(reader), file, dialect, given, environment)
+    found = evaluate(files, file, dialect, given, environment)
     return replace(found, package=reader.package.name, folder=reader.package.path)
 
 
