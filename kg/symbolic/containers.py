@@ -11,7 +11,6 @@ from kg.symbolic import form
 from kg.symbolic.names import OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.parameters import with_parameter
 from kg.symbolic.values import (
-    OUTSIDE,
     Enumerator,
     Mapping,
     Number,
@@ -20,6 +19,7 @@ from kg.symbolic.values import (
     Text,
     Unknown,
     Value,
+    is_foreign,
     join,
     options,
 )
@@ -131,14 +131,17 @@ def _same(key: Value, own: Value) -> bool | None:
         return key.known == own.known if key.known is not None and own.known is not None else None
     if isinstance(key, Number) and isinstance(own, Number):
         return key.value == own.value
-    if (isinstance(key, Enumerator) and isinstance(own, Enumerator)) or (_is_foreign(key) and _is_foreign(own)):
+    if isinstance(key, Enumerator) and isinstance(own, Enumerator):
+        return key.name == own.name
+    if is_foreign(key) and is_foreign(own):
         return key == own
     return False if {type(key), type(own)} == {Text, Number} else None
 
 
-def _is_foreign(key: Value) -> bool:
-    """Check whether a key is a constant of code outside of the build, which its name tells from others."""
-    return isinstance(key, Unknown) and key.reason.endswith(OUTSIDE) and "(" not in key.reason
+def _is_key(key: Value, own: Value) -> bool:
+    """Check whether a key of a map is surely another one. Two that are unknown for one reason can differ."""
+    found = _same(key, own)
+    return found if found is not None else own == key and not isinstance(key, Unknown | Text | Sequence)
 
 
 def with_element(of: Value, key: Value, value: Value) -> Value:
@@ -150,8 +153,9 @@ def with_element(of: Value, key: Value, value: Value) -> Value:
     if isinstance(of, Sequence) and of.repeated and not isinstance(key, Number):
         return replace(of, items=(*of.items, value) if value not in of.items else of.items)
     if isinstance(of, Mapping):
-        pairs = tuple((key, value) if own == key else (own, held) for own, held in of.items)
-        added = () if any(own == key for own, _ in pairs) else ((key, value),)
+        same = [_is_key(key, own) for own, _ in of.items]
+        pairs = tuple((key, value) if equal else pair for equal, pair in zip(same, of.items, strict=True))
+        added = () if True in same or (key, value) in pairs else ((key, value),)
         return replace(of, items=(*pairs, *added), parameter=None)
     if isinstance(of, Sequence) and not of.items:
         return Mapping(((key, value),))
