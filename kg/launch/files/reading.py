@@ -86,7 +86,7 @@ def _configuration(
     dialect = _dialect_of(file, text or b"", ros)
     if text is None or dialect is None:
         return None
-    if ros == _ROS2 and dialect is LaunchDialect.ROS2_XML and _is_of_ros1(text):
+    if ros == _ROS2 and dialect is LaunchDialect.ROS2_XML and _is_only(text, _OF_ROS1, _OF_ROS2):
         problem = LaunchProblem(LaunchProblemKind.OTHER_VERSION, "the file is written for ROS 1", Location(path, 1))
         package = reader.package
         return LaunchConfiguration(
@@ -107,12 +107,12 @@ def _dialect_of(file: FilePath, text: bytes, ros: int) -> LaunchDialect | None:
     if dialect is LaunchDialect.ROS2_XML:
         if b"<launch" not in text:
             return None
-        return dialect if ros == _ROS2 else LaunchDialect.ROSLAUNCH
+        return dialect if ros == _ROS2 or _is_only(text, _OF_ROS2, _OF_ROS1) else LaunchDialect.ROSLAUNCH
     named = re.search(r"\.launch\.ya?ml$", file.path)
     return dialect if named or re.search(rb"^['\"]?launch['\"]?\s*:", text, re.MULTILINE) else None
 
 
-def _is_of_ros1(text: bytes) -> bool:
-    """Return whether a launch file in XML has parts that only ROS 1 reads, and none that only ROS 2 reads."""
+def _is_only(text: bytes, own: re.Pattern[bytes], other: re.Pattern[bytes]) -> bool:
+    """Return whether a launch file in XML has parts that only one version of ROS reads, and none of the other's."""
     plain = _COMMENT.sub(b"", text)
-    return _OF_ROS1.search(plain) is not None and _OF_ROS2.search(plain) is None
+    return own.search(plain) is not None and other.search(plain) is None
