@@ -104,7 +104,7 @@ class Parameters:
         value = _value(default, known, before, shown)
         kind = stated or _type(template, default, before)
         if kind is None:
-            declared = call.declared(effect.output, language)
+            declared = call.declared(effect.output, language) or call.declared(effect.default, language)
             kind = ros_type(declared) if declared is not None else next(iter(effect.types), None)
         if _is_dynamic(call.argument(effect.descriptor)):
             kind = None

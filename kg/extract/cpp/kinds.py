@@ -21,6 +21,8 @@ _DEEPEST: Final = 12
 _ROSSERIAL: Final = "ros/msg.h"
 """What the headers of messages include that rosserial generates, and no other header of messages."""
 _PLAIN: Final = library.NUMBERS | library.TEXTS | {"bool"}
+_VALUES: Final = frozenset({"ParameterValue"})
+"""Classes whose objects have the type of the value that they hold."""
 _MOST_BASES: Final = 40
 _WEIGHT: Final = 6
 """How much of the depth the search in the outer type of a name takes."""
@@ -286,9 +288,17 @@ class Kinds:
     # Declarations
 
     def type_of(self, expression: Expression, frame: Frame) -> Kind | None:
-        """Return the declared type of a variable or member."""
+        """Return the declared type of a variable or member, or that of the object that an expression creates."""
         while isinstance(expression, form.Unary):
             expression = expression.operand
+        if isinstance(expression, form.Construct):
+            return self.kind_of(expression.type, frame)
+        if isinstance(expression, form.Call) and isinstance(expression.function, form.Name):
+            names, arguments = expression.function.names, expression.arguments
+            if names[-1] in _VALUES and len(arguments) == 1:
+                return self.type_of(arguments[0], frame)
+            called = form.Type(names, expression.function.template)
+            return self.kind_of(called, frame) if names[0] == "std" and names[-1] in library.TYPES else None
         if not isinstance(expression, (form.Name, form.Member)):
             return None
         found = self.written_type(expression, frame)
