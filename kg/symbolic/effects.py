@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 _PARAMETER_TYPE: Final = "PARAMETER_"
 """How the types of parameters begin in C++: `rclcpp::ParameterType::PARAMETER_STRING`."""
-_PARAMETER_TYPE_NAME: Final = re.compile(
+_PARAMETER_TYPES: Final = re.compile(
     rf"{_PARAMETER_TYPE}(?:NOT_SET|BYTE_ARRAY|(?:BOOL|INTEGER|DOUBLE|STRING)(?:_ARRAY)?)"
 )
 _NODES: Final = ("node", "handle")
@@ -192,7 +192,7 @@ class Framework:
     def constant(self, names: tuple[str, ...]) -> Value | None:
         """Return a constant of a framework: quality of service, a duration, the type of a parameter."""
         name = names[-1]
-        if (names[0] == "rclcpp" or len(names) == 1) and _PARAMETER_TYPE_NAME.fullmatch(name):
+        if (names[0] == "rclcpp" or len(names) == 1) and _PARAMETER_TYPES.fullmatch(name):
             return TypeValue(Kind(("Type", name.removeprefix(_PARAMETER_TYPE))))
         if name in qos.PROFILES:
             return qos.rmw_profile(qos.PROFILES[name])
