@@ -107,7 +107,8 @@ def element(of: Value, key: Value) -> Value:
     if isinstance(of, Mapping):
         same = [(_same(key, own), value) for own, value in of.items]
         found = [value for equal, value in same if equal]
-        if not found and any(equal is None for equal, _ in same):
+        plain = isinstance(key, Number) or (isinstance(key, Text) and key.known is not None)
+        if not found and not plain and any(equal is None for equal, _ in same):
             found = [value for equal, value in same if equal is None]
             choice = (tuple(own for own, _ in of.items), key) if getattr(key, "parameter", None) else object()
             return options(found, choice)
