@@ -86,6 +86,12 @@ class Reader:
         self._marks: dict[FilePath, str] = {}
         self._problems: dict[Problem, None] = {}
 
+    def beside(self, place: Place) -> Reader:
+        """Return a reader for another package, with the same record of files, whose problems are not those of this."""
+        other = Reader(self.workspace, *self.workspace.folder(place), self.limit_bytes)
+        other._texts, other._marks = self._texts, self._marks
+        return other
+
     @property
     def problems(self) -> tuple[Problem, ...]:
         """What could not be read as it should, in the order found, each once."""
