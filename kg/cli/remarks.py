@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.errors import UsageError
 
 if TYPE_CHECKING:

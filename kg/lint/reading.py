@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import NamedNode
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, chain_text, likely_chain
 from kg.graph.fields import Properties, one

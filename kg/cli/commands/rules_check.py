@@ -13,7 +13,7 @@ from kg.cli.options import Families, Json, Rules, Store, Timeout
 from kg.cli.output import json_lines, write
 from kg.cli.remarks import Form, Level, require_known
 from kg.cli.session import session
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.errors import Exit, RuleError, StoreError
 from kg.render.text import count
 from kg.similar import unknown
