@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
-from kg.facts import Access, LaunchProblemKind, NodeKind, Resolution
+from kg.facts import Access, LaunchProblemKind, Location, NodeKind, Resolution
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import Writer, boolean, double, integer, literal
 
@@ -30,6 +30,11 @@ def _least(values: list[str] | None) -> str | None:
     if not values:
         return None
     return values[0] if len(values) == 1 else min(values)
+
+
+def place_of(properties: Properties) -> Location:
+    """Return the line where a thing was read."""
+    return Location(one(properties, v.PATH) or "", int(one(properties, v.LINE) or 0), one(properties, v.IN_REPOSITORY))
 
 
 def word(properties: Properties, term: str) -> str:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from operator import itemgetter
+from typing import TYPE_CHECKING, Final
 
 from kg.graph import vocabulary as v
-from kg.graph.builds import Counts
-from kg.graph.queries import select
+from kg.graph.builds import COUNTS, Counts
+from kg.graph.queries import texts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -25,18 +26,6 @@ SELECT ?name ?remote ?branch WHERE {
   OPTIONAL { ?repository rnkg:remote ?remote }
   OPTIONAL { ?repository rnkg:branch ?branch }
 }"""
-_COUNTS: Final = {
-    "packages": v.PACKAGES,
-    "nodes": v.NODES,
-    "interfaces": v.INTERFACES,
-    "parameters": v.PARAMETERS,
-    "definitions": v.DEFINITIONS,
-    "files": v.FILES,
-    "problems": v.PROBLEMS,
-    "unresolved": v.UNRESOLVED,
-    "bounded": v.BOUNDED,
-    "triples": v.TRIPLES,
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,19 +46,17 @@ class SourceState:
 def sources(graph: Queryable) -> list[SourceState]:
     """Return the sources of the store, sorted by name."""
     latest = _latest(graph)
-    found = [
-        _state(row["name"].value, _value(row["remote"]), _value(row["branch"]), latest.get(row["name"].value, {}))
-        for row in select(graph, _REPOSITORIES)
+    return [
+        _state(name, remote, branch, latest.get(name, {}))
+        for name, remote, branch in sorted(texts(graph, _REPOSITORIES), key=itemgetter(0))
     ]
-    return sorted(found, key=lambda one: one.name)
 
 
 def _latest(graph: Queryable) -> dict[str, dict[str, str]]:
     """Return the properties of the last build of each source."""
     builds: dict[str, dict[str, dict[str, str]]] = {}
-    for row in select(graph, _BUILDS):
-        properties = builds.setdefault(row["name"].value, {}).setdefault(row["build"].value, {})
-        properties[row["predicate"].value] = row["object"].value
+    for name, build, predicate, value in texts(graph, _BUILDS):
+        builds.setdefault(name, {}).setdefault(build, {})[predicate] = value
     started = v.bare(v.STARTED)
     return {name: max(found.values(), key=lambda one: one.get(started, "")) for name, found in builds.items()}
 
@@ -84,9 +71,5 @@ def _state(name: str, remote: str | None, branch: str | None, build: Mapping[str
         root=build.get(v.bare(v.ROOT)),
         read=build.get(v.bare(v.STARTED)),
         version=build.get(v.bare(v.KG_VERSION)),
-        counts=Counts(**{key: int(build.get(v.bare(term), 0)) for key, term in _COUNTS.items()}),
+        counts=Counts(**{key: int(build.get(v.bare(term), 0)) for key, term in COUNTS.items()}),
     )
-
-
-def _value(term: Any) -> str | None:
-    return None if term is None else term.value

@@ -39,10 +39,9 @@ from kg.facts import (
 )
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, likely_chain
-from kg.graph.fields import ARGUMENT, PROBLEM, SETTING, Properties, one, word
+from kg.graph.fields import ARGUMENT, PROBLEM, SETTING, Properties, one, place_of, word
 from kg.graph.iris import RUNNING, Iris
-from kg.graph.ntriples import literal
-from kg.graph.queries import select
+from kg.graph.queries import among, one_of, select, texts
 from kg.graph.reading import (
     Queryable,
     Readable,
@@ -65,7 +64,7 @@ _Content: TypeAlias = "dict[str, dict[str, list[str]]]"
 """What is said of things, by their IRIs and those of properties."""
 
 _NAMES: Final = """
-SELECT ?name ?path ?repository ?ros WHERE {
+SELECT ?name ?path ?ros ?repository WHERE {
   GRAPH ?launch {
     %s
     ?configuration rnkg:launchDialect ?dialect ; rnkg:ofPackage ?package ; rnkg:name ?name ; rnkg:path ?path ;
@@ -134,27 +133,23 @@ def system_names(
 
     With `iris` or `named` only those of these IRIs or names.
     """
-    those = "" if iris is None else f"VALUES ?configuration {{ {' '.join(str(NamedNode(iri)) for iri in iris)} }}"
+    those = "" if iris is None else among("configuration", iris)
     if named is not None:
-        those += f" VALUES ?name {{ {' '.join(map(literal, sorted(named)))} }}"
-    rows = [(row["repository"].value, row) for row in select(graph, _NAMES % those)]
-    rows += [(RUNNING, row) for row in select(graph, _RUNNING % those)]
-    return sorted(
-        SystemName(repository, row["path"].value, row["name"].value, int(row["ros"].value)) for repository, row in rows
-    )
+        those += f" {one_of('name', named)}"
+    rows = (*texts(graph, _NAMES % those), *((*row, RUNNING) for row in texts(graph, _RUNNING % those)))
+    return sorted(SystemName(repository, path, name, int(ros)) for name, path, ros, repository in rows)
 
 
 def included(graph: Queryable, labels: Mapping[str, str] = _NO_LABELS) -> frozenset[str]:
     """Return the names of the configurations that others include; `labels` has other names for some of their IRIs."""
-    rows = select(graph, _INCLUDED)
-    return frozenset(labels.get(row["one"].value, row["name"].value) for row in rows)
+    return frozenset(labels.get(iri, name) for iri, name in texts(graph, _INCLUDED))
 
 
 def started_names(graph: Queryable, name: str | None = None) -> dict[str, list[str]]:
     """Return the absolute names of instances, each with the configurations that start it, sorted; or one `name`."""
     found: dict[str, set[str]] = {}
-    for row in select(graph, _STARTED % ("" if name is None else f"VALUES ?name {{ {literal(name)} }}")):
-        found.setdefault(row["name"].value, set()).add(row["system"].value)
+    for instance, system in texts(graph, _STARTED % ("" if name is None else one_of("name", [name]))):
+        found.setdefault(instance, set()).add(system)
     return {name: sorted(found[name]) for name in sorted(found)}
 
 
@@ -186,11 +181,7 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     are there, with their arguments and includes.
     """
     iris = Iris(base)
-    rows = [
-        (*(term.value for term in row), v.bare(relation))
-        for relation, pattern in parts
-        for row in select(graph, _PARTS % pattern)
-    ]
+    rows = [(*row, v.bare(relation)) for relation, pattern in parts for row in texts(graph, _PARTS % pattern)]
     if names is None:
         names = system_names(graph, {row[1] for row in rows} | {end.system for end in usual})
     meant = {iris.configuration(one.repository, one.path): one for one in names}
@@ -200,7 +191,7 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     found = {(row[0], part) for row in rows for part in row[1:-1]}
     found |= {(graphs[end.system], part) for end in unstated for part in (end.system, end.instance)}
     wholes = {(graphs[iri], iri) for iri in meant} if launches else set()
-    relations = [tuple(term.value for term in row) for row in select(graph, _LAUNCHES % _pairs(wholes))]
+    relations = list(texts(graph, _LAUNCHES % _pairs(wholes)))
     content = _properties(graph, iris, found | wholes | {(where, part) for where, _, _, part in relations})
     for _, configuration, relation, part in relations:
         _add(content[configuration], relation, part)
@@ -225,7 +216,7 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     terms = (v.bare(v.DECLARED_BY), v.bare(v.OVERRIDES), v.bare(v.SETS))
     declared = {iri for properties in content.values() for term in terms for iri in properties.get(term, ())}
     declared |= {end.code for end in unstated}
-    records = _Records(graph, [content], f"VALUES ?subject {{ {' '.join(str(NamedNode(iri)) for iri in declared)} }}")
+    records = _Records(graph, [content], among("subject", declared))
     having = {row[1] for row in rows} | {end.system for end in unstated} | {iri for _, iri in wholes}
     return [_Reading(name, content, records, iris, chosen).run() for iri, name in meant.items() if iri in having]
 
@@ -534,10 +525,8 @@ def _place(properties: Properties, led: tuple[Location, ...] = ()) -> tuple[Loca
     peer = one(properties, v.SEEN_AT)
     if peer is not None:
         return Location(peer, 0), ()
-    path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
-    chain = one(properties, v.INCLUDE_CHAIN)
-    known = likely_chain(path or "", led) if chain is None else chain_of(chain)
-    return Location(path or "", int(line or 0), repository), known
+    location, chain = place_of(properties), one(properties, v.INCLUDE_CHAIN)
+    return location, likely_chain(location.path, led) if chain is None else chain_of(chain)
 
 
 def _argument_order(argument: LaunchArgument) -> tuple[str, int, str]:
@@ -545,12 +534,5 @@ def _argument_order(argument: LaunchArgument) -> tuple[str, int, str]:
 
 
 def _end_order(end: InstanceInterface) -> tuple[str, str, str, str, int, str]:
-    location = end.declared.location
-    return (
-        str(end.owner),
-        end.declared.role,
-        end.resolved or "~~",
-        location.path,
-        location.line,
-        end.declared.type or "",
-    )
+    declared, location = end.declared, end.declared.location
+    return str(end.owner), declared.role, end.resolved or "~~", location.path, location.line, declared.type or ""

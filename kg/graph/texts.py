@@ -40,12 +40,8 @@ _SENTENCE: Final = re.compile(r"(?<=[^.\s]{2}[.!?])\s+(?=[A-Z])")
 def descriptions_of(rows: Iterable[Any]) -> Mapping[str, tuple[Description, ...]]:
     """Return the descriptions of each node by its IRI, the best first, from the rows of `DESCRIPTIONS`."""
     found: defaultdict[str, list[Description]] = defaultdict(list)
-    for row in rows:
-        place = Location(row["path"].value, int(row["line"].value))
-        kind, heading = DescriptionKind(row["kind"].value), row["heading"]
-        found[row["node"].value].append(
-            Description(row["text"].value, kind, place, heading=heading.value if heading else None)
-        )
+    for node, text, kind, path, line, heading in rows:
+        found[node].append(Description(text, DescriptionKind(kind), Location(path, int(line)), heading=heading))
     return {node: tuple(sorted(said, key=_rank)) for node, said in found.items()}
 
 
