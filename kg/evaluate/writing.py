@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, UsageError
 from kg.evaluate.tables import Cell, Score, Share, Table, as_csv, as_markdown, spelled
-from kg.render.svg import ROLE, dimensions, escaped, label, short
+from kg.render.svg import document, escaped, label, short
 from kg.render.text import width
 
 if TYPE_CHECKING:
@@ -29,17 +29,6 @@ _BAR: Final = 380
 _CHARACTER: Final = 7.4
 _LONGEST: Final = 52
 _SERIES: Final = 4
-_STYLE: Final = """
-svg { background: #ffffff; font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; }
-.title { font-size: 17px; font-weight: bold; fill: #17202a; } .row { font-size: 13px; fill: #17202a; }
-.value, .tick { font-size: 12px; fill: #4d5a66; } .grid { stroke: #d3dbe3; stroke-width: 1; }
-.s0 { fill: #5b8db8; } .s1 { fill: #d79b4e; } .s2 { fill: #6aa97e; } .s3 { fill: #a487c4; }
-.interval { stroke: #17202a; stroke-width: 1.5; fill: none; }
-@media (prefers-color-scheme: dark) {
-svg { background: #14191f; } .title, .row { fill: #f0f4f8; } .value, .tick { fill: #b3c0cc; } .grid { stroke: #33404d; }
-.s0 { fill: #3f6f99; } .s1 { fill: #a06c25; } .s2 { fill: #457f58; } .s3 { fill: #75599a; }
-.interval { stroke: #f0f4f8; }
-}"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,16 +52,9 @@ def draw(table: Table) -> str:
     start = _MARGIN + left + 12
     across = max(start + _BAR + 12 + right + _MARGIN, int(width(short(table.title, 90)) * 10.3) + 2 * _MARGIN)
     body, bottom = _drawn(bars, start)
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {dimensions(across, bottom + _MARGIN)} {ROLE}>',
-        f'<title id="title">{escaped(table.title)}</title>',
-        f'<desc id="desc">{escaped(_description(bars))}</desc>',
-        f"<style>{_STYLE}</style>",
-        label("title", _MARGIN, _MARGIN + 16, table.title, longest=90),
-        *_grid(start, bottom),
-        *body,
-    ]
-    return "\n".join([*parts, "</svg>", ""])
+    heading = label("title", _MARGIN, _MARGIN + 16, table.title, longest=90)
+    drawn = [heading, *_grid(start, bottom), *body]
+    return document("figure", (across, bottom + _MARGIN), table.title, _description(bars), drawn)
 
 
 def _bars(table: Table) -> Iterator[_Bar]:
