@@ -60,11 +60,14 @@ def impact_markdown(found: Impact, link: Link | None = None, *, most: int = 200)
     """Return Markdown: the numbers, then a table for each area with at most `most` rows."""
     parts = [f"### {found.subject.kind} {_code(found.subject.text)}", "", f"**{summary(found)}**", ""]
     for area, effects in _areas(found):
-        parts += [f"#### {area}", "", "|   | what | why | where |", "|---|---|---|---|"]
-        parts += [_row(one, link) for one in effects[:most]]
-        more = len(effects) - most
-        parts += ["", *([f"{count(more, 'more row')} left out.", ""] if more > 0 else [])]
+        parts += _table(str(area), effects, link, most)
     return "\n".join(parts)
+
+
+def _table(title: str, effects: Sequence[Effect], link: Link | None, most: int) -> list[str]:
+    rows, more = [_row(one, link) for one in effects[:most]], len(effects) - most
+    left_out = [f"{count(more, 'more row')} left out.", ""] if more > 0 else []
+    return [f"#### {title}", "", "|   | what | why | where |", "|---|---|---|---|", *rows, "", *left_out]
 
 
 def _row(one: Effect, link: Link | None) -> str:
@@ -94,12 +97,15 @@ def _effect_object(one: Effect) -> dict[str, Any]:
         "area": str(one.area),
         "what": one.what,
         "reason": one.reason,
-        "file": one.location.path if one.location else None,
-        "line": (one.location.line or None) if one.location else None,
-        "repository": one.repository or None,
+        **_where(one),
         "systems": list(one.systems),
         "started": {"file": one.started.path, "line": one.started.line} if one.started else None,
     }
+
+
+def _where(one: Effect | Broken) -> dict[str, Any]:
+    path, line = (one.location.path, one.location.line or None) if one.location else (None, None)
+    return {"file": path, "line": line, "repository": one.repository or None}
 
 
 def _areas(found: Impact) -> Iterator[tuple[str, list[Effect]]]:
@@ -138,10 +144,7 @@ def broken_markdown(found: Sequence[Broken], title: str, link: Link | None = Non
     parts = [f"### {_code(title)}", "", f"**{broken_summary(found)}**", ""]
     for one in found:
         if one.effects:
-            parts += [f"#### {_code(one.words)}", "", "|   | what | why | where |", "|---|---|---|---|"]
-            parts += [_row(each, link) for each in one.effects[:most]]
-            more = len(one.effects) - most
-            parts += ["", *([f"{count(more, 'more row')} left out.", ""] if more > 0 else [])]
+            parts += _table(_code(one.words), one.effects, link, most)
     return "\n".join(parts)
 
 
@@ -150,9 +153,7 @@ def broken_objects(found: Sequence[Broken]) -> Iterator[dict[str, Any]]:
     for one in found:
         yield {
             "change": one.words,
-            "file": one.location.path if one.location else None,
-            "line": (one.location.line or None) if one.location else None,
-            "repository": one.repository or None,
+            **_where(one),
             "breaks": one.count(Grade.BREAKS),
             "may": one.count(Grade.MAY),
             "effects": [_effect_object(each) for each in one.effects],
