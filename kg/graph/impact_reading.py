@@ -10,7 +10,7 @@ from kg.facts import Dependency, Field, FileKind, InterfaceDefinition, Location
 from kg.graph.definitions import message_of
 from kg.graph.ntriples import literal
 from kg.graph.queries import among, column, one_of, texts
-from kg.impact import DefinitionRecord, FileRecord, PackageRecord
+from kg.impact.model import DefinitionRecord, FileRecord, PackageRecord
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable

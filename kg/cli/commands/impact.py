@@ -13,7 +13,7 @@ from kg.cli.session import session
 from kg.errors import Exit, StoreError, UsageError
 
 if TYPE_CHECKING:
-    from kg.impact import Impact
+    from kg.impact.model import Impact
     from kg.settings import Settings
     from kg.views.evidence import Places
 

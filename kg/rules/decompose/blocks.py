@@ -49,16 +49,9 @@ def _read(nodes: Iterable[tree.Node]) -> Iterator[NamedNode | None]:
             if normal(node.predicate).zero and not _is_anchored(node, nodes):
                 # Of length zero it holds for all terms of the graph, whatever predicate they are with.
                 yield _ANY
-        elif isinstance(node, tree.Filter | tree.Bind):
-            yield from _expression_reads(node.expression)
-        elif isinstance(node, tree.SubSelect):
-            yield from _read(node.group.nodes)
-            for expression in (*node.having, *(column.expression for column in (*node.projections, *node.keys))):
-                if expression:
-                    yield from _expression_reads(expression)
-        elif not isinstance(node, tree.ValuesBlock):
-            for group in tree.groups_of(node):
-                yield from _read(group.nodes)
+        inner = [exists.group for expression in tree.expressions_of(node) for exists in expression.exists]
+        for group in (*tree.groups_of(node), *inner):
+            yield from _read(group.nodes)
 
 
 def _is_anchored(pattern: tree.TriplePattern, nodes: tuple[tree.Node, ...]) -> bool:
@@ -70,11 +63,6 @@ def _is_anchored(pattern: tree.TriplePattern, nodes: tuple[tree.Node, ...]) -> b
     beside = [n for n in nodes if isinstance(n, tree.TriplePattern) and isinstance(n.predicate, NamedNode)]
     known = {end for triple in beside for end in (triple.subject, triple.object)}
     return any(isinstance(end, Variable) for end in ends & known)
-
-
-def _expression_reads(expression: tree.Expression) -> Iterator[NamedNode | None]:
-    for exists in expression.exists:
-        yield from _read(exists.group.nodes)
 
 
 def _path_reads(path: tree.Path) -> Iterator[NamedNode | None]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.rules.form import Pattern, Variable, variables_of
+from kg.rules.form import Variable, variables_of
 from kg.syntax import tree
 
 if TYPE_CHECKING:
@@ -23,52 +23,24 @@ def uses(nodes: Iterable[tree.Node], *, binding: bool = False) -> Uses:
 
 def _names(node: tree.Node, *, binding: bool) -> Iterator[str]:
     if isinstance(node, tree.TriplePattern):
-        yield from _pattern_names(node)
-    elif isinstance(node, tree.Filter):
-        yield from _expression_names(node.expression, binding=binding)
+        # A path has no variables but one that is the whole predicate.
+        for part in (node.subject, node.predicate, node.object):
+            yield from (variable.name for variable in variables_of(part))  # type: ignore[arg-type]  # paths are passed over
     elif isinstance(node, tree.Bind):
         yield node.variable.name
-        yield from _expression_names(node.expression, binding=binding)
     elif isinstance(node, tree.ValuesBlock):
         yield from (variable.name for variable in node.variables)
     elif isinstance(node, tree.SubSelect):
-        yield from _select_names(node, binding=binding)
-    else:
-        if isinstance(node, tree.GraphBlock) and isinstance(node.name, Variable):
-            yield node.name.name
-        for group in tree.groups_of(node):
-            yield from uses(group.nodes, binding=binding).elements()
-
-
-def _expression_names(expression: tree.Expression, *, binding: bool) -> Iterator[str]:
-    if not binding:
-        yield from expression.variables
-    for exists in expression.exists:
-        yield from uses(exists.group.nodes, binding=binding).elements()
-
-
-def _select_names(node: tree.SubSelect, *, binding: bool) -> Iterator[str]:
-    yield from uses(node.group.nodes, binding=binding).elements()
-    for column in (*node.projections, *node.keys):
-        yield column.variable.name
-        if column.expression:
-            yield from _expression_names(column.expression, binding=binding)
-    for condition in node.having:
-        yield from _expression_names(condition, binding=binding)
-
-
-def _pattern_names(node: tree.TriplePattern) -> Iterator[str]:
-    yield from (variable.name for variable in _variables(node.subject))
-    yield from (variable.name for variable in _variables(node.predicate))
-    yield from (variable.name for variable in _variables(node.object))
-
-
-def _variables(part: Pattern | tree.Path) -> Iterator[Variable]:
-    """Yield the variables of a position; paths have none but one that is the whole predicate."""
-    if isinstance(part, Variable):
-        yield part
-    else:
-        yield from variables_of(part)  # type: ignore[arg-type]  # a path has no variables and is passed over
+        yield from (column.variable.name for column in (*node.projections, *node.keys))
+    elif isinstance(node, tree.GraphBlock) and isinstance(node.name, Variable):
+        yield node.name.name
+    groups = list(tree.groups_of(node))
+    for expression in tree.expressions_of(node):
+        if not binding:
+            yield from expression.variables
+        groups += (exists.group for exists in expression.exists)
+    for group in groups:
+        yield from uses(group.nodes, binding=binding).elements()
 
 
 def possible(nodes: Iterable[tree.Node]) -> frozenset[str]:
