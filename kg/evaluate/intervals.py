@@ -15,16 +15,16 @@ Z95: Final = 1.959963984540054
 """The quantile of the normal distribution that bounds 95 % on both sides."""
 
 
-def wilson(right: int, number: int, z: float = Z95) -> tuple[float, float]:
+def wilson(right: int, number: int) -> tuple[float, float]:
     """Return the interval of the share `right` of `number` (Wilson 1927); (0, 1) when nothing was counted.
 
     It holds for small numbers and for shares near 0 and 1, where the simple normal interval does not.
     """
     if number == 0:
         return 0.0, 1.0
-    share, spread = right / number, z * z / number
+    share, spread = right / number, Z95 * Z95 / number
     middle = (share + spread / 2) / (1 + spread)
-    half = z * math.sqrt(share * (1 - share) / number + spread / (4 * number)) / (1 + spread)
+    half = Z95 * math.sqrt(share * (1 - share) / number + spread / (4 * number)) / (1 + spread)
     low = 0.0 if right == 0 else max(0.0, middle - half)
     return low, 1.0 if right == number else min(1.0, middle + half)
 

@@ -15,7 +15,7 @@ from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.ntriples import literal
 from kg.graph.queries import column, one_of, texts
-from kg.graph.reading import Queryable, facts
+from kg.graph.reading import Queryable, code_facts
 from kg.graph.systems_reading import partial_systems
 from kg.graph.usual_ends import channels_by_system, unstated_ends
 
@@ -113,7 +113,7 @@ def names_written(graph: Queryable, kind: str, written: str) -> list[str]:
 def ends_in_code(graph: Queryable, kind: str, name: str, base: str) -> list[tuple[NodeReference, Interface]]:
     """Return the interfaces that have this name where their node is started alone, sorted."""
     channel = NamedNode(Iris(base).channel(kind, name))
-    found = facts(graph, f"?subject rnkg:connectsTo {channel} .")
+    found = code_facts(graph, f"?subject rnkg:connectsTo {channel} .")
     ends = [(owner, fact) for owner, fact in found.values() if isinstance(fact, Interface)]
     return sorted(ends, key=lambda one: (one[1].role, one[0], str(one[1].location), one[1].type or ""))
 

@@ -11,7 +11,7 @@ from kg.graph import vocabulary as v
 from kg.graph.fields import one, place_of
 from kg.graph.ntriples import literal
 from kg.graph.queries import among, column, one_of, select, texts
-from kg.graph.reading import Queryable, facts, grouped
+from kg.graph.reading import Queryable, code_facts, grouped
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -114,7 +114,7 @@ def declarations(
     if not named and not iris:
         return {}
     those = f"{{ {one_of('name', named)} ?subject rnkg:name ?name }} UNION {{ {among('subject', iris)} }}"
-    found = facts(graph, f"{{ {those} }} ?subject rnkg:access ?access .")
+    found = code_facts(graph, f"{{ {those} }} ?subject rnkg:access ?access .")
     kept = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Parameter)}
     return dict(sorted(kept.items(), key=lambda one: (one[1][0], str(one[1][1].access), str(one[1][1].location))))
 

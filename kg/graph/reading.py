@@ -9,18 +9,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, runtime_checkable
 
-from kg.facts import (
-    Bound,
-    DataFile,
-    Description,
-    Import,
-    Interface,
-    NodeReference,
-    NodeType,
-    Parameter,
-    Qos,
-    Role,
-)
+from kg import facts
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.fields import INTERFACE, NODE, PARAMETER, QOS, Properties, one, place_of
@@ -35,8 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
 
 
-_Ends: TypeAlias = "list[tuple[Interface, str]]"
-_Settable: TypeAlias = "list[tuple[Parameter, str]]"
+_Ends: TypeAlias = "list[tuple[facts.Interface, str]]"
+_Settable: TypeAlias = "list[tuple[facts.Parameter, str]]"
 
 _ROLES: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
 _ANY: Final = "?node a rnkg:NodeType ."
@@ -129,21 +118,21 @@ class NodeRecord:
     repository: str
     commit: str | None
     package: str
-    node: NodeType
+    node: facts.NodeType
     iri: str = field(default="", compare=False)
-    ends: Mapping[Interface, str] = field(default_factory=dict, repr=False, compare=False)
+    ends: Mapping[facts.Interface, str] = field(default_factory=dict, repr=False, compare=False)
     """The IRIs of its interfaces."""
-    settable: Mapping[Parameter, str] = field(default_factory=dict, repr=False, compare=False)
+    settable: Mapping[facts.Parameter, str] = field(default_factory=dict, repr=False, compare=False)
     """The IRIs of its parameters."""
-    descriptions: tuple[Description, ...] = field(default=(), repr=False, compare=False)
+    descriptions: tuple[facts.Description, ...] = field(default=(), repr=False, compare=False)
     """What people wrote about it, the best first."""
-    plugins: Mapping[str, tuple[NodeReference, str]] = field(default_factory=dict, repr=False, compare=False)
+    plugins: Mapping[str, tuple[facts.NodeReference, str]] = field(default_factory=dict, repr=False, compare=False)
     """The node types of the default plugins of its slots, by class, with their IRIs; those of its source first."""
 
     @property
-    def reference(self) -> NodeReference:
+    def reference(self) -> facts.NodeReference:
         """What stands for the node type in facts about instances."""
-        return NodeReference(self.repository, self.package, self.node.name)
+        return facts.NodeReference(self.repository, self.package, self.node.name)
 
     @property
     def full_name(self) -> str:
@@ -193,7 +182,9 @@ def node_records(
     return sorted(found, key=lambda one: (one.repository, one.package, one.node.name, str(one.node.location)))
 
 
-def facts(graph: Queryable, those: str) -> dict[str, tuple[NodeReference, Interface | Parameter]]:
+def code_facts(
+    graph: Queryable, those: str
+) -> dict[str, tuple[facts.NodeReference, facts.Interface | facts.Parameter]]:
     """Return interfaces and parameters of node types by their IRIs, with their node types.
 
     `those` is a pattern that binds ?subject to them and ends in a full stop; the prefixes ros: and rnkg: are known.
@@ -204,10 +195,10 @@ def facts(graph: Queryable, those: str) -> dict[str, tuple[NodeReference, Interf
     return {iri: (named[owners[iri]], fact) for iri, fact in found.items() if owners.get(iri) in named}
 
 
-def references(graph: Queryable, iris: Collection[str]) -> dict[str, NodeReference]:
+def references(graph: Queryable, iris: Collection[str]) -> dict[str, facts.NodeReference]:
     """Return what stands for the node types of some IRIs; those that are not in the store are left out."""
     return {
-        iri: NodeReference(repository, package, name)
+        iri: facts.NodeReference(repository, package, name)
         for iri, name, package, repository in texts(graph, _REFERENCES % these(graph, "node", iris))
         if iri in iris
     }
@@ -220,7 +211,7 @@ def these(graph: Queryable, name: str, iris: Collection[str]) -> str:
     return among(name, iris)
 
 
-def _plugins(graph: Queryable, classes: set[str]) -> dict[str, list[tuple[NodeReference, str]]]:
+def _plugins(graph: Queryable, classes: set[str]) -> dict[str, list[tuple[facts.NodeReference, str]]]:
     """Return the node types of plugins of some classes, by the keys of these, with their IRIs."""
     if not classes:
         return {}
@@ -237,13 +228,15 @@ def programs(graph: Queryable) -> dict[str, set[str]]:
     return dict(found)
 
 
-def data_files(graph: Queryable) -> list[DataFile]:
+def data_files(graph: Queryable) -> list[facts.DataFile]:
     """Return the files of the store that nodes read when they run, sorted."""
     pattern = (
         "?r rnkg:contains ?p ; rnkg:name ?repository . ?p rnkg:contains ?file ; rnkg:name ?package . "
         "?file rnkg:content ?text ; rnkg:path ?path"
     )
-    found = (DataFile(*row) for row in texts(graph, f"SELECT ?repository ?package ?path ?text WHERE {{ {pattern} }}"))
+    found = (
+        facts.DataFile(*row) for row in texts(graph, f"SELECT ?repository ?package ?path ?text WHERE {{ {pattern} }}")
+    )
     return sorted(found, key=lambda one: (one.repository, one.package, one.path))
 
 
@@ -285,7 +278,7 @@ def grouped(rows: Iterable[Any]) -> dict[str, dict[str, list[str]]]:
     return {subject: dict(properties) for subject, properties in found.items()}
 
 
-def end_of(properties: Properties, types: Mapping[str, str]) -> Interface | None:
+def end_of(properties: Properties, types: Mapping[str, str]) -> facts.Interface | None:
     """Return the interface that an end with properties of its own says; `types` are names of types by IRI."""
     roles = [_ROLES[kind] for kind in properties.get(v.bare(v.TYPE), ()) if kind in _ROLES]
     return _interface(roles[0], properties, types, {}) if roles else None
@@ -310,18 +303,18 @@ def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tup
     found: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
     for iri, fact in _facts(graph, grouped(select(graph, _PARTS % those))).items():
         interfaces, parameters = found[_owner(iri, nodes)]
-        if isinstance(fact, Interface):
+        if isinstance(fact, facts.Interface):
             interfaces.append((fact, iri))
         else:
             parameters.append((fact, iri))
     return found
 
 
-def _facts(graph: Queryable, parts: Mapping[str, Properties]) -> dict[str, Interface | Parameter]:
+def _facts(graph: Queryable, parts: Mapping[str, Properties]) -> dict[str, facts.Interface | facts.Parameter]:
     """Return interfaces and parameters from their properties, by their IRIs."""
     types = _types(graph, {iri for properties in parts.values() if (iri := type_of(properties))})
     known = qualities(graph, {iri for properties in parts.values() for iri in properties.get(v.bare(v.HAS_QOS), ())})
-    found: dict[str, Interface | Parameter] = {}
+    found: dict[str, facts.Interface | facts.Parameter] = {}
     for iri, properties in parts.items():
         roles = [_ROLES[kind] for kind in properties[v.bare(v.TYPE)] if kind in _ROLES]
         found[iri] = _interface(roles[0], properties, types, known) if roles else _parameter(properties)
@@ -333,10 +326,10 @@ def _types(graph: Queryable, wanted: Collection[str]) -> dict[str, str]:
     return dict(texts(graph, _LABELS % among("type", wanted) if len(wanted) <= _FEW else _TYPES))
 
 
-def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[str, Qos]:
+def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[str, facts.Qos]:
     """Return the combinations of policies of the store by their IRIs, those `wanted` at least."""
     few = among("subject", wanted) if wanted is not None and len(wanted) <= _FEW else ""
-    return {iri: Qos(**QOS.read(properties)) for iri, properties in grouped(select(graph, _QOS % few)).items()}
+    return {iri: facts.Qos(**QOS.read(properties)) for iri, properties in grouped(select(graph, _QOS % few)).items()}
 
 
 def _owner(part: str, nodes: Mapping[str, list[str]]) -> str:
@@ -352,9 +345,9 @@ def _node(
     properties: Properties,
     sources: list[str],
     executables: list[str],
-    parts: tuple[list[Interface], list[Parameter]],
-) -> NodeType:
-    return NodeType(
+    parts: tuple[list[facts.Interface], list[facts.Parameter]],
+) -> facts.NodeType:
+    return facts.NodeType(
         location=place_of(properties),
         executable=executables[0] if executables else None,
         sources=tuple(sources),
@@ -367,19 +360,21 @@ def _node(
     )
 
 
-def _bound(text: str) -> Bound:
+def _bound(text: str) -> facts.Bound:
     limit, _, place = text.partition(" ")
-    return Bound(limit, *chain_of(place))
+    return facts.Bound(limit, *chain_of(place))
 
 
-def _import(text: str) -> Import:
+def _import(text: str) -> facts.Import:
     name, _, place = text.partition(" ")
-    return Import(name, *chain_of(place))
+    return facts.Import(name, *chain_of(place))
 
 
-def _interface(role: Role, properties: Properties, types: Mapping[str, str], qualities: Mapping[str, Qos]) -> Interface:
+def _interface(
+    role: facts.Role, properties: Properties, types: Mapping[str, str], qualities: Mapping[str, facts.Qos]
+) -> facts.Interface:
     type_iri = type_of(properties)
-    return Interface(
+    return facts.Interface(
         role=role,
         type=types.get(type_iri) if type_iri else None,
         location=place_of(properties),
@@ -389,6 +384,6 @@ def _interface(role: Role, properties: Properties, types: Mapping[str, str], qua
     )
 
 
-def _parameter(properties: Properties) -> Parameter:
+def _parameter(properties: Properties) -> facts.Parameter:
     via = chain_of(one(properties, v.VIA))
-    return Parameter(location=place_of(properties), via=via, **PARAMETER.read(properties))
+    return facts.Parameter(location=place_of(properties), via=via, **PARAMETER.read(properties))

@@ -4,18 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kg.facts import (
-    InstanceInterface,
-    Interface,
-    Location,
-    NodeInstance,
-    NodeKind,
-    Parameter,
-    PluginSlot,
-    Qos,
-    Role,
-    System,
-)
+from kg import facts
 from kg.graph.chains import chain_text
 from kg.graph.texts import summary
 
@@ -44,7 +33,7 @@ def node_object(record: NodeRecord) -> dict[str, Any]:
         "description": summary(record.descriptions),
         **_place(node.location),
     }
-    for role in Role:
+    for role in facts.Role:
         fields[str(role)] = [interface_object(one) for one in node.interfaces if one.role == role]
     fields["parameters"] = [parameter_object(one) for one in node.parameters]
     fields["slots"] = [slot_object(one, record) for one in node.slots]
@@ -53,7 +42,7 @@ def node_object(record: NodeRecord) -> dict[str, Any]:
     return fields
 
 
-def instance_object(system: System, instance: NodeInstance) -> dict[str, Any]:
+def instance_object(system: facts.System, instance: facts.NodeInstance) -> dict[str, Any]:
     """Return a node instance with its resolved interface as plain values; the fields of docs/formats.md."""
     started, kind = instance.started, instance.type
     fields: dict[str, Any] = {
@@ -79,12 +68,12 @@ def instance_object(system: System, instance: NodeInstance) -> dict[str, Any]:
         **_place(started.location),
         "chain": [_place(one) for one in started.chain],
     }
-    for role in Role:
+    for role in facts.Role:
         fields[str(role)] = [end_object(one) for one in instance.interfaces if one.declared.role == role]
     return fields
 
 
-def end_object(end: InstanceInterface) -> dict[str, Any]:
+def end_object(end: facts.InstanceInterface) -> dict[str, Any]:
     """Return an end of an instance as plain values; the fields of docs/formats.md."""
     remap, setting = end.remap, end.parameter
     return {
@@ -119,18 +108,18 @@ def how_to_start(record: NodeRecord) -> str | None:
     node = record.node
     if node.executable:
         return f"{'ros2 run' if node.ros == 2 else 'rosrun'} {record.package} {node.executable}"  # noqa: PLR2004 - ROS 2
-    if node.kind is NodeKind.NODELET and node.plugin:
+    if node.kind is facts.NodeKind.NODELET and node.plugin:
         return f"rosrun nodelet nodelet standalone {node.plugin}"
-    if node.kind is NodeKind.COMPONENT and node.plugin:
+    if node.kind is facts.NodeKind.COMPONENT and node.plugin:
         return f"ros2 component standalone {record.package} {node.plugin}"
     return None
 
 
-def _place(location: Location) -> dict[str, Any]:
+def _place(location: facts.Location) -> dict[str, Any]:
     return {"file": location.path, "line": location.line, "file_repository": location.repository}
 
 
-def interface_object(fact: Interface) -> dict[str, Any]:
+def interface_object(fact: facts.Interface) -> dict[str, Any]:
     """Return an interface as plain values; the fields of docs/formats.md."""
     return {
         "name": fact.name,
@@ -148,7 +137,7 @@ def interface_object(fact: Interface) -> dict[str, Any]:
     }
 
 
-def _qos(qos: Qos) -> dict[str, Any]:
+def _qos(qos: facts.Qos) -> dict[str, Any]:
     rarer = {
         "deadline": qos.deadline,
         "lifespan": qos.lifespan,
@@ -164,7 +153,7 @@ def _qos(qos: Qos) -> dict[str, Any]:
     }
 
 
-def slot_object(fact: PluginSlot, record: NodeRecord) -> dict[str, Any]:
+def slot_object(fact: facts.PluginSlot, record: NodeRecord) -> dict[str, Any]:
     """Return a plugin slot as plain values; the fields of docs/formats.md."""
     return {
         "base_class": fact.base_class,
@@ -185,7 +174,7 @@ def slot_object(fact: PluginSlot, record: NodeRecord) -> dict[str, Any]:
     }
 
 
-def parameter_object(fact: Parameter) -> dict[str, Any]:
+def parameter_object(fact: facts.Parameter) -> dict[str, Any]:
     """Return what one line of code does with a parameter as plain values; the fields of docs/formats.md."""
     return {
         "name": fact.name,

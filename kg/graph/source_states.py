@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from operator import itemgetter
 from typing import TYPE_CHECKING, Final
 
 from kg.graph import vocabulary as v
@@ -11,8 +10,6 @@ from kg.graph.builds import COUNTS, Counts
 from kg.graph.queries import texts
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from kg.graph.reading import Queryable
 
 _BUILDS: Final = """
@@ -45,11 +42,23 @@ class SourceState:
 
 def sources(graph: Queryable) -> list[SourceState]:
     """Return the sources of the store, sorted by name."""
-    latest = _latest(graph)
-    return [
-        _state(name, remote, branch, latest.get(name, {}))
-        for name, remote, branch in sorted(texts(graph, _REPOSITORIES), key=itemgetter(0))
-    ]
+    found, latest = [], _latest(graph)
+    for name, remote, branch in texts(graph, _REPOSITORIES):
+        build = latest.get(name, {})
+        found.append(
+            SourceState(
+                name=name,
+                remote=remote,
+                branch=branch,
+                commit=build.get(v.bare(v.COMMIT)),
+                dirty=build.get(v.bare(v.DIRTY)) == "true",
+                root=build.get(v.bare(v.ROOT)),
+                read=build.get(v.bare(v.STARTED)),
+                version=build.get(v.bare(v.KG_VERSION)),
+                counts=Counts(**{key: int(build.get(v.bare(term), 0)) for key, term in COUNTS.items()}),
+            )
+        )
+    return sorted(found, key=lambda one: one.name)
 
 
 def _latest(graph: Queryable) -> dict[str, dict[str, str]]:
@@ -59,17 +68,3 @@ def _latest(graph: Queryable) -> dict[str, dict[str, str]]:
         builds.setdefault(name, {}).setdefault(build, {})[predicate] = value
     started = v.bare(v.STARTED)
     return {name: max(found.values(), key=lambda one: one.get(started, "")) for name, found in builds.items()}
-
-
-def _state(name: str, remote: str | None, branch: str | None, build: Mapping[str, str]) -> SourceState:
-    return SourceState(
-        name=name,
-        remote=remote,
-        branch=branch,
-        commit=build.get(v.bare(v.COMMIT)),
-        dirty=build.get(v.bare(v.DIRTY)) == "true",
-        root=build.get(v.bare(v.ROOT)),
-        read=build.get(v.bare(v.STARTED)),
-        version=build.get(v.bare(v.KG_VERSION)),
-        counts=Counts(**{key: int(build.get(v.bare(term), 0)) for key, term in COUNTS.items()}),
-    )

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 Link: TypeAlias = "Callable[[str, Location], str | None]"
 """Gives the address of a line of a source."""
+_ROWS: Final = 200
+"""So many rows has a table at most."""
 _SYSTEMS: Final = 2
 """So many launch files are named; of more, their number."""
 
@@ -37,11 +39,11 @@ def impact_lines(found: Impact) -> list[str]:
     return lines[:-1]
 
 
-def _effect_lines(effects: Sequence[Effect], indent: str = "  ") -> Iterator[str]:
+def _effect_lines(effects: Sequence[Effect]) -> Iterator[str]:
     for one in effects:
         where = f"  {one.location}" if one.location else ""
-        yield printable(f"{indent}{one.grade:<6}  {one.what}{where}")
-        yield printable(f"{indent}        {_reason(one)}")
+        yield printable(f"  {one.grade:<6}  {one.what}{where}")
+        yield printable(f"          {_reason(one)}")
 
 
 def _reason(one: Effect) -> str:
@@ -56,16 +58,16 @@ def _systems(one: Effect) -> str:
     return f"in {', '.join(one.systems[:_SYSTEMS])}{others}"
 
 
-def impact_markdown(found: Impact, link: Link | None = None, *, most: int = 200) -> str:
-    """Return Markdown: the numbers, then a table for each area with at most `most` rows."""
+def impact_markdown(found: Impact, link: Link | None = None) -> str:
+    """Return Markdown: the numbers, then a table for each area."""
     parts = [f"### {found.subject.kind} {_code(found.subject.text)}", "", f"**{summary(found)}**", ""]
     for area, effects in _areas(found):
-        parts += _table(str(area), effects, link, most)
+        parts += _table(str(area), effects, link)
     return "\n".join(parts)
 
 
-def _table(title: str, effects: Sequence[Effect], link: Link | None, most: int) -> list[str]:
-    rows, more = [_row(one, link) for one in effects[:most]], len(effects) - most
+def _table(title: str, effects: Sequence[Effect], link: Link | None = None) -> list[str]:
+    rows, more = [_row(one, link) for one in effects[:_ROWS]], len(effects) - _ROWS
     left_out = [f"{count(more, 'more row')} left out.", ""] if more > 0 else []
     return [f"#### {title}", "", "|   | what | why | where |", "|---|---|---|---|", *rows, "", *left_out]
 
@@ -139,12 +141,12 @@ def broken_lines(found: Sequence[Broken]) -> list[str]:
     return [*lines, broken_summary(found)]
 
 
-def broken_markdown(found: Sequence[Broken], title: str, link: Link | None = None, *, most: int = 200) -> str:
+def broken_markdown(found: Sequence[Broken], title: str) -> str:
     """Return Markdown: the numbers, then a table for each change that breaks something."""
     parts = [f"### {_code(title)}", "", f"**{broken_summary(found)}**", ""]
     for one in found:
         if one.effects:
-            parts += _table(_code(one.words), one.effects, link, most)
+            parts += _table(_code(one.words), one.effects)
     return "\n".join(parts)
 
 

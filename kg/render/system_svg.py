@@ -212,12 +212,9 @@ def _host(member: Member, where: Rectangle) -> str:
 
 
 def _bundle_lines(bundle: Bundle) -> list[str]:
-    names = [f"{SIGNS[one.state]}{one.name}{_clash(one)}" for one in bundle.channels]
+    clashes = (f" ({len(one.types)} types!)" if len(one.types) > 1 else "" for one in bundle.channels)
+    names = [f"{SIGNS[one.state]}{one.name}{clash}" for one, clash in zip(bundle.channels, clashes, strict=True)]
     return names if len(names) <= _MOST_LINES else [*names[: _MOST_LINES - 1], f"+ {len(names) - _MOST_LINES + 1} more"]
-
-
-def _clash(channel: Channel) -> str:
-    return f" ({len(channel.types)} types!)" if len(channel.types) > 1 else ""
 
 
 def _bundle_size(bundle: Bundle) -> tuple[float, float]:

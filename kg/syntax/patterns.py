@@ -465,8 +465,9 @@ class Patterns(Triples):
         first = len(self.consumed)
         expression = self.constraint()
         node = tree.Filter(expression, self.span(start))
-        outside = [token.text for token in self.consumed[first:] if not _within(token.start, node)]
-        return filter_of(node, outside)
+        spans = [exists.span for exists in expression.exists]
+        tokens = (token for token in self.consumed[first:] if not any(s.start <= token.start < s.end for s in spans))
+        return filter_of(node, [token.text for token in tokens])
 
     def _braced(self, kind: type[tree.Optional | tree.Minus]) -> tree.Node:
         start = self.advance().start
@@ -500,10 +501,6 @@ class Patterns(Triples):
         if len(groups) == len(only) == 1 and isinstance(only[0], tree.SubSelect):
             return only[0]
         return tree.Union(tuple(groups), self.span(start))
-
-
-def _within(offset: int, node: tree.Filter) -> bool:
-    return any(exists.span.start <= offset < exists.span.end for exists in node.expression.exists)
 
 
 def filter_of(node: tree.Filter, outside: list[str]) -> tree.Filter | tree.Exists:
