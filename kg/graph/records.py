@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 from kg import facts
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 def node_object(record: NodeRecord) -> dict[str, Any]:
     """Return a node with its interface as plain values, ready for JSON; the fields of docs/formats.md."""
     node = record.node
-    fields: dict[str, Any] = {
+    found: dict[str, Any] = {
         "repository": record.repository,
         "commit": record.commit,
         "package": record.package,
@@ -34,18 +35,18 @@ def node_object(record: NodeRecord) -> dict[str, Any]:
         **_place(node.location),
     }
     for role in facts.Role:
-        fields[str(role)] = [interface_object(one) for one in node.interfaces if one.role == role]
-    fields["parameters"] = [parameter_object(one) for one in node.parameters]
-    fields["slots"] = [slot_object(one, record) for one in node.slots]
-    fields["exported"] = _place(node.exported) if node.exported is not None else None
-    fields["bounds"] = [{"limit": one.limit, **_place(one.location)} for one in node.bounds]
-    return fields
+        found[str(role)] = [interface_object(one) for one in node.interfaces if one.role == role]
+    found["parameters"] = [parameter_object(one) for one in node.parameters]
+    found["slots"] = [slot_object(one, record) for one in node.slots]
+    found["exported"] = _place(node.exported) if node.exported is not None else None
+    found["bounds"] = [{"limit": one.limit, **_place(one.location)} for one in node.bounds]
+    return found
 
 
 def instance_object(system: facts.System, instance: facts.NodeInstance) -> dict[str, Any]:
     """Return a node instance with its resolved interface as plain values; the fields of docs/formats.md."""
     started, kind = instance.started, instance.type
-    fields: dict[str, Any] = {
+    found: dict[str, Any] = {
         "system": system.configuration.name,
         "name": instance.name,
         "namespace": instance.namespace,
@@ -69,8 +70,8 @@ def instance_object(system: facts.System, instance: facts.NodeInstance) -> dict[
         "chain": [_place(one) for one in started.chain],
     }
     for role in facts.Role:
-        fields[str(role)] = [end_object(one) for one in instance.interfaces if one.declared.role == role]
-    return fields
+        found[str(role)] = [end_object(one) for one in instance.interfaces if one.declared.role == role]
+    return found
 
 
 def end_object(end: facts.InstanceInterface) -> dict[str, Any]:
@@ -138,19 +139,10 @@ def interface_object(fact: facts.Interface) -> dict[str, Any]:
 
 
 def _qos(qos: facts.Qos) -> dict[str, Any]:
-    rarer = {
-        "deadline": qos.deadline,
-        "lifespan": qos.lifespan,
-        "liveliness": qos.liveliness,
-        "lease_duration": qos.lease_duration,
-    }
-    return {
-        "reliability": qos.reliability,
-        "durability": qos.durability,
-        "history": qos.history,
-        "depth": qos.depth,
-        **{name: value for name, value in rarer.items() if value is not None},
-    }
+    """Return the policies of an end; those that are rarely set only where they are."""
+    always = {"reliability", "durability", "history", "depth"}
+    policies = {field.name: getattr(qos, field.name) for field in fields(qos)}
+    return {name: value for name, value in policies.items() if value is not None or name in always}
 
 
 def slot_object(fact: facts.PluginSlot, record: NodeRecord) -> dict[str, Any]:
