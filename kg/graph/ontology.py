@@ -133,11 +133,8 @@ def classify(paths: Iterable[Path] | None = None) -> tuple[Triple, ...]:
 def _entailed(files: tuple[Path, ...], java: str, archive: Path) -> frozenset[Triple]:
     found = _entailments(ontology_triples(files), java, archive)
     if found is None:
-        raise GraphError(
-            "KG602",
-            "the axioms contradict each other, so everything follows from them",
-            hint="`kg ontology check FILE` says which file does.",
-        )
+        hint = "`kg ontology check FILE` says which file does."
+        raise GraphError("KG602", "the axioms contradict each other, so everything follows from them", hint=hint)
     return found
 
 
