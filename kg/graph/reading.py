@@ -18,7 +18,7 @@ from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
 from kg.graph.queries import among, column, one_of, select, texts
-from kg.graph.texts import DESCRIPTIONS, descriptions_of
+from kg.graph.texts import descriptions_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
@@ -161,7 +161,7 @@ def node_records(
     parts = _parts(graph, those, owners)
     slots = slots_by_node(texts(graph, SLOTS % those), lambda found: (place_of(found), chain_of(one(found, v.VIA))))
     plugins = _plugins(graph, {one.class_name for found in slots.values() for slot in found for one in slot.defaults})
-    said = descriptions_of(texts(graph, DESCRIPTIONS % those))
+    said = descriptions_of(graph, those)
     found = []
     for at, (owner, repository, commit) in owners.items():
         ends, settable = parts.get(at, ([], []))
