@@ -18,8 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.diagnostics import dim, excerpt, head, helps, linked
-from kg.codes import CATALOGUE
-from kg.codes.severities import SEVERITIES
+from kg.codes import CATALOGUE, SEVERITIES
 from kg.errors import Place
 from kg.facts import Location
 from kg.lint.lines import Lines

@@ -7,7 +7,7 @@ from typing import Annotated, Final
 
 import typer
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.errors import UsageError
 
 _FORMATS: Final = ("text", "json", "sarif", "github")

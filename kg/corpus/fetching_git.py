@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.git import command, environment
+from kg.corpus.git import command, environment, without_password
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -200,7 +200,7 @@ def _kill(process: subprocess.Popen[bytes]) -> None:
 def _failure(words: str, code: int) -> FetchingError:
     lines = [re.sub(r"^(?:fatal|error|remote|ERROR): ", "", line.strip("\0 \t")) for line in words.splitlines()]
     telling = [line for line in lines if line and not line.startswith(_IDLE)]
-    reason = re.sub(r"(?<=://)[^@/\s]*@", "", "; ".join(telling[:3])) or f"git ended with {code}"
+    reason = without_password("; ".join(telling[:3])) or f"git ended with {code}"
     if "repository corruption" in words:
         return FetchingError("damaged", reason)
     if _REFUSED.search(words):

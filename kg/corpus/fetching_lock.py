@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.corpus.git import describe
 from kg.errors import Place, SourceError
+from kg.settings import toml_place
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -99,9 +100,8 @@ def read_lock(path: Path) -> Lock:
     except OSError as error:
         raise SourceError("KG101", f"the lock file {path} cannot be read: {error.strerror}") from error
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
-        place = Place(str(path), int(found[1]), int(found[2])) if found else Place(str(path))
-        raise SourceError("KG132", f"this is not TOML: {error}", place=place) from error
+        message, line, column = toml_place(str(error))
+        raise SourceError("KG132", f"this is not TOML: {message}", place=Place(str(path), line, column)) from error
     if content.get("version") != VERSION:
         message = f"its version is {content.get('version')!r}, this `kg` reads {VERSION}"
         raise SourceError("KG132", message, place=Place(str(path)))

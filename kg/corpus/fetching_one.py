@@ -19,7 +19,7 @@ from kg.corpus.fetching_branches import branches_to_try
 from kg.corpus.fetching_git import FetchingError, Limits, Watch, folder_bytes
 from kg.corpus.fetching_list import Wanted, protocols
 from kg.corpus.fetching_lock import FETCHED, Entry
-from kg.corpus.git import run_git
+from kg.corpus.git import run_git, without_password
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -247,7 +247,7 @@ class _Fetching:
             for link in links:
                 (self._tree / link).unlink()
             remarks.append(f"left out {len(links)} link{'s' * (len(links) > 1)} that lead out, as {links[0]}")
-        self._git("config", "remote.origin.url", _without_password(self._one.url))
+        self._git("config", "remote.origin.url", without_password(self._one.url))
         self.watch.weigh()
         entry = self._entry(known, branch, commit, self._tree)
         self._put()
@@ -301,12 +301,8 @@ class _Fetching:
         found = self.watch.git(*arguments, within=self._tree, protocols=self._protocols)
         moved = _MOVED.search(self.watch.words)
         if moved:
-            self._moved = _without_password(moved[1]).removesuffix("/").removesuffix("/info/refs")
+            self._moved = without_password(moved[1]).removesuffix("/").removesuffix("/info/refs")
         return found
 
     def _git(self, *arguments: str, given: bytes = b"") -> bytes:
         return self.watch.git(*arguments, within=self._tree, given=given)
-
-
-def _without_password(url: str) -> str:
-    return re.sub(r"(?<=://)[^@/\s]*@", "", url)

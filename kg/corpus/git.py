@@ -17,16 +17,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _SAFE: Final = (
-    "-c",
-    "core.fsmonitor=false",
-    "-c",
-    "core.hooksPath=/dev/null",
-    "-c",
-    "safe.directory=*",
-    "-c",
-    "protocol.ext.allow=never",
-    "-c",
-    "gc.auto=0",
+    *("-c", "core.fsmonitor=false"),
+    *("-c", "core.hooksPath=/dev/null"),
+    *("-c", "safe.directory=*"),
+    *("-c", "protocol.ext.allow=never"),
+    *("-c", "gc.auto=0"),
 )
 _PROTOCOLS: Final = "https:ssh:git:file"
 _ENVIRONMENT: Final = {
@@ -98,6 +93,11 @@ def repository_name(remote: str) -> str | None:
     return f"{match['host'].lower()}/{path}" if path else None
 
 
+def without_password(text: str) -> str:
+    """Return a text without the user and password of addresses in it."""
+    return re.sub(r"(?<=://)[^@/\s]*@", "", text)
+
+
 def _toplevel(folder: Path) -> Path | None:
     """Return the root of the checkout: the folder itself, or one above it when the folder is committed there."""
     if (folder / ".git").exists():
@@ -152,7 +152,7 @@ def _changed(top: Path, keys: set[str]) -> bool:
 
 def _pick_remote(remotes: dict[str, str]) -> str | None:
     chosen = remotes.get("origin") or next((remotes[name] for name in sorted(remotes)), None)
-    return re.sub(r"(?<=://)[^@/\s]*@", "", chosen) if chosen else None
+    return without_password(chosen) if chosen else None
 
 
 def _name(top: Path, remote: str | None) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import Place, UsageError
 from kg.resources import folder
+from kg.settings import toml_place
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -84,9 +85,8 @@ def read_criteria(path: Path) -> Criteria:
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError("KG130", f"the file cannot be read: {error}", place=Place(str(path))) from None
     except tomllib.TOMLDecodeError as error:
-        found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
-        place = Place(str(path), int(found[1]), int(found[2])) if found else Place(str(path))
-        raise UsageError("KG130", f"this is not TOML: {error}", place=place) from None
+        message, line, column = toml_place(str(error))
+        raise UsageError("KG130", f"this is not TOML: {message}", place=Place(str(path), line, column)) from None
     return _Reader(path, text).criteria(content)
 
 

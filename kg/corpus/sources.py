@@ -7,7 +7,7 @@ import subprocess
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.git import run_git
+from kg.corpus.git import run_git, without_password
 from kg.errors import Place, SourceError
 
 if TYPE_CHECKING:
@@ -73,34 +73,30 @@ def fetch_source(url: str, ref: str | None, target: Path, progress: Callable[[st
         if not (target / ".git").exists():
             target.mkdir(parents=True, exist_ok=True)
             run_git(("init", "--quiet"), folder=target)
-        progress(f"fetching {_without_password(url)}")
+        progress(f"fetching {without_password(url)}")
         wanted = ("fetch", "--quiet", "--depth=1", "--no-tags", "--no-recurse-submodules", "--", url, ref or "HEAD")
         run_git(wanted, folder=target, timeout=_FETCH_SECONDS, network=True)
         progress(f"checking out {ref or 'the default branch'}")
-        run_git(("config", "remote.origin.url", _without_password(url)), folder=target)
+        run_git(("config", "remote.origin.url", without_password(url)), folder=target)
         run_git(("checkout", "--quiet", "--force", "--detach", "FETCH_HEAD"), folder=target, timeout=_FETCH_SECONDS)
     except FileNotFoundError as error:
         raise SourceError("KG103", "git is not installed", hint="Install git, or give a folder.") from error
     except OSError as error:
         raise SourceError("KG103", f"the cache {target} cannot be written: {error.strerror}") from error
     except subprocess.SubprocessError as error:
-        raise SourceError("KG103", f"{_without_password(url)} was not fetched: {_words(error)}") from error
+        raise SourceError("KG103", f"{without_password(url)} was not fetched: {_words(error)}") from error
     return target
 
 
 def _check(url: str, ref: str | None) -> None:
     match = _SCHEME.match(url)
-    place = Place(_without_password(url))
+    place = Place(without_password(url))
     if match and match["scheme"].lower() not in _SCHEMES:
         raise SourceError("KG103", f"addresses of the scheme {match['scheme']} are not fetched", place=place)
     if not match and not _SCP.match(url):
         raise SourceError("KG103", "not the address of a git repository", place=place)
     if ref is not None and (ref.startswith("-") or re.search(r"[\s:^~?*\[\\]|\.\.", ref)):
         raise SourceError("KG103", f"{ref!r} is not a branch, tag or commit", place=place)
-
-
-def _without_password(url: str) -> str:
-    return re.sub(r"(?<=://)[^@/\s]*@", "", url)
 
 
 def _words(error: subprocess.SubprocessError) -> str:

@@ -26,10 +26,9 @@ from typing import TYPE_CHECKING, Final
 from kg.corpus.reading import digest
 from kg.evaluate.completeness import share
 from kg.evaluate.facts import STATED, Fact, Facts
-from kg.evaluate.paper import beside
+from kg.evaluate.intervals import shares_of, weighed
 from kg.evaluate.sheet import drawn
-from kg.evaluate.strata import shares_of, weighed
-from kg.evaluate.tables import Cell, Share, Table
+from kg.evaluate.tables import Cell, Share, Table, beside
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.iris import is_source_graph
@@ -298,7 +297,8 @@ def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int, *, 
             missed.append(_miss(_CALLS, kind, lines, (*file, site.line)))
     facts = Facts(snapshot)
     judged, absent = _facts(facts, lines, size, seed)
-    rows += _rows(_FACTS, [(fact.relation, right) for fact, right in judged], _sizes(facts))
+    sizes = {relation: len(facts.listed.get(relation, ())) for relation in STATED}
+    rows += _rows(_FACTS, [(fact.relation, right) for fact, right in judged], sizes)
     missed += (
         _miss(_FACTS, fact.relation, lines, (fact.file_repository, fact.path, fact.line))
         for fact, right in judged
@@ -307,10 +307,6 @@ def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int, *, 
     notes = _notes(found, absent)
     table = Table("code", "The graph against the code", ("measure", "kind", "share", "number"), tuple(rows), notes)
     return Checked(beside(table, ("measure", "kind")), tuple(missed))
-
-
-def _sizes(facts: Facts) -> dict[str, int]:
-    return {relation: len(facts.listed.get(relation, ())) for relation in STATED}
 
 
 def _rows(measure: str, judged: Iterable[tuple[str, bool]], sizes: Mapping[str, int]) -> Iterator[tuple[Cell, ...]]:

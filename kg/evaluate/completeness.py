@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.evaluate.gathering import Choice, Gathered, gather
 from kg.evaluate.intervals import wilson
 from kg.evaluate.linking import Ground, Linker
-from kg.evaluate.paper import beside
-from kg.evaluate.tables import Cell, Share, Table
+from kg.evaluate.tables import Cell, Share, Table, beside
 from kg.render.text import count
 
 if TYPE_CHECKING:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.evaluate.completeness import grounds, remarks, share
-from kg.evaluate.paper import beside
-from kg.evaluate.tables import Cell, Share, Table
+from kg.evaluate.tables import Cell, Share, Table, beside
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -21,21 +21,11 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, UsageError
-from kg.evaluate.references import (
-    PARAMETERS,
-    ROLES,
-    Entry,
-    Reference,
-    owner_and_name,
-    plain_name,
-    plain_type,
-    short_name,
-    text_of,
-)
+from kg.evaluate import references
+from kg.evaluate.references import ROLES, Reference
 from kg.extract.texts.pages import WikiEntry, WikiNode, is_wiki, wiki_nodes
 from kg.graph.source_states import sources
-from kg.query.core import run
-from kg.query.result import Solutions
+from kg.query.rows import rows
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -202,15 +192,14 @@ class Packages:
         self.commits = {name: state.commit for name, state in states.items()}
         self._folders: dict[Path, Spot] = {}
         self._spots: list[Spot] = []
-        answer = run(snapshot, _PACKAGES)
-        for repository, package, folder in answer.rows if isinstance(answer, Solutions) else ():
-            state = states.get(_value(repository))
+        for repository, package, folder in rows(snapshot, _PACKAGES, union=True):
+            state = states.get(repository)
             if state is None:
                 continue
-            spot = Spot(state.name, _value(package), state.commit)
+            spot = Spot(state.name, package, state.commit)
             self._spots.append(spot)
             if state.root:
-                self._folders[(Path(state.root) / PurePosixPath(_value(folder))).resolve()] = spot
+                self._folders[(Path(state.root) / PurePosixPath(folder)).resolve()] = spot
 
     def around(self, path: Path) -> Spot | None:
         """Return the package in whose folder a file stands, the innermost; None outside of all."""
@@ -243,29 +232,21 @@ def read_page(path: Path, spot: Spot, *, closed: bool = False) -> tuple[Referenc
     Raises:
         UsageError: KG721 when the page cannot be read.
     """
-    text = text_of(path)
+    text = references.text_of(path)
     nodes = wiki_nodes(text) if is_wiki(text) else readme_nodes(text) if path.suffix.lower() == ".md" else ()
     found = (_reference(node, path, spot, closed=closed) for node in nodes)
     return tuple(one for one in found if one.entries)
 
 
 def _reference(node: WikiNode, path: Path, spot: Spot, *, closed: bool) -> Reference:
-    entries = dict.fromkeys(
-        Entry(one.kind, plain_name(one.name), None if one.kind == PARAMETERS else plain_type(one.type))
-        for one in node.entries
-        if one.kind in ROLES
-    )
+    entries = dict.fromkeys(references.entry(one.kind, one.name, one.type) for one in node.entries if one.kind in ROLES)
     return Reference(
-        repository=owner_and_name(spot.repository),
+        repository=references.owner_and_name(spot.repository),
         commit=spot.commit,
         package=spot.package,
-        names=frozenset({short_name(node.name)} if node.name else ()),
+        names=frozenset({references.short_name(node.name)} if node.name else ()),
         entries=tuple(entries),
         place=Place(str(path), node.line),
         closed=frozenset(ROLES if closed else ()),
         sole=True,
     )
-
-
-def _value(term: object) -> str:
-    return str(getattr(term, "value", ""))

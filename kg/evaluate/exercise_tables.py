@@ -51,9 +51,8 @@ def capabilities_table(of: Mapping[str, Capabilities], paper: Mapping[str, list[
     paper = paper_figures("capabilities") if paper is None else paper
     reached = {robot: {one.name for one in known.capabilities if one.ways} for robot, known in of.items()}
     kinds = {one.name: (one.kinds[0], one.label) for known in of.values() for one in known.capabilities}
-    names = sorted(
-        {*set().union(*reached.values()), *(name for some in paper.values() for name in some)}, key=_order(kinds)
-    )
+    every = set().union(*reached.values(), *paper.values())
+    names = sorted(every, key=lambda name: (*kinds.get(name, ("~", name)), name))
     rows = [
         (
             *reversed(kinds.get(name, ("", name))),
@@ -64,10 +63,6 @@ def capabilities_table(of: Mapping[str, Capabilities], paper: Mapping[str, list[
     ]
     columns = ("capability", "kind", *reached, *(f"{PAPER} {robot}" for robot in paper))
     return Table("capabilities", "Capabilities inferred (onto-ros, Table 1)", columns, tuple(rows), _notes(paper))
-
-
-def _order(kinds: Mapping[str, tuple[str, str]]) -> Any:
-    return lambda name: (*kinds.get(name, ("~", name)), name)
 
 
 def _mark(has: bool) -> str:  # noqa: FBT001 - what it marks

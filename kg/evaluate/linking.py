@@ -20,6 +20,7 @@ from kg.graph.ntriples import Writer, integer
 from kg.query import stored
 from kg.query.core import run
 from kg.query.result import Solutions
+from kg.query.rows import rows
 from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
@@ -87,11 +88,11 @@ class Ground:
     def counts(self, query: str) -> dict[str, dict[str, int]]:
         """Return what a stored query counts: the numbers of each row by name, under its first column."""
         answer = run(self._snapshot, stored.find(query).text)
-        rows = answer.rows if isinstance(answer, Solutions) else ()
-        names = answer.variables[1:] if isinstance(answer, Solutions) else ()
+        if not isinstance(answer, Solutions):
+            raise TypeError(query)
         return {
-            _value(first): {name: int(_value(term)) for name, term in zip(names, rest, strict=True)}
-            for first, *rest in rows
+            _value(first): {name: int(_value(term)) for name, term in zip(answer.variables[1:], rest, strict=True)}
+            for first, *rest in answer.rows
         }
 
 
@@ -128,14 +129,12 @@ class _Names:
         self.repositories: dict[str, str] = {}
         self._packages: dict[tuple[str, str], str] = {}
         self._nodes: dict[tuple[str, str], dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
-        answer = run(snapshot, stored.internal("node-names"))
-        for repository, package, package_iri, node, name in answer.rows if isinstance(answer, Solutions) else ():
-            owner = owner_and_name(_value(repository))
-            key = owner, _value(package)
-            self.repositories[owner] = _value(repository)
-            self._packages[key] = _value(package_iri)
+        for repository, package, package_iri, node, name in rows(snapshot, stored.internal("node-names"), union=True):
+            owner = owner_and_name(repository)
+            self.repositories[owner] = repository
+            self._packages[owner, package] = package_iri
             if node is not None:
-                self._nodes[key][short_name(_value(name))].add(_value(node))
+                self._nodes[owner, package][short_name(name)].add(node)
 
     def linked(self, reference: Reference) -> Linked:
         key = reference.repository, reference.package
@@ -166,12 +165,10 @@ def _interfaces(snapshot: Snapshot, repository: str) -> Iterator[Quad]:
 def _parts(store: Store) -> dict[str, dict[str, dict[str, list[str]]]]:
     """Return the ends and parameters of each package by role and plain name."""
     found: dict[str, dict[str, dict[str, list[str]]]] = {}
-    answer = run(MemorySnapshot(store), _PARTS)
-    for package, part, kind, name in answer.rows if isinstance(answer, Solutions) else ():
-        role = _CLASSES.get(f"<{_value(kind)}>")
-        plain = plain_name(_value(name))
+    for package, part, kind, name in rows(MemorySnapshot(store), _PARTS, union=True):
+        role, plain = _CLASSES.get(f"<{kind}>"), plain_name(name)
         if role and plain:
-            found.setdefault(_value(package), {}).setdefault(role, {}).setdefault(plain, []).append(_value(part))
+            found.setdefault(package, {}).setdefault(role, {}).setdefault(plain, []).append(part)
     return found
 
 

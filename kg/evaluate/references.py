@@ -183,8 +183,12 @@ def _entries(record: _Record) -> Iterator[Entry]:
         for one in getattr(record, key) or ():
             given = _pair(one) if isinstance(one, list) else one
             if not given.implicit:
-                name = plain_name(given.before_remap or given.name)
-                yield Entry(role, name, None if role == PARAMETERS else plain_type(given.type))
+                yield entry(role, given.before_remap or given.name, given.type)
+
+
+def entry(role: str, name: str | None, kind: str | None) -> Entry:
+    """Return what a reference names, its name and type in any spelling; parameters have no type."""
+    return Entry(role, plain_name(name), None if role == PARAMETERS else plain_type(kind))
 
 
 def _pair(said: list[Any]) -> _Named:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, UsageError
 from kg.evaluate.completeness import share
-from kg.evaluate.strata import shares_of, weighed
+from kg.evaluate.intervals import shares_of, weighed
 from kg.evaluate.tables import Cell, Table, safe_cell
 from kg.render.text import count
 

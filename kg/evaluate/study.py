@@ -19,7 +19,7 @@ from kg.evaluate.exercises import exercises
 from kg.evaluate.tables import Cell, Table
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
 
 _COLUMNS: Final = (
@@ -72,6 +72,7 @@ def table(results: Sequence[Result]) -> Table:
     told = paper_figures("exercises")
     rows: list[tuple[Cell, ...]] = []
     for exercise, robot in groups:
+        paper = told.get(f"{exercise} {robot}")
         some = [one for one in results if (one.exercise, one.robot) == (exercise, robot)]
         rows.append((
             f"{exercise} {titles.get(exercise, some[0].title)}",
@@ -82,14 +83,9 @@ def table(results: Sequence[Result]) -> Table:
             sum(one.ended != "failed" for one in some),
             _mean([one.blocks for one in some]),
             _mean([one.capabilities for one in some]),
-            _told(told.get(f"{exercise} {robot}")),
+            f"{_clock(paper['seconds'])} ± {_clock(paper['deviation'])}" if paper else None,
         ))  # fmt: skip
     return Table("study", "Tasks solved by participants (onto-ros, section 4.3)", _COLUMNS, tuple(rows))
-
-
-def _told(figures: Mapping[str, float] | None) -> str | None:
-    """Return the time that the paper has for an exercise."""
-    return f"{_clock(figures['seconds'])} ± {_clock(figures['deviation'])}" if figures else None
 
 
 def _mean(numbers: Sequence[int]) -> str:

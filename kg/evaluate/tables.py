@@ -1,13 +1,19 @@
-"""A table of figures, and the forms in which it is kept: Markdown, CSV, and objects for JSON."""
+"""A table of figures, with those of the paper, and the forms in which it is kept: Markdown, CSV, objects for JSON.
+
+The paper's figures stand in `corpus/rnkg.toml`, as far as they are known. A section of that file has the name of a
+table (completeness, code, correctness, search) and figures from 0 to 1 by the words of its rows: `"topic" = 0.9`.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
-from dataclasses import dataclass
+import tomllib
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.render.text import printable
+from kg.resources import folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -51,6 +57,24 @@ class Table:
     columns: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     notes: tuple[str, ...] = ()
+
+
+COLUMN: Final = "RNKG"
+
+
+def beside(table: Table, keys: tuple[str, ...], figures: Mapping[str, float] | None = None) -> Table:
+    """Return the table with a column of the paper's figures, by the texts of the columns `keys`.
+
+    The table stays as it is where no figure is known; `figures` replaces those of the file.
+    """
+    if figures is None:
+        figures = tomllib.loads((folder("corpus") / "rnkg.toml").read_text("utf-8")).get(table.name, {})
+    places = [table.columns.index(key) for key in keys]
+    column = [figures.get(" ".join(str(row[place]) for place in places)) for row in table.rows]
+    if all(figure is None for figure in column):
+        return table
+    rows = tuple((*row, figure) for row, figure in zip(table.rows, column, strict=True))
+    return replace(table, columns=(*table.columns, COLUMN), rows=rows)
 
 
 def spelled(cell: Cell) -> str:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final, TypeAlias
 
-from kg.facts import Access, LaunchProblemKind, NodeKind, Resolution
+from kg.facts import Access, LaunchProblemKind, Location, NodeKind, Resolution
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import Writer, boolean, double, integer, literal
 
@@ -25,6 +25,11 @@ def one(properties: Properties, term: str) -> str | None:
     """Return the value of a term that has one; the least where it has several."""
     values = properties.get(term[1:-1])
     return None if values is None else values[0] if len(values) == 1 else min(values, default=None)
+
+
+def place_of(properties: Properties) -> Location:
+    """Return the line where a thing was read."""
+    return Location(one(properties, v.PATH) or "", int(one(properties, v.LINE) or 0), one(properties, v.IN_REPOSITORY))
 
 
 def word(properties: Properties, term: str) -> str:

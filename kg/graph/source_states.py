@@ -1,12 +1,11 @@
-"""What the graph `builds` says of each source: when it was read last, from where, and what was found."""
+"""The state of each source in the graph `builds`: its last build, origin, and numbers of facts."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.graph import vocabulary as v
-from kg.graph.builds import Counts
+from kg.graph.builds import COUNTS, Counts
 from kg.graph.fields import one
 from kg.graph.queries import select
 from kg.graph.reading import grouped
@@ -35,18 +34,6 @@ SELECT ?name ?remote ?branch WHERE {
   OPTIONAL { ?repository rnkg:remote ?remote }
   OPTIONAL { ?repository rnkg:branch ?branch }
 }"""
-_COUNTS: Final = {
-    "packages": v.PACKAGES,
-    "nodes": v.NODES,
-    "interfaces": v.INTERFACES,
-    "parameters": v.PARAMETERS,
-    "definitions": v.DEFINITIONS,
-    "files": v.FILES,
-    "problems": v.PROBLEMS,
-    "unresolved": v.UNRESOLVED,
-    "bounded": v.BOUNDED,
-    "triples": v.TRIPLES,
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +85,7 @@ def _state(
         root=root,
         read=read,
         version=version,
-        counts=Counts(**{key: int(one(counts, term) or 0) for key, term in _COUNTS.items()}),
+        counts=Counts(**{key: int(one(counts, term) or 0) for key, term in COUNTS.items()}),
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from hashlib import blake2b
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 
 
 @dataclass(frozen=True, slots=True, order=True)

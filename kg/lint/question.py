@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from kg import forms
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.settings import declared, setting
 
 if TYPE_CHECKING:

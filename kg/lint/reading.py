@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, chain_text, likely_chain
 from kg.graph.fields import Properties, one
 from kg.graph.iris import Iris
+from kg.graph.queries import among, select, texts
 from kg.graph.reading import Queryable, grouped
 from kg.lint.finding import Evidence, Finding
 
@@ -20,17 +21,16 @@ if TYPE_CHECKING:
 
 
 _NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})
-_PREFIXES: Final = {"rnkg": v.RNKG, "rdf": v.RDF}
 _FINDINGS: Final = "SELECT ?s ?p ?o WHERE { GRAPH ?g { %s ?s ?p ?o } }"
 _ANY: Final = "?s a rnkg:Finding ."
 _OF: Final = "?s rnkg:inConfiguration %s ."
 _THINGS: Final = """SELECT ?s ?p ?o WHERE {
-  VALUES ?s { %s } GRAPH ?g { ?s ?p ?o }
+  %s GRAPH ?g { ?s ?p ?o }
   FILTER(?p IN (rdf:type, rnkg:name, rnkg:resolvedName, rnkg:from, rnkg:to,
                 rnkg:path, rnkg:line, rnkg:declaredIn, rnkg:declaredBy, rnkg:includeChain))
 }"""
 _LED: Final = """SELECT ?configuration ?start ?chain WHERE {
-  VALUES ?start { %s }
+  %s
   GRAPH ?g { ?instance rnkg:startedWith ?start ; rnkg:includeChain ?chain . ?configuration rnkg:hasInstance ?instance }
 }"""
 """What instances share with those of other systems was reached by the includes that led to them."""
@@ -65,7 +65,7 @@ def read_findings(
     configurations with these IRIs.
     """
     which = _OF % NamedNode(configuration) if configuration else _ANY
-    findings = grouped(graph.query(_FINDINGS % which, prefixes=_PREFIXES))
+    findings = grouped(select(graph, _FINDINGS % which))
     return sorted(_Reading(graph, base, findings).findings(labels), key=lambda one: one.order)
 
 
@@ -83,16 +83,11 @@ class _Reading:
         self._led = self._chains({iri.partition("#")[0] for iri in self._things if f"{base}start/" in iri})
 
     def _read(self, things: Collection[str]) -> dict[str, dict[str, list[str]]]:
-        listing = " ".join(str(NamedNode(iri)) for iri in sorted(things))
-        return grouped(self._query(_THINGS % listing)) if things else {}
-
-    def _query(self, text: str) -> Any:
-        return self._graph.query(text, prefixes=_PREFIXES)
+        return grouped(select(self._graph, _THINGS % among("s", things))) if things else {}
 
     def _chains(self, starts: Collection[str]) -> dict[tuple[str, str], str]:
         """Return the includes that led to an instance, by its configuration and what it is started with."""
-        listing = " ".join(str(NamedNode(iri)) for iri in sorted(starts))
-        found = sorted(tuple(term.value for term in row) for row in self._query(_LED % listing)) if starts else []
+        found = sorted(texts(self._graph, _LED % among("start", starts))) if starts else []
         return {(configuration, start): chain for configuration, start, chain in reversed(found)}
 
     def findings(self, labels: Mapping[str, str]) -> Iterator[Finding]:

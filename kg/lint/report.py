@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.lint.allowing import Allowance, Comments, allowed_by
 from kg.lint.baseline import Known, compared
 

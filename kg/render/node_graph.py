@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING, Final
 
-from kg.render.svg import ROLE, dimensions, escaped, label, short
+from kg.render.svg import document, escaped, label, short
 from kg.render.text import printable, width
 
 if TYPE_CHECKING:
@@ -29,16 +29,6 @@ _NAME: Final = 118
 _CHARACTER: Final = 7.9
 _LONGEST: Final = 44
 _FOOT: Final = 40
-_STYLE: Final = """
-svg { background: #ffffff; font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; }
-.box { fill: #eef3f8; stroke: #34495e; stroke-width: 1.5; } .node { stroke-width: 3; }
-.way { fill: none; stroke: #6d7f90; stroke-width: 1.5; } .inferred { stroke-dasharray: 6 4; }
-.name { font-size: 13px; fill: #17202a; } .title { font-size: 15px; font-weight: bold; fill: #17202a; }
-.relation, .key { font-size: 11px; fill: #4d5a66; }
-@media (prefers-color-scheme: dark) {
-svg { background: #14191f; } .box { fill: #1f2933; stroke: #9fb3c8; } .way { stroke: #8b9cad; }
-.name, .title { fill: #f0f4f8; } .relation, .key { fill: #b3c0cc; }
-}"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,19 +88,12 @@ def node_graph_svg(node: str, relations: Sequence[Relation]) -> str:
     words = "; ".join(
         f"{one.subject} {one.name} {one.object}{' (inferred)' if one.inferred else ''}" for one in relations
     )
-    return "\n".join(
-        [
-            f'<svg xmlns="http://www.w3.org/2000/svg" {dimensions(int(right), int(high))} {ROLE}>',
-            f'<title id="title">{escaped(f"Node {node} and its relations")}</title>',
-            f'<desc id="desc">{escaped(words)}.</desc>',
-            f"<style>{_STYLE}</style>",
-            *_ways(relations, places),
-            *(line for name, place in places.items() for line in _box(name, place, is_node=name == node)),
-            label("key", _MARGIN, high - _MARGIN, key, longest=len(key)),
-            "</svg>",
-            "",
-        ]
-    )
+    drawn = [
+        *_ways(relations, places),
+        *(line for name, place in places.items() for line in _box(name, place, is_node=name == node)),
+        label("key", _MARGIN, high - _MARGIN, key, longest=len(key)),
+    ]
+    return document("node_graph", (int(right), int(high)), f"Node {node} and its relations", f"{words}.", drawn)
 
 
 def _near_places(node: str, near: Sequence[Relation]) -> tuple[float, dict[str, _Place]]:

@@ -248,9 +248,21 @@ class RuleUnit:
     prefixes: dict[str, str]
 
 
-def groups_of(node: Exists | Optional | Minus | Union | GraphBlock) -> tuple[Group, ...]:
-    """Return the groups that a node is made of."""
-    return node.groups if isinstance(node, Union) else (node.group,)
+def groups_of(node: Node) -> tuple[Group, ...]:
+    """Return the groups that a node is made of; those of EXISTS in its expressions are not among them."""
+    if isinstance(node, Union):
+        return node.groups
+    return () if isinstance(node, TriplePattern | Filter | Bind | ValuesBlock) else (node.group,)
+
+
+def expressions_of(node: Node) -> tuple[Expression, ...]:
+    """Return the expressions of a node itself."""
+    if isinstance(node, Filter | Bind):
+        return (node.expression,)
+    if not isinstance(node, SubSelect):
+        return ()
+    columns = (column.expression for column in (*node.projections, *node.keys))
+    return (*(expression for expression in columns if expression), *node.having)
 
 
 def visible(nodes: Iterable[Node]) -> set[str]:

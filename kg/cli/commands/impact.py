@@ -13,7 +13,7 @@ from kg.errors import Exit, StoreError, UsageError
 from kg.settings import Settings
 
 if TYPE_CHECKING:
-    from kg.impact import Impact
+    from kg.impact.model import Impact
     from kg.views.evidence import Places
 
 Name = Annotated[

@@ -15,7 +15,7 @@ from kg.settings import Settings
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
-    from kg.graph.findings import OntologyCheck
+    from kg.graph.ontology import OntologyCheck
 
 Files = Annotated[list[str] | None, typer.Argument(metavar="FILE", help="Ontologies; by default those that kg ships.")]
 Entailed = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]

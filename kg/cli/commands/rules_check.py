@@ -12,7 +12,7 @@ from kg.cli.diagnostics import colored, render, say
 from kg.cli.options import Json, is_given, with_settings
 from kg.cli.output import json_lines, write
 from kg.cli.remarks import Form, Level, require_known
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.errors import Exit, RuleError, StoreError
 from kg.render.text import count
 from kg.settings import Settings
