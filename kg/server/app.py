@@ -1,7 +1,6 @@
-"""The application: routes, what they share, and what begins and ends with it.
+"""The application: its routes, shared state, start-up and shutdown.
 
-A module of routes has `ROUTES`. The middlewares stand in `kg.server.safety`, errors become answers in
-`kg.server.errors`.
+A module of routes has `ROUTES`. Middlewares are in `kg.server.safety`; `kg.server.errors` turns errors into responses.
 """
 
 from __future__ import annotations
@@ -104,7 +103,7 @@ def _check_server(layout: Layout, options: Options) -> None:
 
 
 def _routes() -> list[BaseRoute]:
-    """Return all routes; those that programs ask most stand first, for they are tried in this order."""
+    """Return all routes, the most requested first, since they are tried in this order."""
     watching = (health, metrics, openapi, login, errors)
     before = (protocol, protocol_update, graph_store, jobs, *watching, robot, views)
     files = [Mount(f"/{name}", StaticFiles(directory=_FOLDER / name, check_dir=False)) for name in ("static", "vendor")]
@@ -112,7 +111,7 @@ def _routes() -> list[BaseRoute]:
 
 
 def _check_root(root: str) -> None:
-    """Refuse a root path (UsageError KG002) that is ambiguous: `/store/x` might have lost a root path `/store`."""
+    """Refuse an ambiguous root path (UsageError KG002): `/store/x` might have lost a root path `/store`."""
     taken = {route.path.split("/")[1] for route in _routes() if isinstance(route, Route | Mount)}
     if root and root.split("/")[1] in taken:
         message = f"the root path {root} begins like an address of kg itself"

@@ -1,4 +1,4 @@
-"""Whether the server lives and can read its store: `/health`, which asks no reader and so answers under any load."""
+"""`/health`: whether the server is alive and can read its store; needs no reader, so it responds under any load."""
 
 from __future__ import annotations
 
@@ -46,4 +46,4 @@ async def _health(request: Request) -> Response:
 
 
 ROUTES: Final = [Route("/health", _health)]
-"""Where who watches the server asks."""
+"""Addresses for supervisors of the server."""

@@ -28,7 +28,7 @@ TAGS: Final = {
     "action_servers": "action",
     "action_clients": "action",
 }
-_MANY: Final = 14  # with more channels than that the picture has fewer neighbours of each
+_MANY: Final = 14  # above this number of channels, the picture shows fewer neighbours of each
 _NEAR: Final = (6, 2)
 _SEE_OTHER: Final = 303
 
@@ -63,7 +63,7 @@ async def _node(request: Request) -> Response:
 
 
 def _picture(found: Mapping[str, Any], explicit: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the node, its channels and its neighbours as graph.js takes them."""
+    """Return the node, its channels and its neighbours in the format of graph.js."""
     own = {"id": found["iri"], "label": found["name"], "kind": "node", "detail": "this node"}
     channels = {_channel(one): one for one in explicit if one["resolved"]}
     nodes = {own["id"]: own} | {key: _drawn(key, one) for key, one in channels.items()}
@@ -91,7 +91,7 @@ def _edge(node: str, channel: str, one: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _near(near: Mapping[str, Any], most: int) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-    """Yield some neighbours of a channel with their edges, and one thing that stands for all others."""
+    """Yield some neighbours of a channel with their edges, and one placeholder for all others."""
     channel = f"{near['kind']} {near['channel']}"
     drawn = [
         {"id": one["iri"], "label": one["name"], "kind": "node", "detail": one["package"],
@@ -109,7 +109,7 @@ def _near(near: Mapping[str, Any], most: int) -> Iterator[tuple[dict[str, Any], 
 
 
 async def _graph(request: Request) -> Response:
-    """Answer with the entities and relations of a node as a picture."""
+    """Respond with a picture of the entities and relations of a node."""
     found = await view(request, "node", iri=request.query_params.get("iri", ""))
     return Response(node_graph_svg(found["name"], node_relations(found)), media_type="image/svg+xml")
 
@@ -119,7 +119,7 @@ _PAGES: Final = {
     "configuration": ("/system", "name", "The nodes that it starts, as a graph"),
     **dict.fromkeys(("topic", "service", "action"), ("/channel", "name", "Who uses it, in every launch file")),
 }
-"""Kinds of things that have a page of their own: its path, its parameter, the words of the link to it."""
+"""Kinds of things with pages of their own: path, parameter, and text of the link."""
 _LIMIT: Final = "25"
 
 
@@ -151,7 +151,7 @@ async def _resource(request: Request) -> Response:
 
 
 def _pages(found: dict[str, Any], asked: dict[str, str]) -> dict[str, str]:
-    """Return the addresses of the page before and of the one behind, where one property is shown."""
+    """Return the addresses of the previous and the next page of one property."""
     groups = [*found["out"], *found["in"]]
     if "predicate" not in asked or len(groups) != 1:
         return {}

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _SEE_OTHER: Final = 303
 _LONG: Final = 100
-"""A table of more rows has a page of its own, which that of the system loads where somebody opens it."""
+"""Tables with more rows have pages of their own, which the system's page loads on demand."""
 
 
 async def _system(request: Request) -> Response:
@@ -54,7 +54,7 @@ async def _system(request: Request) -> Response:
 
 
 def _parts(found: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return the tables below that of the nodes which have rows, by name, with the words for how many these are."""
+    """Return the non-empty tables below that of the nodes, by name, with the text for their number of rows."""
     rows: dict[str, list[Any]] = {
         name: [(one["key"], each) for one in found["instances"] for each in one[key]]
         for name, key in (("connections", "ends"), ("remappings", "remaps"), ("parameters", "parameters"))
@@ -68,14 +68,14 @@ def _parts(found: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _address(part: Mapping[str, Any], asked: Mapping[str, str]) -> str:
-    """Return the page of a part that is too long for that of the system; empty for others."""
+    """Return the address of a table that is too long for the page of the system; empty for others."""
     return url("/system", **asked, part=part["name"]) if len(part["rows"]) > _LONG else ""
 
 
 def _picture(found: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the graph as graph.js takes it: nodes lead to their pages, and what findings are about is marked.
+    """Return the graph in the format of graph.js: nodes link to their pages, and subjects of findings are marked.
 
-    What a node does not have is left out, for there are many.
+    Empty attributes are omitted, since large systems have many nodes.
     """
     nodes = [_drawn(one) for one in found["picture"]["nodes"]]
     marked = [f"{one.get('group', '')}/" for one in nodes if "marked" in one]

@@ -1,4 +1,4 @@
-"""What stands between a client and the routes: plain ASGI middlewares, and what guards each connection below them."""
+"""Protection of the server: ASGI middlewares, and limits on connections below them."""
 
 from __future__ import annotations
 

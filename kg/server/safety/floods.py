@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 Check: TypeAlias = "Callable[[HTTPConnection], KgError | Response | None]"
 
 ALWAYS: Final = frozenset({"/health", "/metrics"})
-"""Paths that are answered however busy the server is: a supervisor must not take a busy server for a dead one."""
+"""Paths without a limit: a supervisor must not mistake a busy server for a dead one."""
 
 
 class Floods:
-    """Refuse further requests of an address that has `most` of them unanswered: KG531.
+    """Refuse further requests of an address with `most` unanswered ones: KG531.
 
-    Programs of this machine share one address, so they are bounded by the queue of the readers alone.
+    Programs on this machine share one address, so only the readers' queue limits them.
     """
 
     def __init__(self, app: ASGIApp, most: int) -> None:
@@ -36,7 +36,7 @@ class Floods:
         self._open: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Count a request while it is answered."""
+        """Count a request while it is handled."""
         client = (scope.get("client") or ("localhost", 0))[0] if scope["type"] == "http" else "localhost"
         if is_loopback(client) or scope["path"] in ALWAYS:
             await self._app(scope, receive, send)
@@ -55,14 +55,14 @@ class Floods:
 
 
 class Gate:
-    """Let pass what all checks let pass; a check returns None, an error to be told, or an answer."""
+    """Pass on a request if all checks do; a check returns None, an error to report, or a response."""
 
     def __init__(self, app: ASGIApp, checks: tuple[Check, ...]) -> None:
         self._app = app
         self._checks = checks
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer an HTTP request that a check stops; all else goes on."""
+        """Respond to an HTTP request that a check stops; pass on all others."""
         if scope["type"] == "http":
             request = HTTPConnection(scope)
             for check in self._checks:
