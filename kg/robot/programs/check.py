@@ -1,7 +1,7 @@
-"""Whether a program can be run with certain capabilities: everything that can be told before.
+"""Static checks of a program against a set of capabilities.
 
-Problems follow from the program and the capabilities alone; doubts, why parts of it may come to nothing although the
-robot has the capabilities, from its computation graph.
+Problems follow from the program and the capabilities alone. Doubts are based on the computation graph: parts that may
+have no effect although the robot has the capabilities.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 def collisions(statement: tree.Parallel | tree.OnEvent, path: str, known: Known) -> Iterator[tuple[str, str, bool]]:
-    """Yield where two parts drive one thing: the path of the later one, in words, and whether it is surely the same."""
+    """Yield conflicts of parallel parts over one target: path of the later one, description, whether it is certain."""
     parts = [list(_driven(body, f"{path}/{part}", known)) for part, body in tree.sequences_of(statement)]
     told = set()
     for earlier, later in combinations(parts, 2):
@@ -66,9 +66,9 @@ _SLACK: Final = 1e-9
 
 
 def check(program: tree.Program, capabilities: Capabilities, places: Iterable[str] = ()) -> list[Problem]:
-    """Return what is wrong with a program for a system, sorted by path; with an `error` it should not be run.
+    """Return the problems of a program for a system, sorted by path; a program with an `error` must not be run.
 
-    `places` are the names of those that stand in the program already; they are offered for names that are misspelt.
+    `places` are the names already resolved in the program; they are suggested for misspelt names.
     """
     checker = _Checker(capabilities, places)
     checker.program(program)
@@ -76,7 +76,7 @@ def check(program: tree.Program, capabilities: Capabilities, places: Iterable[st
 
 
 def kinds_of(program: tree.Program, capabilities: Capabilities) -> Kinds:
-    """Return what tells the kinds of a program's expressions, whose variables are known; nothing is reported."""
+    """Return the kinds of a program's expressions, with its variables; nothing is reported."""
     checker = _Checker(capabilities)
     checker.program(program)
     return checker.kinds
@@ -95,14 +95,14 @@ class _Loop:
 
 @dataclass(frozen=True, slots=True)
 class _Flow:
-    """Where control is: variables that surely have a value, the loop around, whether something will end it there."""
+    """The control flow: variables that have a value, the enclosing loop, and whether movements are bounded."""
 
     known: frozenset[str] = frozenset()
     loop: _Loop | None = None
     ended: bool = False
-    """Whether a movement without end is cut off by what stands around it."""
+    """Whether an enclosing statement ends an endless movement."""
     over: bool = False
-    """Whether what follows is never reached."""
+    """Whether the following statements are unreachable."""
 
 
 class _Checker:
@@ -123,7 +123,7 @@ class _Checker:
             self._wrong("/seconds", "the time limit of the program must be positive", code="KG835")
 
     def report(self, path: str, error: RobotError, severity: str = "error") -> None:
-        """Note a problem at a path, once; the statement it is in has been met before."""
+        """Report a problem at a path, once; its statement has been visited before."""
         above = path
         while above and above not in self._ids:
             above = above.rpartition("/")[0]
@@ -140,7 +140,7 @@ class _Checker:
         self.report(path, RobotError("KG836", message, hint=hint), "warning")
 
     def sequence(self, body: tuple[tree.Statement, ...], path: str, flow: _Flow) -> _Flow:
-        """Check statements one after the other; return where control is behind them."""
+        """Check a sequence of statements; return the flow after it."""
         told = flow.over
         for number, statement in enumerate(body):
             here = f"{path}/{number}"
@@ -185,7 +185,7 @@ class _Checker:
         return flow
 
     def _set_before(self, statement: tree.Statement, path: str, flow: _Flow) -> None:
-        """Tell of variables that have a value only if control came another way."""
+        """Report variables that have a value only on another path of the control flow."""
         for part, expression in tree.expressions_of(statement):
             for name in tree.variables_of(expression):
                 if name not in self._variables or name in flow.known:
@@ -241,7 +241,7 @@ class _Checker:
         return self._ending(statement, capability, path, flow)
 
     def _ending(self, statement: tree.Do, capability: Capability, path: str, flow: _Flow) -> _Flow:
-        """Tell of times that make no sense for what is done."""
+        """Report durations that do not apply to the capability."""
         if not capability.ways:
             return flow
         renewed = capability.ways[0].kind == "topic" and capability.ways[0].rate > 0
@@ -296,7 +296,7 @@ class _Checker:
                 self._wrong(path, f"`{capability.label}` needs its `{parameter.name}`", hint, "KG832")
 
     def _place(self, capability: Capability, value: tree.Expression, path: str) -> None:
-        """Tell of limits that a place does not keep."""
+        """Report a place outside of the limits of its parameters."""
         always = kinds.constant(value)
         said = values.of_place(always) if always is not None and isinstance(always.value, dict) else {}
         for parameter in capability.parameters:
@@ -363,7 +363,7 @@ class _Checker:
         return replace(flow, known=known, over=stuck)
 
     def _times(self, statement: tree.Repeat, path: str) -> bool:
-        """Check how often a sequence is repeated; tell whether it surely is at all."""
+        """Check the number of repetitions; return whether the body certainly runs."""
         kind = self._number(statement.times, f"{path}/times")
         if kind.name == "number" and kind.dimension:
             hint = "For durations, use `wait`, or `for 2 s` after a movement."
@@ -397,7 +397,7 @@ class _Checker:
         self._gets(statement.variable, first, path)
 
     def _waits(self, statement: tree.While | tree.Forever, path: str) -> None:
-        """Tell of a loop that would spin: it neither waits nor does anything, nor brings its own end about."""
+        """Report a busy loop: it does not wait, does nothing, and does not change its own condition."""
         within = [inner for _, inner in tree.statements(statement.body)]
         if any(isinstance(inner, tree.Do | tree.Wait | tree.WaitUntil) for inner in within):
             return
@@ -447,7 +447,7 @@ class _Checker:
 
 
 def _given(body: tuple[tree.Statement, ...]) -> set[str]:
-    """Return the variables that statements give values to."""
+    """Return the variables that statements assign."""
     return {statement.variable for _, statement in tree.statements(body) if isinstance(statement, tree.Set | tree.For)}
 
 
@@ -456,22 +456,22 @@ def _always(condition: tree.Expression) -> bool:
 
 
 def _never(condition: tree.Expression) -> bool:
-    """Tell whether a condition can only be what it is already."""
+    """Return whether a condition can never change."""
     return isinstance(condition, tree.Written | tree.Variable) or (
         next(tree.reads_of(condition), None) is None and next(tree.variables_of(condition), None) is None
     )
 
 
 _MISFITS: Final = frozenset({"KG806", "KG815"})
-"""The codes of ends of a topic that are not connected, since their types or qualities of service do not fit."""
+"""The codes of mismatched types and qualities of service, with which ends of a topic are not connected."""
 _Used = tuple[str, str, Literal["read", "write"]]
-"""The part of the path that leads to something, the name of its capability, and whether that is read or done."""
+"""The part of the path to a capability, its name, and whether it is read or executed."""
 
 
 def doubts(program: tree.Program, capabilities: Capabilities, graph: ComputationGraph) -> list[Problem]:
-    """Return warnings at what moves or reads something that no live node listens to, or tells.
+    """Return warnings for capabilities whose topics have no subscriber or publisher among the live nodes.
 
-    Each is told once, at the first block that needs it. What the robot cannot do at all is told by `check`.
+    Each is reported once, at the first block that uses it. Missing capabilities are reported by `check`.
     """
     known = Known(capabilities)
     told: set[GraphProblem] = set()

@@ -1,4 +1,4 @@
-"""The text form of programs, read: one statement a line, blocks until `end`; docs/programs.md has the grammar."""
+"""Parser of the text form of programs: one statement per line, blocks until `end`; grammar in docs/programs.md."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 _Loop = TypeVar("_Loop", tree.While, tree.Forever, tree.Repeat, tree.For)
 
 LEVELS: Final = (("or",), ("and",), ("not",), ("<", "<=", "=", "!=", ">=", ">", "contains"), ("+", "-"), ("*", "/"))
-"""Operators from those that bind least to those that bind most; comparisons cannot be chained."""
+"""Operators from lowest to highest precedence; comparisons cannot be chained."""
 _NOT: Final = 2
 _COMPARISON: Final = 3
-_PARTS: Final = ("x", "y", "z", "heading")  # what is said of a place, in the order in which it is written
+_PARTS: Final = ("x", "y", "z", "heading")  # components of a place, in their written order
 
 
 def expression(cursor: Cursor, path: str) -> tree.Expression:
-    """Read an expression; its parts get places below `path`."""
+    """Parse an expression; its parts get places below `path`."""
     places, cursor.places = cursor.places, {}
     try:
         return _level(cursor, path, 0, 0)
@@ -71,7 +71,7 @@ def _too_deep(cursor: Cursor) -> RobotError:
 
 
 def _below(cursor: Cursor, old: str, new: str) -> None:
-    """Move the places of a part that turned out to stand below another."""
+    """Move the places of a part below another part."""
     for path in [path for path in cursor.places if path == old or path.startswith(f"{old}/")]:
         cursor.places[new + path[len(old) :]] = cursor.places.pop(path)
 
@@ -164,7 +164,7 @@ def _number(cursor: Cursor, digits: str) -> float:
 
 
 def _name(cursor: Cursor) -> tuple[str, int]:
-    """Return a name in quotes, or the words up to one that means something, and how many they are."""
+    """Return a quoted name, or the words before the next keyword, and their number."""
     if cursor.kind("name"):
         return cursor.take().value, 1
     words = _words(cursor)
@@ -191,19 +191,19 @@ def _words(cursor: Cursor) -> list[str]:
 
 
 class Parsed(NamedTuple):
-    """A program with the lines and columns, counted from one, of the parts of its tree by their paths."""
+    """A program with the lines and columns of its parts, counted from one, by their paths."""
 
     program: tree.Program
     places: dict[str, tuple[int, int]]
 
 
 def parse(text: str, path: str = "program") -> tree.Program:
-    """Return the program that a text is; RobotError KG830 at the line and column where it cannot be read."""
+    """Return the program in a text; RobotError KG830 at the line and column of a syntax error."""
     return parse_with_places(text, path).program
 
 
 def parse_with_places(text: str, path: str = "program") -> Parsed:
-    """Return the program that a text is, with the places of its parts; RobotError KG830 as for `parse`."""
+    """Return the program in a text, with the places of its parts; RobotError KG830 as for `parse`."""
     cursor = Cursor(text, path)
     cursor.skip()
     program = tree.Program()
@@ -237,7 +237,7 @@ def _program_time(cursor: Cursor) -> float:
 
 
 def _sequence(cursor: Cursor, path: str, depth: int) -> tuple[tuple[tree.Statement, ...], str]:
-    """Read statements up to a word that ends them; comments behind the last one belong to it, or are returned."""
+    """Parse statements up to a keyword that ends them; comments after the last one belong to it, or are returned."""
     if depth > tree.BLOCKS_DEEP:
         raise cursor.refused(cursor.token, f"blocks are nested more than {tree.BLOCKS_DEEP} deep")
     body: list[tree.Statement] = []
@@ -272,7 +272,7 @@ def _statement(cursor: Cursor, path: str, depth: int) -> tree.Statement:
 
 
 def _own(cursor: Cursor) -> None:
-    """Raise RobotError KG830 for a statement as other languages have it, with what is written here."""
+    """Raise RobotError KG830 for a statement of another language, with the syntax used here."""
     token, after = cursor.token, cursor.ahead()
     if token.kind != "word":
         return
@@ -330,7 +330,7 @@ def _if(cursor: Cursor, path: str, depth: int) -> tree.If:
 
 
 def _loop(cursor: Cursor, path: str, depth: int, kind: type[_Loop], word: str, **given: Any) -> _Loop:
-    """Read what follows the head of a loop, with a word that may stand there."""
+    """Parse the rest of a loop, with a keyword that may follow."""
     cursor.phrase(word)
     identifier = _id(cursor)
     body, comment = _block(cursor, f"{path}/body", kind.__name__.lower(), depth)
@@ -477,7 +477,7 @@ def _do(cursor: Cursor, path: str) -> tree.Do:
 
 
 def _capability(cursor: Cursor, *, named: bool) -> str:
-    """Read the words of a capability, up to the name of the first argument or a time."""
+    """Parse the words of a capability, up to the name of the first argument or a duration."""
     words: list[str] = []
     while cursor.kind("word") and not cursor.word(*ENDINGS):
         after = cursor.ahead()

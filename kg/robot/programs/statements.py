@@ -1,4 +1,4 @@
-"""The statements of a program, carried out one by one, the values of its expressions meanwhile, and how time passes."""
+"""Interpreter of statements: control flow, expressions, and time."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
     from kg.robot.driving.routes import Outcome
 
 MOST_STEPS: Final = 20_000
-"""How many statements may be carried out without one that waits or does something."""
+"""Maximum number of statements without one that waits or acts."""
 
 _T = TypeVar("_T")
 
 
 class Pace:
-    """Time as a program sees it, which stands still while the program is paused."""
+    """The clock of a program, which stops while it is paused."""
 
     def __init__(self, clock: Clock) -> None:
-        """Begin to go."""
+        """Start the clock."""
         self._clock = clock
         self._steps = 0
         self._going = asyncio.Event()
@@ -40,29 +40,29 @@ class Pace:
 
     @property
     def paused(self) -> bool:
-        """Whether the program is paused, or will be at the next border of a statement."""
+        """Whether the program is paused, or will be before the next statement."""
         return self._paused.is_set()
 
     def pause(self) -> None:
-        """Stand still from now on."""
+        """Pause."""
         self._going.clear()
         self._paused.set()
 
     def resume(self) -> None:
-        """Go on."""
+        """Resume."""
         self._paused.clear()
         self._going.set()
 
     def waited(self) -> None:
-        """Note that the program did wait, so that what comes next is no endless work."""
+        """Record that the program waited, which resets the limit of steps."""
         self._steps = 0
 
     async def going(self) -> None:
-        """Return at once, or when the program goes on."""
+        """Return once the program is not paused."""
         await self._going.wait()
 
     async def step(self) -> None:
-        """Pass the border of a statement; RobotError KG837 when there were too many without a wait."""
+        """Enter a statement; RobotError KG837 after too many without a wait."""
         self._steps += 1
         if self._steps > MOST_STEPS:
             hint = "Put `wait 0.1 s` into the loop."
@@ -71,7 +71,7 @@ class Pace:
         await asyncio.sleep(0)
 
     async def sleep(self, seconds: float) -> None:
-        """Return when so much time has passed in which the program was not paused."""
+        """Sleep for some seconds, not counting pauses."""
         left = seconds
         while left > 0:
             await self._going.wait()
@@ -83,12 +83,12 @@ class Pace:
             self.waited()
 
     async def until_paused(self, work: Coroutine[Any, Any, _T]) -> tuple[_T] | None:
-        """Do some work and return what it gives in a tuple; None when a pause came first, and the work is cancelled."""
+        """Return the result of some work in a tuple; None if a pause came first, which cancels the work."""
         return await first(work, self._paused.wait())
 
 
 async def together(*work: Coroutine[Any, Any, None]) -> None:
-    """Do things at a time and return when all are done; at the first error the others are cancelled."""
+    """Run tasks in parallel and return when all are done; the first error cancels the others."""
     tasks = [asyncio.ensure_future(one) for one in work]
     try:
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_EXCEPTION) if tasks else (set(), set())
@@ -99,15 +99,15 @@ async def together(*work: Coroutine[Any, Any, None]) -> None:
         await ended(*tasks)
 
 
-_FIRST: Final = 10.0  # seconds that are waited for the first message of a capability
-_ASKED: Final = 5.0  # how often a second a service is asked that a condition depends on
+_FIRST: Final = 10.0  # seconds to wait for the first message of a capability
+_ASKED: Final = 5.0  # calls per second of a service that a condition depends on
 
 
 class Evaluation:
-    """Variables, which all parts of a program share, and the senses of the robot."""
+    """Evaluator of expressions: variables, which all parts of a program share, and the robot's readings."""
 
     def __init__(self, driver: Driver, known: Known, events: Events) -> None:
-        """Begin without variables."""
+        """Create an evaluator without variables."""
         self._driver = driver
         self.known = known
         self._events = events
@@ -115,16 +115,16 @@ class Evaluation:
         self._watchers: set[asyncio.Event] = set()
 
     def give(self, name: str, value: values.Quantity) -> None:
-        """Give a variable a value; conditions that are watched are looked at again."""
+        """Assign a variable; watched conditions are evaluated again."""
         self._variables[name] = value
         for watcher in self._watchers:
             watcher.set()
 
     async def of(self, expression: tree.Expression, path: str, statement: tree.Statement) -> values.Quantity:
-        """Return the value of an expression at a statement; it waits for the first message of what is read.
+        """Return the value of an expression at a statement; waits for the first message of a reading.
 
         Raises:
-            RobotError: KG833, KG838 when there is no value, KG836 for a variable without one, those of reading.
+            RobotError: KG833, KG838 no value, KG836 an unassigned variable, errors of reading.
         """
         match expression:
             case tree.Written():
@@ -148,7 +148,7 @@ class Evaluation:
         return values.truth(await self.of(expression, path, statement))
 
     async def seconds(self, expression: tree.Expression | None, path: str, statement: tree.Statement) -> float | None:
-        """Return a time in seconds, None for none; RobotError as `of`, KG835 for a negative one."""
+        """Return a duration in seconds, None for none; RobotError as `of`, KG835 for a negative one."""
         return None if expression is None else values.seconds(await self.of(expression, path, statement))
 
     async def _binary(self, expression: tree.Binary, path: str, statement: tree.Statement) -> values.Quantity:
@@ -169,7 +169,7 @@ class Evaluation:
 
     @asynccontextmanager
     async def watching(self, condition: tree.Expression) -> AsyncIterator[asyncio.Event]:
-        """Yield an event that is set whenever something in a condition has changed, or can be sensed no more."""
+        """Yield an event that is set whenever an input of a condition changes, or becomes unreadable."""
         news = asyncio.Event()
         names = {self.known.read(read.capability).name for read in tree.reads_of(condition)}
         listening = [asyncio.ensure_future(self._listen(name, news)) for name in names]
@@ -192,15 +192,15 @@ class Evaluation:
             news.set()
 
 
-_REST: Final = 0.02  # seconds of a movement that are not worth to begin again for
+_REST: Final = 0.02  # remaining seconds of a movement for which it is not restarted
 _SLACK: Final = 1e-9
 
 
 class Failed(Exception):  # noqa: N818 - it says how the program ended
-    """A statement failed; the innermost one is named."""
+    """Failure of a statement; names the innermost one."""
 
     def __init__(self, problem: Problem) -> None:
-        """Keep what went wrong where."""
+        """Create the failure of a statement with its error."""
         super().__init__(problem.message)
         self.problem = problem
 
@@ -210,14 +210,14 @@ class Stopped(Exception):  # noqa: N818 - it says how the program ended
 
 
 class _Left(Exception):  # noqa: N818 - control, no error
-    """The innermost loop is left."""
+    """`break`: leave the innermost loop."""
 
 
 class Statements:
-    """Carries out statements with the variables, the pace and the events of one program."""
+    """Executes statements with the variables, the clock and the events of one program."""
 
     def __init__(self, driver: Driver, evaluation: Evaluation, pace: Pace, events: Events) -> None:
-        """Nothing is done yet."""
+        """Create the interpreter; nothing runs yet."""
         self.count = 0
         self._driver = driver
         self._evaluation = evaluation
@@ -225,14 +225,14 @@ class Statements:
         self._events = events
 
     async def program(self, body: Iterable[tree.Statement]) -> None:
-        """Carry out a whole program; raises as `sequence`, and RobotError KG836 for a `break` outside a loop."""
+        """Run a whole program; raises as `sequence`, and RobotError KG836 for a `break` outside a loop."""
         try:
             await self.sequence(body, "/body")
         except _Left:
             raise RobotError("KG836", "`break` outside a loop") from None
 
     async def sequence(self, body: Iterable[tree.Statement], path: str) -> None:
-        """Carry out statements one after the other; Failed at the first that fails, Stopped by `stop`."""
+        """Run a sequence of statements; Failed at the first failure, Stopped by `stop`."""
         for number, statement in enumerate(body):
             await self._statement(statement, f"{path}/{number}")
 
@@ -308,7 +308,7 @@ class Statements:
         self._pace.waited()
 
     async def _arguments(self, capability: Capability, statement: tree.Do, path: str) -> dict[str, Any]:
-        """Return the values of parameters; what is given by its own name counts before what a place says."""
+        """Return the values of parameters; explicit arguments override those of a place."""
         known = self._evaluation.known
         placed, given = {}, {}
         for name, expression in statement.arguments.items():
@@ -323,7 +323,7 @@ class Statements:
         }
 
     def _came(self, outcome: Outcome, path: str, statement: tree.Statement) -> None:
-        """Tell what a dry run would have sent, or that a robot did not move; KG838 when another stopped it."""
+        """Emit the command of a dry run, or a warning that the robot did not move; KG838 if another node stopped it."""
         plan = outcome.plan
         if outcome.ended == "stopped":
             raise RobotError("KG838", f"`{plan.capability}` was stopped from outside")
@@ -335,7 +335,7 @@ class Statements:
             self._events.tell("warning", path, statement, **told)
 
     async def _with_pauses(self, work: Any, left: float | None, *, moves: bool) -> Outcome | None:
-        """Do what takes a while; it is stopped at a pause, and begun again for the time that is left."""
+        """Run a long action; a pause stops it, and it is restarted for the remaining time."""
         clock = self._driver.connection.clock
         while True:
             await self._pace.going()
@@ -415,7 +415,7 @@ class Statements:
     async def _until(
         self, condition: tree.Expression, path: str, statement: tree.Statement, *, holds: bool = True
     ) -> None:
-        """Return when a condition holds, or does not; it is looked at whenever something in it has changed."""
+        """Return when a condition becomes true or false; it is evaluated whenever one of its inputs changes."""
         async with self._evaluation.watching(condition) as news:
             while True:
                 await self._pace.going()
@@ -439,7 +439,7 @@ class Statements:
             await asyncio.wait({working, watching}, return_when=asyncio.FIRST_COMPLETED)
             if working.done():
                 working.result()
-                async with handling:  # what has begun is finished
+                async with handling:  # finish the started sequence
                     watching.cancel()
         finally:
             await ended(working, watching)

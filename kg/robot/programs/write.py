@@ -1,4 +1,4 @@
-"""The text form of programs, written: what is written is read again as the same tree."""
+"""Printer of the text form of programs; its output parses to the same tree."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SIGNED: Final = len(LEVELS)
 
 
 def write(program: tree.Program, *, ids: bool = False) -> str:
-    """Return a program as text; with `ids` those of the statements stand behind `@`, which people seldom want."""
+    """Return a program as text; with `ids`, those of the statements are written after `@`."""
     lines: list[str] = []
     if program.comment or program.seconds is not None or program.name != tree.Program().name or not program.body:
         within = "" if program.seconds is None else f" within {_number(program.seconds)} s"
@@ -37,7 +37,7 @@ def written(expression: tree.Expression) -> str:
 
 
 class _Printer:
-    """Statements as lines."""
+    """Prints statements as lines."""
 
     def __init__(self, *, ids: bool) -> None:
         self._ids = ids
@@ -184,7 +184,7 @@ def _value(value: tree.Written) -> str:
 
 
 def _expression(expression: tree.Expression, least: int) -> str:
-    """Return an expression as text, in parentheses when it binds less than `least`."""
+    """Return an expression as text, in parentheses if its precedence is lower than `least`."""
     match expression:
         case tree.Written():
             return _value(expression)

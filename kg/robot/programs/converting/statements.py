@@ -35,16 +35,16 @@ def number(value: tree.Written) -> str:
 
 
 class Expressions:
-    """Writes expressions, given how variables and what is sensed are written."""
+    """Generator of expressions, given the code for variables and for readings."""
 
     def __init__(self, kinds: Kinds, variable: Callable[[str], str], read: Callable[[tree.Read], str]) -> None:
-        """Keep what is asked for names."""
+        """Create a generator with the functions that return the code of names."""
         self._kinds = kinds
         self._variable = variable
         self._read = read
 
     def of(self, expression: tree.Expression, least: int = 0) -> str:
-        """Return an expression, in parentheses when it binds less than `least`."""
+        """Return an expression, in parentheses if its precedence is lower than `least`."""
         match expression:
             case tree.Written():
                 shown, level = self._written(expression)
@@ -96,7 +96,7 @@ class Expressions:
         return f"{left} {_SIGNS.get(operator, operator)} {self.of(expression.right, level + 1)}", level
 
     def text(self, expression: tree.Expression) -> str:
-        """Return the expression for a value as people read it: numbers have their unit behind them."""
+        """Return the expression that formats a value for people, with units after numbers."""
         if isinstance(expression, tree.Written) and isinstance(expression.value, str):
             return _quoted(expression.value)
         parts = [self._part(one) for one in self._joined(expression)]
@@ -105,14 +105,14 @@ class Expressions:
         return 'f"' + "".join(inside for _, inside in parts).replace("\n", "\\n") + '"'
 
     def _joined(self, expression: tree.Expression) -> list[tree.Expression]:
-        """Return the parts of a text that is put together."""
+        """Return the parts of a concatenated text."""
         text = self._kinds.of(expression, "").name == "text"
         if text and isinstance(expression, tree.Binary) and expression.operator == "+":
             return [*self._joined(expression.left), *self._joined(expression.right)]
         return [expression]
 
     def _part(self, expression: tree.Expression) -> tuple[str, str]:
-        """Return a part of a text as an expression of its own, and as it stands in an f-string."""
+        """Return a part of a text as an expression of its own, and as it is written in an f-string."""
         if isinstance(expression, tree.Written) and isinstance(expression.value, str):
             return _quoted(expression.value), expression.value.replace("{", "{{").replace("}", "}}")
         shown, kind = self.of(expression), self._kinds.of(expression, "")
@@ -128,7 +128,7 @@ def _quoted(text: str) -> str:
 
 
 class Code:
-    """Writes statements; `used` are the methods beyond those of every node that they need."""
+    """Generator of statements; `used` are the extra methods that they need."""
 
     def __init__(
         self,
@@ -138,7 +138,7 @@ class Code:
         program: tree.Program,
         place: Callable[[str], Place] | None,
     ) -> None:
-        """Variables belong to the object where parts of the program run at the same time, else to the method."""
+        """Create a generator; variables are attributes if parts run in parallel, else local."""
         self.used: set[str] = set()
         every = [statement for _, statement in tree.statements(program.body)]
         self._shared = any(isinstance(one, tree.Parallel | tree.OnEvent) for one in every)
@@ -152,7 +152,7 @@ class Code:
         self._expressions = Expressions(told, self._variable, self._read)
 
     def sequence(self, body: tuple[tree.Statement, ...], path: str) -> list[str]:
-        """Return the lines of statements; RobotError KG839 at the first that no code is made for."""
+        """Return the lines of statements; RobotError KG839 at the first one without generated code."""
         lines = []
         for number, statement in enumerate(body):
             here = f"{path}/{number}"
@@ -256,7 +256,7 @@ class Code:
         return f"self.{method}({', '.join(arguments)})"
 
     def _arguments(self, capability: Capability, statement: tree.Do) -> dict[str, str]:
-        """Return arguments by the names of parameters; those of their own names count before those of a place."""
+        """Return arguments by parameter; explicit arguments override those of a place."""
         found: dict[str, str] = {}
         for name, value in statement.arguments.items():
             if takes_place(capability, name):
@@ -317,13 +317,13 @@ class Code:
 
 
 def _said(every: list[tree.Statement]) -> set[str]:
-    """Return what is said of any place."""
+    """Return the components that any place in the program sets."""
     parts = (part for one in every for _, expression in tree.expressions_of(one) for part in tree.parts_of(expression))
     return {name for part in parts if isinstance(part, tree.Position) for name in part.parts()}
 
 
 def _given(every: list[tree.Statement], known: Known, said: set[str]) -> dict[str, tuple[str, ...]]:
-    """Return the parameters that a program gives each capability anywhere, in their order."""
+    """Return the parameters that a program passes to each capability anywhere, in their order."""
     found: dict[str, set[str]] = {}
     order: dict[str, tuple[Parameter, ...]] = {}
     for statement in every:
@@ -337,7 +337,7 @@ def _given(every: list[tree.Statement], known: Known, said: set[str]) -> dict[st
 
 
 def _whole(expression: tree.Expression) -> int | None:
-    """Return a plain whole number that is written as it is, None for anything else."""
+    """Return the value of an integer literal; None for anything else."""
     if (
         not isinstance(expression, tree.Written)
         or isinstance(expression.value, bool | str)

@@ -1,7 +1,7 @@
-"""Writes a program as a behaviour tree.
+"""Export of programs as behaviour trees.
 
-A tree has no statement that leaves a loop or the program. Both become a flag of the blackboard and a failure, which
-goes up to the nodes around the loop, or the program; there the flag turns it into success.
+Trees have no statement that leaves a loop or the program. Both become a flag on the blackboard and a failure, which
+propagates to the nodes around the loop or program. There the flag turns it into success.
 """
 
 from __future__ import annotations
@@ -29,21 +29,21 @@ if TYPE_CHECKING:
     from kg.robot.capability import Capabilities, Capability, Parameter
 
 HINT: Final = "_kg"
-"""The attribute with a statement as written."""
+"""The attribute with the text of a statement."""
 POLL: Final = 50
-"""Milliseconds between two looks at a condition that is waited for."""
+"""Milliseconds between evaluations of a condition that is waited for."""
 DURATION: Final = "for_seconds"
-"""The port of how long a movement takes."""
+"""The port of the duration of a movement."""
 STOPPED: Final = f"{OWN}stopped"
 PLACE: Final = re.compile(r"(-?[0-9.eE+-]+);(-?[0-9.eE+-]+)(?:;(-?[0-9.eE+-]*))?(?:;(-?[0-9.eE+-]*))?")
 """A place in a port: x;y, x;y;heading or x;y;z;heading."""
-_SLACK: Final = 1e-6  # milliseconds that a time may be off a whole number, as calculations have it
+_SLACK: Final = 1e-6  # maximum rounding error in milliseconds of a duration
 _TYPES: Final = {"number": "double", "integer": "int", "boolean": "bool", "text": "std::string", "list": "std::string"}
 _RESERVED: Final = frozenset({"name", "ID", "_autoremap"})
 
 
 def port(parameter: str) -> str:
-    """Return the name of the port of a parameter; some names are taken by BehaviorTree.CPP."""
+    """Return the name of the port of a parameter; BehaviorTree.CPP reserves some names."""
     return f"{parameter}_" if parameter in _RESERVED else parameter
 
 
@@ -52,10 +52,10 @@ def behavior_tree(
 ) -> str:
     """Return a program as XML for BehaviorTree.CPP 4.
 
-    `place` tells where a part of the program stands in its file.
+    `place` returns the place of a part of the program in its file.
 
     Raises:
-        RobotError: that of the first error of a program that is not sound; KG841 for what no tree can say.
+        RobotError: the first error of an invalid program; KG841 for parts that no tree can express.
     """
     for problem in check(program, capabilities):
         if problem.severity == "error":
@@ -75,12 +75,12 @@ def _flag(name: str, value: str) -> _Element:
 
 
 def _left(flag: str) -> _Element:
-    """Return what sets a flag and fails, up to the nodes that look at the flag."""
+    """Return nodes that set a flag and fail, up to the nodes that test the flag."""
     return _node("Sequence", _flag(flag, "true"), _node("AlwaysFailure"))
 
 
 def _leavable(flag: str, inner: _Element) -> _Element:
-    """Return nodes that succeed when the inner one does, or fails with the flag set."""
+    """Return nodes that succeed if the inner one does, or if it fails with the flag set."""
     guarded = _node("Fallback", inner, _node("ScriptCondition", code=flag))
     return _node("Sequence", _flag(flag, "false"), guarded)
 
@@ -96,7 +96,7 @@ def _milliseconds(seconds: tree.Expression) -> str:
 
 
 class _Tree:
-    """Writes one program."""
+    """Exports one program."""
 
     def __init__(self, program: tree.Program, capabilities: Capabilities, place: Callable[[str], Place] | None) -> None:
         self._program = program
@@ -193,7 +193,7 @@ class _Tree:
                 return self._log(bare, statement)
 
     def _name_variables(self, statement: tree.Statement) -> str:
-        """Note the names of the variables of a statement in the tree; ScriptError when others have one of them."""
+        """Record the names of the variables of a statement; ScriptError on a clash."""
         used = [name for _, one in tree.expressions_of(statement) for name in tree.variables_of(one)]
         for name in [*used, *([statement.variable] if isinstance(statement, tree.Set | tree.For) else [])]:
             made = identifier(name)
@@ -202,7 +202,7 @@ class _Tree:
         return ""
 
     def _reading(self, expressions: Iterable[tree.Expression], node: _Element, *before: _Element) -> _Element:
-        """Return nodes that read what expressions need, then do something."""
+        """Return nodes that read the inputs of expressions, then act."""
         found: dict[str, dict[str, str]] = {}
         for expression in expressions:
             for capability, parameter in _read_by(expression):
@@ -254,7 +254,7 @@ class _Tree:
 
     @staticmethod
     def _given(capability: str, name: str, value: tree.Expression) -> tuple[str, list[_Element]]:
-        """Return what a port is given, and the script that computes it before."""
+        """Return the value of a port, and the script that computes it first."""
         match value:
             case tree.Written(value=bool() as truth):
                 return ("true" if truth else "false"), []
@@ -358,7 +358,7 @@ class _Tree:
 
 
 def _read_by(expression: tree.Expression) -> Iterator[tuple[str, str]]:
-    """Yield the capabilities and parameters that an expression reads; of a list that is counted, only its length."""
+    """Yield the capabilities and parameters that an expression reads; of a counted list, only its length."""
     match expression:
         case tree.Read(capability=capability, parameter=parameter):
             yield capability, parameter
@@ -387,7 +387,7 @@ def _described(tag: str, name: str, kind: str, text: str) -> _Element:
 
 
 def _place(place: tree.Position) -> str:
-    """Return a place as a port has it; ScriptError for one that is computed."""
+    """Return a place as a port value; ScriptError for a computed one."""
     parts = place.parts()
     names = ("x", "y", "z", "heading") if "z" in parts else ("x", "y", "heading")
     found = []

@@ -1,8 +1,8 @@
-"""Reads a behaviour tree as a program.
+"""Import of behaviour trees as programs.
 
-What `exporting` writes is read as the statements that it was written for; other trees as far as their nodes mean the
-same as statements. A statement as written (`_kg`) is taken as long as the nodes say the same. Numbers, which have no
-units there, get those of what they are compared with or added to.
+Trees written by `exporting` become the original statements; other trees are imported as far as their nodes are
+equivalent to statements. A statement's text (`_kg`) is used as long as it agrees with the nodes. Numbers have no units
+in trees; they get those of the values that they are compared with or added to.
 """
 
 from __future__ import annotations
@@ -83,18 +83,18 @@ _NODES: Final = frozenset(
     | {"SubTree", "Switch2", "Switch3", "Switch4", "Switch5", "Switch6", "Timeout", "TryCatch", "UnsetBlackboard"}
     | {"WaitValueUpdate", "WasEntryUpdated", "WhileDoElse"}
 )
-"""Standard nodes that are no statements by themselves; capabilities have other names."""
+"""Standard nodes that are not statements on their own; capabilities have other names."""
 _PAIR: Final = 2
-_TRIPLE: Final = 3  # how many children a node has
-_ENDS: Final = ("\nend", "\nduring\nend", "")  # what makes the first line of a statement a whole one
+_TRIPLE: Final = 3  # number of children of a ternary node
+_ENDS: Final = ("\nend", "\nduring\nend", "")  # endings that complete the first line of a statement
 _Env = dict[str, tree.Expression]
 
 
 def program_of(text: str | bytes, capabilities: Capabilities, path: str = "tree") -> tree.Program:
-    """Return the program that a behaviour tree is.
+    """Return the program of a behaviour tree.
 
     Raises:
-        RobotError: KG842 at the line of what is no behaviour tree of version 4, or has no statement that means it.
+        RobotError: KG842 at the line that is not part of a behaviour tree of version 4, or has no equivalent statement.
     """
     parsed = parse_xml(text.encode() if isinstance(text, str) else text)
     if parsed.root is None or parsed.problem is not None:
@@ -112,7 +112,7 @@ def _children(node: _Element) -> list[_Element]:
 
 
 class _Reader:
-    """Reads one file."""
+    """Reader of one file."""
 
     def __init__(self, root: _Element, capabilities: Capabilities, path: str) -> None:
         self._root = root
@@ -174,7 +174,7 @@ class _Reader:
             raise self._refused(node, str(error)) from error
 
     def _port(self, node: _Element, value: str, env: _Env) -> tree.Expression:
-        """Return what a port is given: a variable in braces, a place, a number, a truth value or a text."""
+        """Return the value of a port: a variable in braces, a place, a number, a truth value or a text."""
         if value.startswith("{") and value.endswith("}"):
             return self._script(node, value[1:-1], env)
         if place := _place(value):
@@ -208,7 +208,7 @@ class _Reader:
         return tuple(one for child in _children(node) for one in self._statements(child, inner))
 
     def _statements(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
-        """Return the statements that a node stands for, written as its hint says where that is true."""
+        """Return the statements of a node, with the text of its hint if that is still accurate."""
         found = self._structural(node, env)
         hint = node.get(HINT)
         if len(found) != 1 or hint is None:
@@ -264,7 +264,7 @@ class _Reader:
         return self._do(node, name, ports, env)
 
     def _statement_of_timeout(self, node: _Element) -> str | None:
-        """Return the name of what a time limit belongs to, None where it is that of a whole sequence."""
+        """Return the name of the statement with a time limit; None if the limit is that of a whole sequence."""
         name = self._name(node)
         return name if name == "RetryUntilSuccessful" or not _children(node) else None
 
@@ -277,7 +277,7 @@ class _Reader:
             return msgspec.structs.replace(inner, within=seconds)
         raise self._refused(node, "only capabilities and `wait until` have a time limit")
 
-    # What several nodes stand for
+    # Statements of several nodes
 
     def _leavable(self, node: _Element) -> str | None:
         """Return the flag of nodes that can be left: a flag, then a Fallback of the nodes and the flag."""
@@ -297,7 +297,7 @@ class _Reader:
         return self._name(node) in {"KeepRunningUntilFailure", "Repeat", "LoopDouble", "LoopInt"}
 
     def _pattern(self, node: _Element, env: _Env) -> tree.Statement | None:
-        """Return the statement that a Sequence stands for as a whole, if it does."""
+        """Return the statement of a whole Sequence, if there is one."""
         children = _children(node)
         names = [self._name(child) for child in children]
         if names == ["Script", "AlwaysFailure"]:
@@ -345,7 +345,7 @@ class _Reader:
             self._flags = around
         return tree.OnEvent(condition=self._condition(condition, env), then=then, body=body, end=True)
 
-    # What one node stands for
+    # Statements of one node
 
     def _condition(self, node: _Element, env: _Env) -> tree.Expression:
         name = self._name(node)
@@ -443,14 +443,14 @@ class _Reader:
         return tree.Do(capability=name, arguments=arguments, seconds=seconds)
 
     def _texts(self, name: str, ports: dict[str, str], arguments: dict[str, tree.Expression]) -> None:
-        """Let what a parameter takes as text be one, also where it looks like a number."""
+        """Keep the argument of a text parameter as text, even if it looks like a number."""
         for parameter in self._known.write(name).parameters:
             given = ports.get(port(parameter.name), "{}")
             if parameter.type == "text" and not (given.startswith("{") and given.endswith("}")):
                 arguments[parameter.name] = tree.Written(value=given)
 
     def _assigned(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
-        """Return what a script gives values to; names that only an exported tree has stand for their values."""
+        """Return the assignments of a script; names internal to exported trees are replaced by their values."""
         try:
             found = assignments(self._ports(node).get("code", ""), env)
         except ScriptError as error:
@@ -466,7 +466,7 @@ class _Reader:
         return tuple(made)
 
     def _read(self, node: _Element, name: str, env: _Env) -> tuple[tree.Statement, ...]:
-        """Return what is kept of what a node reads; the names of readings stand for what was read just now."""
+        """Record the outputs of a reading node; their names then refer to the values just read."""
         made = []
         try:
             names = {port(one.name): one.name for one in self._known.read(name).parameters}
@@ -487,7 +487,7 @@ class _Reader:
         return tuple(made)
 
     def _subtree(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
-        """Return the statements of another tree, which shares its variables by the same names only."""
+        """Return the statements of another tree, which shares only variables of the same names."""
         name = str(node.get("ID") or "")
         if name not in self._trees:
             raise self._refused(node, f"unknown tree `{name}`")
@@ -506,10 +506,10 @@ class _Reader:
         finally:
             self._within.pop()
 
-    # Statements as written
+    # Statements from their text
 
     def _hinted(self, found: tree.Statement, hint: str, comment: str) -> tree.Statement:
-        """Return a statement as it was written, as long as that says the same as its nodes."""
+        """Return a statement from its text, if that agrees with its nodes."""
         for end in _ENDS:
             with suppress(RobotError):
                 written = parse(f"{hint}{end}").body
@@ -538,7 +538,7 @@ def _with_sequences(written: Any, found: Any) -> tree.Statement:
 
 
 def _place(text: str) -> tree.Position | None:
-    """Return the place that a text is: x;y, x;y;heading or x;y;z;heading."""
+    """Return the place in a text: x;y, x;y;heading or x;y;z;heading."""
     found = PLACE.fullmatch(text)
     if found is None:
         return None

@@ -1,7 +1,7 @@
-"""Programs as behaviour trees say them, and the scripting language of BehaviorTree.CPP 4, written and read.
+"""Programs in the terms of behaviour trees, and the scripting language of BehaviorTree.CPP 4, written and parsed.
 
-Bare statements and expressions have no units and the names of the ontology: numbers are in base units, arguments in the
-units of their parameters, and variables have names that scripts allow.
+Bare statements and expressions have no units, and the names of the ontology: numbers are in base units, arguments in
+the units of their parameters, and variables have valid names for scripts.
 """
 
 from __future__ import annotations
@@ -23,35 +23,35 @@ if TYPE_CHECKING:
     from kg.robot.capability import Capability
 
 OWN: Final = "kg_"
-"""Beginning of the names that an exported tree gives to values of its own."""
+"""Prefix of the internal names of an exported tree."""
 COUNT: Final = "count_of_"
-"""Beginning of the names of ports that give how many elements a list has."""
+"""Prefix of the ports with the length of a list."""
 _WORD: Final = re.compile(r"[^A-Za-z0-9_]")
 
 
 def identifier(name: str) -> str:
-    """Return the name of a variable as scripts allow it."""
+    """Return a variable's name as a valid identifier of scripts."""
     made = _WORD.sub("_", name)
     return made if made[:1].isalpha() or made[:1] == "_" else f"_{made}"
 
 
 def reading(capability: str, parameter: str) -> str:
-    """Return the name under which a tree keeps the value that was just read."""
+    """Return the name under which a tree stores the value just read."""
     return f"{capability}_{parameter}"
 
 
 class Bare:
-    """Rewrites statements and expressions; RobotError KG832, KG834 for capabilities that are unknown."""
+    """Rewrites statements and expressions to bare ones; RobotError KG832, KG834 for unknown capabilities."""
 
     def __init__(self, known: Known, kinds: Kinds) -> None:
-        """`kinds` are those of the program, whose variables are known."""
+        """Create a rewriter; `kinds` are those of the program, with its variables."""
         self._known = known
         self._kinds = kinds
 
     def head(self, statement: tree.Statement) -> tree.Statement:
-        """Return a statement with its own expressions bare, not those of statements within it, without id and comment.
+        """Return a statement with its own expressions bare, without nested statements, id and comment.
 
-        A time is in seconds, the numbers of a loop are those that it counts.
+        Durations are in seconds; the numbers of a loop are those that it counts.
         """
         made = msgspec.structs.replace(statement, id=None, comment="")
         if isinstance(statement, tree.Do):
@@ -112,26 +112,26 @@ class Bare:
 
 
 def _rounded(seconds: tree.Expression) -> tree.Expression:
-    """Return a time without what calculations in milliseconds add behind the ninth digit."""
+    """Return a duration rounded to nine digits, which removes errors of calculations in milliseconds."""
     value = seconds.value if isinstance(seconds, tree.Written) else None
     numeric = value is not None and not isinstance(value, bool | str)
     return tree.Written(value=round(value, 9)) if numeric and value is not None else seconds  # type: ignore[arg-type] # a number
 
 
 def _folded(expression: tree.Expression) -> tree.Expression:
-    """Return the number that an expression always is, else the expression."""
+    """Return the value of a constant expression, else the expression."""
     always = constant(expression)
     return tree.Written(value=always.value) if always and always.number and isfinite(always.value) else expression
 
 
 MOST: Final = 1000
-"""How many numbers a tree may list."""
+"""Maximum length of a list in a tree."""
 _SLACK: Final = 1e-9
-_DIGITS: Final = 12  # digits behind the point that a tree lists: 0.1 + 0.2 is 0.3 there
+_DIGITS: Final = 12  # decimal places in a list, so that 0.1 + 0.2 is 0.3
 
 
 def counted(loop: tree.For) -> list[float] | None:
-    """Return the numbers that a bare loop counts, None where they depend on the run, are endless or too many."""
+    """Return the numbers that a bare loop counts; None if they depend on the run, are endless or too many."""
     start, end = constant(loop.start), constant(loop.end)
     step = constant(loop.step)
     if start is None or end is None or (loop.step is not None and step is None):
@@ -155,7 +155,7 @@ _ASSIGNING: Final = {":=": "", "=": "", "+=": "+", "-=": "-", "*=": "*", "/=": "
 
 
 class ScriptError(ValueError):
-    """What a script cannot say, or a program cannot, in one clause."""
+    """The reason why a script or a program cannot express something, as one clause."""
 
 
 class Assignment(NamedTuple):
@@ -166,12 +166,12 @@ class Assignment(NamedTuple):
 
 
 def number(value: float) -> str:
-    """Return a number as scripts and ports have it; zero has no sign."""
+    """Return a number as written in scripts and ports; zero has no sign."""
     return repr(float(value) + 0.0).removesuffix(".0")
 
 
 def script(expression: tree.Expression) -> str:
-    """Return a bare expression as a script; ScriptError for what scripts have no words for."""
+    """Return a bare expression as a script; ScriptError if scripts cannot express it."""
     match expression:
         case tree.Written(value=bool() as value):
             return "true" if value else "false"
@@ -204,10 +204,10 @@ def _inner(expression: tree.Expression) -> str:
 
 
 def expression_of(code: str, names: Mapping[str, tree.Expression]) -> tree.Expression:
-    """Return the expression that a script is; `names` stand for what was read or computed before.
+    """Return the expression in a script; `names` map to values read or computed before.
 
     Raises:
-        ScriptError: it is none, or has operators that programs lack.
+        ScriptError: invalid, or with operators that programs lack.
     """
     reader = _Reader(code, names)
     found = reader.expression(0, 0)
@@ -216,7 +216,7 @@ def expression_of(code: str, names: Mapping[str, tree.Expression]) -> tree.Expre
 
 
 def assignments(code: str, names: Mapping[str, tree.Expression]) -> list[Assignment]:
-    """Return the assignments of a script; raises as `expression_of`."""
+    """Return the assignments in a script; raises as `expression_of`."""
     reader = _Reader(code, names)
     found = []
     while not reader.at(""):
@@ -255,16 +255,16 @@ class _Reader:
 
     @property
     def sign(self) -> str:
-        """The sign that comes next, empty for anything else."""
+        """The next sign, empty for anything else."""
         kind, text = self._token
         return text if kind == "sign" else ""
 
     def at(self, sign: str) -> bool:
-        """Tell whether a sign comes next; the empty one is the end."""
+        """Return whether a sign comes next; the empty one is the end."""
         return self._token in {("sign", sign), ("end", sign)}
 
     def take(self, kind: str) -> str:
-        """Return what comes next, which has to be of a kind; ScriptError otherwise."""
+        """Consume the next token, which has to be of a kind; ScriptError otherwise."""
         found, text = self._token
         if found != kind:
             raise ScriptError(f"`{text or 'the end of the script'}` is not a {kind}")
@@ -272,12 +272,12 @@ class _Reader:
         return text
 
     def end(self) -> None:
-        """Raise ScriptError when something is left."""
+        """Raise ScriptError if input is left."""
         if not self.at(""):
             raise ScriptError(f"programs have no `{self._token[1]}` as in this script")
 
     def expression(self, level: int, depth: int) -> tree.Expression:
-        """Read operators of a level and above."""
+        """Parse operators of a precedence level and above."""
         if depth > tree.EXPRESSIONS_DEEP:
             raise ScriptError(f"expressions are nested more than {tree.EXPRESSIONS_DEEP} deep")
         if level == len(_LEVELS):
