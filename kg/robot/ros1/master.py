@@ -1,7 +1,7 @@
-"""A small master for simulations and tests where no ROS is installed: registrations, look-ups, parameters.
+"""A small master for simulations and tests without a ROS installation: registrations, look-ups, parameters.
 
-It answers the Master and Parameter Server APIs (wiki.ros.org/ROS/Master_API and ROS/Parameter%20Server%20API), and
-tells subscribers who publishes.
+It implements the Master and Parameter Server APIs (wiki.ros.org/ROS/Master_API and ROS/Parameter%20Server%20API), and
+notifies subscribers of publishers.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from kg.robot.tasks import Tasks
 
 
 class Parameters:
-    """The parameters of a system; a namespace is the dict of what is in it. A KeyError says that there is none."""
+    """The parameters of a system; a namespace is a dict of its content. KeyError for a missing one."""
 
     def __init__(self) -> None:
         self._tree: dict[str, Any] = {}
 
     def get(self, name: str) -> Any:
-        """Return a value, or all of a namespace."""
+        """Return a value, or the content of a namespace."""
         found: Any = self._tree
         for part in _parts(name):
             if not isinstance(found, dict):
@@ -42,7 +42,7 @@ class Parameters:
         return True
 
     def set(self, name: str, value: Any) -> None:
-        """Set a value, or all of a namespace."""
+        """Set a value, or the content of a namespace."""
         *spaces, last = _parts(name) or [""]
         if not last:
             self._tree = value if isinstance(value, dict) else {}
@@ -55,7 +55,7 @@ class Parameters:
         within[last] = value
 
     def delete(self, name: str) -> None:
-        """Forget a value or namespace."""
+        """Delete a value or namespace."""
         *spaces, last = _parts(name) or [""]
         within = self.get("/".join(spaces))
         if not isinstance(within, dict):
@@ -92,7 +92,7 @@ def _parts(name: str) -> list[str]:
 
 @dataclass
 class _Ends:
-    """Who is registered where: the addresses of nodes by the name of the topic or service, then by that of the node."""
+    """Registrations: addresses of nodes by the name of the topic or service, then by the name of the node."""
 
     by_name: dict[str, dict[str, str]] = field(default_factory=dict)
 
@@ -100,7 +100,7 @@ class _Ends:
         self.by_name.setdefault(name, {})[node] = uri
 
     def remove(self, name: str, node: str, uri: str | None = None) -> int:
-        """Take a node off, if it is registered with the address; return how many were."""
+        """Remove a node, if it is registered with the address; return the number removed."""
         nodes = self.by_name.get(name, {})
         if node not in nodes or (uri is not None and nodes[node] != uri):
             return 0
@@ -117,7 +117,7 @@ class _Ends:
 
 
 class Master:
-    """A master that listens while it is entered: `async with Master() as master: ... master.address`."""
+    """A master that listens inside its context: `async with Master() as master: ... master.address`."""
 
     def __init__(self, host: str = "127.0.0.1", port: int = 0) -> None:
         self.parameters = Parameters()
@@ -140,11 +140,11 @@ class Master:
 
     @property
     def uri(self) -> str:
-        """The address as `$ROS_MASTER_URI` has it."""
+        """The address in the form of `$ROS_MASTER_URI`."""
         return f"http://{netloc(self._host, self._port)}/"
 
     async def __aenter__(self) -> Self:
-        """Listen; RobotError KG814 when the address cannot be had."""
+        """Listen; RobotError KG814 if the address is not available."""
         try:
             self._port = await self._server.start(self._host, self._port)
         except OSError as error:
@@ -172,7 +172,7 @@ class Master:
                 return {"faultCode": 1, "faultString": "it is not a call"}
 
     def _answer(self, method: str, arguments: list[Any]) -> list[Any]:
-        """Answer a call with code, words and value; a method that is not known is a KeyError."""
+        """Respond to a call with code, message and value; KeyError for an unknown method."""
         name, shape = _CALLS[method]
         if len(arguments) != len(shape) + 1 or not _is_caller(arguments[0], registers="u" in shape):
             return [-1, f"{method} needs a caller and {len(shape)} arguments", 0]
@@ -275,7 +275,7 @@ class Master:
         return self._watching.remove(name, caller, uri)
 
     def _welcome(self, caller: str, uri: str) -> None:
-        """Take a node; one that had its name before, at another address, is told to end and forgotten."""
+        """Register a node; another one of the same name at another address is shut down and removed."""
         before = self._nodes.get(caller)
         if before is not None and before != uri:
             self._tell([before], "shutdown", f"a new node registered as {caller}")
@@ -285,7 +285,7 @@ class Master:
         self._nodes[caller] = uri
 
     def _forget(self, nodes: Iterable[str], topic: str | None = None) -> None:
-        """Forget nodes that have nothing any more, and the type of a topic without ends."""
+        """Remove nodes without registrations, and the types of topics without ends."""
         ends = (self._publishers, self._subscribers, self._services)
         for node in nodes:
             if not any(one.has(node) for one in ends):
@@ -298,7 +298,7 @@ class Master:
         self._tell(self._subscribers.by_name.get(topic, {}).values(), "publisherUpdate", topic, publishers)
 
     def _tell(self, uris: Iterable[str], method: str, *arguments: Any) -> None:
-        """Tell nodes something, without waiting for them: each in order, of a topic or parameter only the newest."""
+        """Notify nodes without waiting: in order, and only of the newest state of a topic or parameter."""
         for uri in uris:
             if uri not in self._untold:
                 self._untold[uri] = {}
@@ -320,7 +320,7 @@ async def _quietly(uri: str, method: str, arguments: tuple[Any, ...]) -> None:
     try:
         await call(uri, method, "/master", *arguments)
     except RobotError:
-        return  # a dead node need not know
+        return  # a dead node needs no notification
 
 
 def _slashed(name: object) -> object:
@@ -328,7 +328,7 @@ def _slashed(name: object) -> object:
 
 
 def _is_caller(value: object, *, registers: bool) -> bool:
-    """Tell whether someone may call: tools that only ask have names that are none, as `/rosparam-1234`."""
+    """Return whether a caller's name is accepted: names of tools are invalid for nodes, such as `/rosparam-1234`."""
     return is_name(_slashed(value)) if registers else isinstance(value, str)
 
 
