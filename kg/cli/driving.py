@@ -1,4 +1,4 @@
-"""What `kg robot read` and `kg robot do` do, and how they show it."""
+"""`kg robot read` and `kg robot do`: their options, execution and output."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ if TYPE_CHECKING:
     from kg.settings import Settings
 
 
-_FIRST: Final = 5.0  # seconds of the wall that the first value may take where reading is to end
-_QUEUE: Final = 100  # messages of a topic that may wait to be written
-_FEEDBACK: Final = 1.0  # how often a second of the wall a person is told how far a goal is
+_FIRST: Final = 5.0  # wall-clock seconds to wait for the first value if reading is limited
+_QUEUE: Final = 100  # maximum number of queued messages of a topic
+_FEEDBACK: Final = 1.0  # maximum progress reports per wall-clock second for people
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What of a capability is to be read: until `count` values or `seconds` are over, `rate` a second at most."""
+    """Options of reading a capability: at most `count` values or `seconds`, at most `rate` per second."""
 
     count: int | None
     seconds: float | None
@@ -65,7 +65,7 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class Doing:
-    """What is to be done with a capability: its arguments, how long, and whether in earnest."""
+    """Options of executing a capability: its arguments, duration, and whether it is a dry run."""
 
     arguments: Mapping[str, str]
     keep: float | None
@@ -77,7 +77,7 @@ class Doing:
 
     @classmethod
     def of(cls, values: Sequence[str], *, keep: str | None, timeout: str | None, **more: Any) -> Doing:
-        """Return it as a user's options say it; UsageError KG003 for what is no number, or no NAME=VALUE."""
+        """Return the options as given by the user; UsageError KG003 for an invalid number or NAME=VALUE."""
         pairs = [one.partition("=") for one in values]
         for text, (name, sign, _) in zip(values, pairs, strict=True):
             if not sign or not name.strip():
@@ -99,7 +99,7 @@ async def _driver(settings: Settings, **options: Any) -> AsyncIterator[tuple[Dri
     address = address_of(settings)
     async with connected(address) as connection:
         graph = await inhabited(connection)
-        # In a thread: a loop that stands still would take the time of a simulation for what it was before.
+        # In a thread: a blocked event loop would misread the clock of a simulation.
         capabilities = await asyncio.to_thread(infer, graph, settings, address=address)
         watchdog = Watchdog(address, settings.watchdog)
         async with Driver(connection, capabilities, watchdog=watchdog, graph=graph, **options) as driver:
@@ -107,7 +107,7 @@ async def _driver(settings: Settings, **options: Any) -> AsyncIterator[tuple[Dri
 
 
 def read_capability(settings: Settings, name: str, asked: Reading) -> None:
-    """Write the values of a capability as they come; RobotError as `Driver.read`, KG825 when none came in time."""
+    """Write the values of a capability as they arrive; RobotError as `Driver.read`, KG825 if none arrived in time."""
     interruptible(_read(settings, name, asked))
 
 
@@ -148,9 +148,9 @@ async def _tell_in_time(
     connection: Connection,
     show: Callable[[dict[str, Any]], None],
 ) -> None:
-    """Write values until as many were told, or as much time is over, as was asked; KG825 when there was none."""
+    """Write values up to the requested number or duration; KG825 if there was none."""
     try:
-        # Until the first value seconds are of the wall: connecting takes as long however fast a simulation runs.
+        # Until the first value, seconds are wall-clock: connecting takes as long however fast a simulation runs.
         seconds = None if asked.seconds is None else max(asked.seconds, _FIRST)
         first = await asyncio.wait_for(anext(values), seconds)
     except (TimeoutError, StopAsyncIteration):
@@ -177,12 +177,14 @@ async def _tell_all(
 
 
 def do_capability(settings: Settings, name: str, asked: Doing) -> None:
-    """Do something and write how it goes; raises as `Driver.do`, and KG003 for a movement without an end."""
+    """Execute a capability and write its progress; raises as `Driver.do`, and KG003 for an endless movement."""
     interruptible(_do(settings, name, asked), moves=True)
 
 
 async def _do(settings: Settings, name: str, asked: Doing) -> None:
-    own = read_places(settings.places) if AT in asked.arguments else {}  # landing must not fail for want of a file
+    own = (
+        read_places(settings.places) if AT in asked.arguments else {}
+    )  # landing must not fail because a file is missing
     options = {"exclusive": asked.exclusive, "on_problem": lambda one: warn(one, json=asked.json)}
     if is_recording(address_of(settings)):
         raise not_commanded(address_of(settings))
@@ -209,7 +211,7 @@ async def _do(settings: Settings, name: str, asked: Doing) -> None:
         throttle = Throttle(None if asked.json else _FEEDBACK)
 
         def feedback(told: Mapping[str, Any]) -> None:
-            # Of the wall: a person reads no faster where a simulation runs faster.
+            # Wall-clock: people do not read faster when a simulation runs faster.
             if throttle.takes(monotonic()):
                 tell_feedback(told, capability, json=asked.json)
 
@@ -229,12 +231,12 @@ async def _follow(driver: Driver) -> None:
 
 
 _LONGEST: Final = 60
-_WIDEST: Final = 100  # columns that a line about a goal on its way may take
+_WIDEST: Final = 100  # maximum columns of a progress line
 _QUATERNION: Final = {"x", "y", "z", "w"}
 
 
 def tell(value: Mapping[str, Any], capability: Capability, *, json: bool) -> None:
-    """Write values by parameter, as words with units on a terminal, else as a line of JSON."""
+    """Write values by parameter, with units on a terminal, else as a line of JSON."""
     if json or not terminal():
         sys.stdout.write(json_line(_plain(value)))
     else:
@@ -249,7 +251,7 @@ def tell_message(value: Mapping[str, Any]) -> None:
 
 
 def warn(doubt: GraphProblem, *, json: bool) -> None:
-    """Warn of what may come to nothing, and of the way out; with `json` also by a line among the data."""
+    """Warn of an expected failure, with a hint; with `json` also as a line of the data."""
     error = RobotError(doubt.code, f"{doubt.subject}: {doubt.message}")
     report(error, "warning")
     if json:
@@ -260,7 +262,7 @@ def warn(doubt: GraphProblem, *, json: bool) -> None:
 
 
 def tell_feedback(value: Mapping[str, Any], capability: Capability, *, json: bool) -> None:
-    """Tell how far a goal is: all of it as a line of data with `json`, else as a short line of words."""
+    """Write the progress of a goal: as a line of data with `json`, else as a short text."""
     if json:
         tell({"feedback": value}, capability, json=True)
     elif words := _words(value, capability):
@@ -268,7 +270,7 @@ def tell_feedback(value: Mapping[str, Any], capability: Capability, *, json: boo
 
 
 def show_outcome(outcome: Outcome, capability: Capability, *, json: bool) -> None:
-    """Write how something ended, and what came of it."""
+    """Write the outcome of a command and its results."""
     if json or not terminal():
         found = {"ended": outcome.ended, "sent": outcome.sent, "values": outcome.values}
         if outcome.moved is not None:
@@ -286,7 +288,7 @@ def show_outcome(outcome: Outcome, capability: Capability, *, json: bool) -> Non
 
 
 def show_plan(plan: Plan, *, json: bool) -> None:
-    """Write what would be sent where."""
+    """Write the plan of a dry run."""
     if json or not terminal():
         sys.stdout.write(json_line(_plain(msgspec.to_builtins(plan))))
         return
@@ -319,13 +321,13 @@ def _words(value: Mapping[str, Any], capability: Capability) -> str:
 
 
 def _endings(path: str) -> Iterator[str]:
-    """Yield what a path ends with, the shortest first: `c`, `b.c`, `a.b.c`."""
+    """Yield the suffixes of a path, the shortest first: `c`, `b.c`, `a.b.c`."""
     steps = path.split(".")
     return (".".join(steps[-length:]) for length in range(1, len(steps) + 1))
 
 
 def _leaves(value: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the fields of a message that have none of their own, by their paths, but for headers and quaternions."""
+    """Yield the scalar fields of a message by path, except headers and quaternions."""
     for name, one in value.items():
         if not isinstance(one, dict):
             yield before + name, one
@@ -349,7 +351,7 @@ def _short(value: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as JSON has it: null for what is not finite, the number of bytes for bytes."""
+    """Return a value for JSON: null for numbers that are not finite, the length for bytes."""
     if isinstance(value, dict):
         return {name: _plain(one) for name, one in value.items()}
     if isinstance(value, list | tuple):

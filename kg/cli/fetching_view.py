@@ -1,4 +1,4 @@
-"""What `kg corpus fetch` shows: a bar on a terminal, a line a repository elsewhere, and what was not fetched."""
+"""Progress of `kg corpus fetch`: a bar on a terminal, else a line per repository; and a summary."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _LONGEST_NAME: Final = 40
 
 
 def code_of(entry: Entry) -> str | None:
-    """Return the code of the error that kept a repository from being fetched; None for one that was."""
+    """Return the code of the error that prevented fetching a repository; None on success."""
     return None if entry.state == FETCHED else _CODES.get(entry.state, "KG133")
 
 
@@ -33,35 +33,35 @@ class Lines:
         self._done = 0
 
     def begin(self, repositories: int) -> None:
-        """Write how many there are."""
+        """Write the number of repositories."""
         self._all = repositories
         say(f"fetching {count(repositories, 'repository', 'repositories')}")
 
     def ended(self, entry: Entry) -> None:
-        """Write what became of one."""
+        """Write the result of one repository."""
         self._done += 1
         where = f" {entry.branch} {entry.commit[:12]}".rstrip() if entry.state == FETCHED else ""
         say(f"{self._done}/{self._all} {printable(entry.name)}: {entry.state}{printable(where)}")
 
 
 class Bar(ProgressBar):
-    """A bar that grows by repositories, with the one that was done last."""
+    """A progress bar of repositories, with the last finished one."""
 
     def __init__(self) -> None:
         super().__init__("fetching", _LONGEST_NAME, threaded=True)
 
     def ended(self, entry: Entry) -> None:
-        """Let the bar grow."""
+        """Advance the bar."""
         self.show(entry.name[-_LONGEST_NAME:], advance=1)
 
 
 def for_this_stream() -> AbstractContextManager[Bar | Lines]:
-    """Return what suits standard error."""
+    """Return the display that suits standard error."""
     return Bar() if sys.stderr.isatty() else nullcontext(Lines())
 
 
 def summary(done: Fetched) -> None:
-    """Say what was not fetched and why, what moved, and how much there is."""
+    """Report repositories that were not fetched with reasons, changed commits, and totals."""
     for entry in sorted(done.entries, key=lambda one: one.name):
         code = code_of(entry)
         if code:
@@ -78,7 +78,7 @@ def summary(done: Fetched) -> None:
 
 
 def not_as_pinned(lock: Lock, found: Standing) -> None:
-    """Say which repositories of a lock file are not there, or not as it says."""
+    """Report the repositories of a lock file that are missing or differ from it."""
     place = printable(str(lock.path))
     for entry in found.missing:
         why = "was not fetched" if entry.state == FETCHED else f"{entry.state}: {entry.reason}"
@@ -93,5 +93,5 @@ def not_as_pinned(lock: Lock, found: Standing) -> None:
 
 
 def entry_object(entry: Entry) -> dict[str, Any]:
-    """Return an entry as plain values, ready for JSON, with its code."""
+    """Return an entry as plain values for JSON, with its code."""
     return {**asdict(entry), "code": code_of(entry)}

@@ -1,4 +1,4 @@
-"""What a running build shows: a bar on a terminal, one line a package elsewhere; both on standard error."""
+"""Progress of a build on standard error: a bar on a terminal, else one line per package."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ _LONGEST_NAME: Final = 32
 
 
 class Lines(Silent):
-    """One line for each thing that happens, for logs and pipes."""
+    """One line per event, for logs and pipes."""
 
     def fetching(self, message: str) -> None:
-        """Write what happens to a git address."""
+        """Write the progress of fetching a git address."""
         say(printable(message))
 
     def source(self, repository: Repository, packages: int, problems: tuple[Problem, ...]) -> None:  # noqa: ARG002 - the end lists problems
-        """Write what was found at a source."""
+        """Write the content of a source."""
         say(f"source {printable(repository.name)}: {count(packages, 'package')}")
 
     def planned(self, read: int, reused: int, jobs: int) -> None:
-        """Write what is to be done."""
+        """Write the plan."""
         if read:
             unchanged = f", {reused:,} unchanged" if reused else ""
             means = f"with {count(jobs, 'process', 'processes')}" if jobs else "on the cluster"
             say(f"reading {count(read, 'package')}{unchanged}, {means}")
 
     def placed(self, worker: str, source: str) -> None:
-        """Write what a worker of a cluster begins to read."""
+        """Write the work that a worker of a cluster starts."""
         say(f"{printable(worker)} reads {printable(source)}")
 
     def done(self, result: PackageResult) -> None:
-        """Write what a package gave."""
+        """Write the result of a package."""
         found = (
             f"{count(result.counts.get('nodes', 0), 'node')}, {count(result.counts.get('interfaces', 0), 'interface')}"
         )
@@ -49,11 +49,11 @@ class Lines(Silent):
         say(f"read {printable(result.name)}: {found}{problems} ({result.seconds:.2f} s)")
 
     def writing(self, triples: int) -> None:  # noqa: ARG002 - most of them may be in the store already
-        """Write that the store is written."""
+        """Write that the store is being written."""
         say("writing")
 
     def inferring(self) -> None:
-        """Write that the rules run."""
+        """Write that rules are running."""
         say("inferring")
 
 
@@ -84,7 +84,7 @@ class ProgressBar:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Take the bar away; what was said above it stays."""
+        """Remove the bar; lines above it remain."""
         self._progress.stop()
 
     def show(self, text: str, *, advance: int = 0) -> None:
@@ -93,7 +93,7 @@ class ProgressBar:
         self._progress.update(self._task, description=f"{shown:<{self._width}}", advance=advance, refresh=True)
 
     def begin(self, total: int) -> None:
-        """Give the bar its length."""
+        """Set the length of the bar."""
         self._progress.update(self._task, total=total, completed=0)
 
 
@@ -104,44 +104,44 @@ class Bar(ProgressBar, Silent):
         super().__init__("looking for packages", _LONGEST_NAME, threaded=False)
 
     def fetching(self, message: str) -> None:
-        """Show what happens to a git address."""
+        """Show the progress of fetching a git address."""
         self.show(message)
 
     def planned(self, read: int, reused: int, jobs: int) -> None:  # noqa: ARG002 - the end tells them
-        """Give the bar its length."""
+        """Set the length of the bar."""
         self.begin(read)
         self.show("reading")
 
     def placed(self, worker: str, source: str) -> None:
-        """Show what a worker of a cluster begins to read."""
+        """Show the work that a worker of a cluster starts."""
         self.show(f"{worker.rpartition('/')[2]} {source}")
 
     def done(self, result: PackageResult) -> None:
-        """Let the bar grow."""
+        """Advance the bar."""
         self.show(f"read {result.name}", advance=1)
 
     def writing(self, triples: int) -> None:  # noqa: ARG002 - most of them may be in the store already
-        """Show that the store is written."""
+        """Show that the store is being written."""
         self.show("writing")
 
     def inferring(self) -> None:
-        """Show that the rules run."""
+        """Show that rules are running."""
         self.show("inferring")
 
 
 def for_this_stream() -> AbstractContextManager[Silent]:
-    """Return what suits standard error."""
+    """Return the display that suits standard error."""
     return Bar() if sys.stderr.isatty() else nullcontext(Lines())
 
 
 def for_people() -> AbstractContextManager[Silent]:
-    """Return what suits standard error for commands whose answer is not the build: a bar, and elsewhere nothing."""
+    """Return the display for commands that build as a side effect: a bar on a terminal, else nothing."""
     return Bar() if sys.stderr.isatty() else nullcontext(Silent())
 
 
 @contextmanager
 def waiting(what: str) -> Iterator[None]:
-    """Show on a terminal that something takes its time, and how long it has taken, until it is done."""
+    """Show elapsed time on a terminal during long work."""
     if not sys.stderr.isatty():
         yield
         return

@@ -1,4 +1,4 @@
-"""docs/cli.md, made from the commands themselves; `docs/generate.py` writes it."""
+"""docs/cli.md, generated from the commands by `docs/generate.py`."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def markdown() -> str:
 
 
 def description(context: Any) -> dict[str, Any]:
-    """Return all commands with their arguments and options, the settings and the exit codes, ready for JSON.
+    """Return all commands with their arguments and options, the settings and the exit codes, for JSON.
 
     `context` is that of the whole program.
     """
@@ -95,7 +95,7 @@ def description(context: Any) -> dict[str, Any]:
 
 
 def pages(group: Any, context: Any) -> Iterator[Page]:
-    """Yield the manual of each command of a group, in its context, and of the groups in it."""
+    """Yield the manual of each command of a group, in its context, and of its subgroups."""
     for name, command in group.commands.items():
         if command.hidden:
             continue

@@ -140,7 +140,7 @@ def _one_system(found: "Difference", both: "tuple[Known, Known]") -> str:
 
 @dataclass(frozen=True, slots=True)
 class Sides:
-    """What was asked for: two stores, or two commits of `repository`; `since` for three dots."""
+    """The request: two stores, or two commits of `repository`; `since` for three dots."""
 
     before: str
     after: str
@@ -149,7 +149,7 @@ class Sides:
 
     @property
     def title(self) -> str:
-        """The words that stand for both."""
+        """The title of the comparison."""
         if self.repository is None:
             return f"{self.before} and {self.after}"
         return f"{self.before}{'...' if self.since else '..'}{self.after}"
@@ -157,7 +157,7 @@ class Sides:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """One side, read: what is compared, the states of its sources by name, and the names of all its launch files."""
+    """The data of one side: nodes and systems, the states of its sources, and the names of its launch files."""
 
     sources: "Sources"
     states: "Mapping[str, SourceState]"
@@ -165,7 +165,7 @@ class Known:
 
 
 def sides(named: "Sequence[str]", repository: str | None) -> Sides:
-    """Return what the arguments mean: `A..B`, `A...B`, `A B`; two folders are stores. KG003 for anything else."""
+    """Return the sides of the arguments: `A..B`, `A...B`, `A B`; two folders are stores. KG003 for anything else."""
     folder = Path(repository or ".")
     if len(named) == 1 and ".." in named[0]:
         dots = "..." if "..." in named[0] else ".."
@@ -184,7 +184,7 @@ def sides(named: "Sequence[str]", repository: str | None) -> Sides:
 
 
 def stores(asked: Sides, settings: Settings) -> "tuple[EmbeddedStore, EmbeddedStore]":
-    """Return both stores; commits that were not read before are read now. Raises as `kg.pipeline.revisions` does."""
+    """Return both stores; commits without a store are built now. Raises as `kg.pipeline.revisions` does."""
     from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
     from kg.pipeline.revisions import merge_base, resolve, revision_store  # noqa: PLC0415 - start-up time
     from kg.store.opening import existing  # noqa: PLC0415 - start-up time
@@ -203,7 +203,7 @@ def stores(asked: Sides, settings: Settings) -> "tuple[EmbeddedStore, EmbeddedSt
 
 
 def known(store: "EmbeddedStore", settings: Settings, launch: str | None) -> Known:
-    """Return what is known of a side; with `launch` only of the launch files that it may mean."""
+    """Return the data of a side; with `launch` only that of the launch files it may name."""
     from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
     from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - start-up time
@@ -223,7 +223,7 @@ def known(store: "EmbeddedStore", settings: Settings, launch: str | None) -> Kno
 
 
 def address(links: "tuple[Links, Links]", side: "Side", *, is_after: bool) -> str | None:
-    """Return the address of the page of a side's line; None where its source is no commit of a forge."""
+    """Return the address of a line's page on the forge; None if the source is not a commit of a forge."""
     if side.location is None or not side.repository:
         return None
     found = links[is_after].to(side.repository, side.location)

@@ -211,7 +211,7 @@ _UNKNOWN: Final = "(not known)"
 def instance_view(
     system: "System", instance: "NodeInstance", links: "Links", columns: int, *, every: bool
 ) -> "tuple[RenderableType, ...]":
-    """Return what to show of an instance on so many columns; `every` adds the ends that frameworks make."""
+    """Return the output for an instance at a width in columns; `every` adds the endpoints of frameworks."""
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     repository = system.configuration.repository

@@ -194,12 +194,12 @@ COLUMNS = (Column("query", "name"), Column("answers"), Column("parameters", spar
 
 
 def list_rows(queries: "Iterable[StoredQuery]") -> list[tuple[str, str, str]]:
-    """Return a row for each query: name, what it answers, its parameters."""
+    """Return a row for each query: name, purpose, parameters."""
     return [(one.name, one.title, " ".join(parameter.name for parameter in one.parameters)) for one in queries]
 
 
 def manual(query: "StoredQuery") -> "Iterator[str]":
-    """Yield the lines about one query, its text at the end."""
+    """Yield the lines about one query, ending with its text."""
     yield f"{query.name}: {query.title}"
     if query.description:
         yield ""

@@ -48,9 +48,9 @@ def serve(*, settings: Settings, open_page: Open = False, **given: Any) -> None:
 
 
 def options(given: "Mapping[str, object]") -> "Options":
-    """Return the options of a server: flags by names of fields, then variables and `kg.toml`; the token is `$KG_TOKEN`.
+    """Return the options of a server: flags by field name, then variables and `kg.toml`; the token is `$KG_TOKEN`.
 
-    Raises UsageError KG002 for a value that cannot be used.
+    Raises UsageError KG002 for an invalid value.
     """
     from kg.server.options import DECLARED, Options  # noqa: PLC0415 - start-up time
     from kg.settings import load_table  # noqa: PLC0415 - start-up time
@@ -61,7 +61,7 @@ def options(given: "Mapping[str, object]") -> "Options":
 def announce(
     address: str, settings: Settings, options: "Options", *, say: "Callable[[str], None]", browse: bool
 ) -> None:
-    """Say where the server listens, what of, and to whom; with `browse` open its start page."""
+    """Report the address, the data and the access rules of the server; with `browse` open its start page."""
     from kg.server.libraries import HELP, libraries  # noqa: PLC0415 - start-up time
     from kg.store.opening import layout_of  # noqa: PLC0415 - start-up time
 
@@ -87,7 +87,7 @@ def announce(
 
 
 def _token(options: "Options") -> str | None:
-    """Return the token of a server, None where it has none."""
+    """Return the token of a server, None without one."""
     from kg.server.safety.tokens import Tokens  # noqa: PLC0415 - start-up time
 
     return Tokens(options.token, options.token_file).current

@@ -116,7 +116,7 @@ _COLUMNS: Final = (Column("graph"), Column("removed"), Column("added"))
 
 
 def show(updated: "Updated", *, dry_run: bool, json: bool) -> None:
-    """Write how many triples were removed from and added to each graph, and say what rules made of it."""
+    """Write the numbers of triples removed from and added to each graph, and the effects of rules."""
     rows = [(name or "default", removed, added) for name, (removed, added) in updated.graphs.items()]
     objects = [
         {"graph": name or None, "removed": removed, "added": added} for name, (removed, added) in updated.graphs.items()
