@@ -1,6 +1,6 @@
-"""Expressions, sub-SELECTs, tables of values and groups (SPARQL 1.2, section 19.8, from GroupGraphPattern on).
+"""Parser of expressions, sub-SELECTs, VALUES and groups (SPARQL 1.2, section 19.8, from GroupGraphPattern on).
 
-Expressions are checked and spelt anew, not made into a tree: the store's engine evaluates them from their text.
+Expressions are checked and respelt, but not parsed to a tree: the store's engine evaluates their text.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _KEYWORDS: Final = ("FILTER", "OPTIONAL", "UNION", "MINUS", "BIND", "VALUES", "G
 
 @dataclass(slots=True)
 class _Found:
-    """What an expression has, as far as it is read."""
+    """The content of an expression read so far."""
 
     functions: set[str] = field(default_factory=set)
     exists: list[tree.Exists] = field(default_factory=list)
@@ -38,7 +38,7 @@ class _Found:
 
 
 class Patterns(Triples):
-    """Reads expressions, sub-SELECTs and groups."""
+    """Parser of expressions, sub-SELECTs and groups."""
 
     functions: Mapping[str, Arguments] = FUNCTIONS
     """The built-in functions of the notation."""
@@ -47,21 +47,21 @@ class Patterns(Triples):
     """Whether the notation has EXISTS."""
 
     aggregates_allowed = False
-    """Whether an aggregate may stand in what is read now."""
+    """Whether aggregates are allowed here."""
 
     def __init__(self, text: str, path: str, *, prefixes: Mapping[str, str], base: str | None = None) -> None:
         super().__init__(text, path, prefixes=prefixes, base=base)
         self._open: list[_Found] = []
 
     def expression(self) -> tree.Expression:
-        """Read an expression."""
+        """Parse an expression."""
         start, first = self.token.start, len(self.consumed)
         self._open.append(_Found())
         self._operations()
         return self._closed(start, first)
 
     def constraint(self) -> tree.Expression:
-        """Read what FILTER and HAVING take: an expression in brackets or the call of a function."""
+        """Parse the argument of FILTER or HAVING: an expression in brackets or a function call."""
         start, first = self.token.start, len(self.consumed)
         self._open.append(_Found())
         if self.at("("):
@@ -92,7 +92,7 @@ class Patterns(Triples):
         )
 
     def _operations(self) -> None:
-        """Read operands and the operators between them; how they bind is the engine's to know."""
+        """Parse operands and operators; their precedence is left to the engine."""
         compared = False
         self._operand()
         while True:
@@ -119,7 +119,7 @@ class Patterns(Triples):
         self._arguments()
 
     def _operand(self) -> None:
-        """Read an operand with the signs before it: any number of `!`, or one `-` or `+`."""
+        """Parse an operand with its prefix operators: any number of `!`, or one `-` or `+`."""
         signs = 0
         while self.accept("!"):
             signs += 1
@@ -153,7 +153,7 @@ class Patterns(Triples):
         self.expect(")", " or an operator")
 
     def _called_word(self, what: str) -> None:
-        """Read the call of a built-in function, of an aggregate, or EXISTS."""
+        """Parse a call of a built-in function or aggregate, or EXISTS."""
         name = self.token.text.upper()
         if self.token.kind is not Kind.WORD:
             raise self.expected(what)
@@ -193,7 +193,7 @@ class Patterns(Triples):
             raise self.error(f"{name} takes {takes} argument{'' if takes == '1' else 's'}, not {count}", token.start)
 
     def _arguments(self) -> int:
-        """Read arguments in brackets and return how many there are."""
+        """Parse arguments in brackets and return their number."""
         self.expect("(")
         if self.accept(")"):
             return 0
@@ -234,7 +234,7 @@ class Patterns(Triples):
         return self.string()
 
     def sub_select(self) -> tree.SubSelect:
-        """Read a sub-SELECT without its braces."""
+        """Parse a sub-SELECT without its braces."""
         first = len(self.consumed)
         start = self.expect_word("SELECT").start
         distinct = self.accept_word("DISTINCT")
@@ -254,7 +254,7 @@ class Patterns(Triples):
         return tree.SubSelect(projections, distinct, group, keys, having, sliced, self.span(start), text)
 
     def _columns(self) -> list[tuple[tree.Projection, int]]:
-        """Read columns, each with its offset; none is `*`."""
+        """Parse columns, each with its offset; an empty list for `*`."""
         columns: list[tuple[tree.Projection, int]] = []
         if self.accept("*"):
             return columns
@@ -283,7 +283,7 @@ class Patterns(Triples):
         grouped: bool,
         start: int,
     ) -> None:
-        """Refuse columns that assign to a bound variable, and those that are neither grouped nor aggregated."""
+        """Refuse columns that assign to a bound variable, or are neither grouped nor aggregated."""
         known = {key.variable.name for key in keys}
         seen: set[str] = set()
         if grouped and not columns:
@@ -301,7 +301,7 @@ class Patterns(Triples):
             seen.add(name)
 
     def _with_values(self, group: tree.Group, keys: tuple[tree.Projection, ...], *, grouped: bool) -> tree.Group:
-        """Read VALUES behind a sub-SELECT into its group, where that means the same."""
+        """Move VALUES after a sub-SELECT into its group, if that is equivalent."""
         if not self.at_word("VALUES"):
             return group
         start = self.advance().start
@@ -318,7 +318,7 @@ class Patterns(Triples):
         return self.spelling([token for token in self.consumed if token.start >= start])
 
     def modifiers(self) -> tuple[tuple[tree.Projection, ...], tuple[tree.Expression, ...], bool]:
-        """Read what may stand behind WHERE: the keys of groups, HAVING, and whether only some rows are wanted."""
+        """Parse solution modifiers: GROUP BY, HAVING, ORDER BY, LIMIT and OFFSET."""
         keys: list[tree.Projection] = []
         having: list[tree.Expression] = []
         if self.accept_word("GROUP"):
@@ -352,7 +352,7 @@ class Patterns(Triples):
         return tree.Projection(variable, expression)
 
     def _order(self) -> None:
-        """Read ORDER BY, which without LIMIT says nothing."""
+        """Parse ORDER BY, which has no effect without LIMIT."""
         if not self.accept_word("ORDER"):
             return
         self.expect_word("BY")
@@ -378,7 +378,7 @@ class Patterns(Triples):
         return bool(seen)
 
     def table(self) -> tuple[tuple[Variable, ...], tuple[tuple[Term | None, ...], ...]]:
-        """Read variables and rows of terms behind VALUES."""
+        """Parse variables and rows of terms of VALUES."""
         single = self.token.kind is Kind.VARIABLE
         variables = (self.variable(),) if single else self._headings()
         rows: list[tuple[Term | None, ...]] = []
@@ -417,7 +417,7 @@ class Patterns(Triples):
         return term
 
     def group(self) -> tree.Group:
-        """Read a group in braces, or a sub-SELECT in braces."""
+        """Parse a group or a sub-SELECT in braces."""
         outer, first = self.block, len(self.consumed)
         start = self.expect("{").start
         with self.nested():
@@ -504,7 +504,7 @@ class Patterns(Triples):
 
 
 def filter_of(node: tree.Filter, outside: list[str]) -> tree.Filter | tree.Exists:
-    """Return a filter as the EXISTS that it is, if it is nothing else; `outside` are its tokens around it."""
+    """Return a filter as EXISTS if it is nothing else; `outside` are the tokens around that."""
     if len(node.expression.exists) != 1 or not set(outside) <= {"(", ")", "!"}:
         return node
     (only,) = node.expression.exists
