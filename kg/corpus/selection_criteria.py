@@ -1,4 +1,4 @@
-"""Criteria as data: a TOML file that says which projects of a table are taken (`corpus/criteria.toml`)."""
+"""Selection criteria as data: a TOML file with the projects of a table to remove (`corpus/criteria.toml`)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,10 @@ _TESTS: Final = ("is", "is_not", "least", "most")
 
 @dataclass(frozen=True, slots=True)
 class Criterion:
-    """What removes a project by one cell of it: its text, or a number out of bounds. `line` is where it is written."""
+    """A condition that removes a project by one cell: its text, or a number out of bounds.
+
+    `line` is its place in the file.
+    """
 
     name: str
     column: str
@@ -38,7 +41,7 @@ class Criterion:
     most: int | None = None
 
     def removes(self, project: Project, dataset: Dataset) -> bool:
-        """Tell whether the project is removed; a number that is not known removes nothing."""
+        """Return whether the project is removed; an unknown number removes nothing."""
         cell = project.cells[self.column]
         if self.equal is not None and cell in self.equal:
             return True
@@ -54,10 +57,10 @@ class Criterion:
 
 @dataclass(frozen=True, slots=True)
 class Criteria:
-    """A file of criteria: which columns name a project and its address, what is counted, what removes a project.
+    """A file of criteria: the columns of name and address, the columns to count, and the conditions.
 
     Each cell of the columns `closed` has to be empty or a value that a criterion names. `figures` maps the name of a
-    figure to the columns that are added up for it.
+    figure to the columns added up for it.
     """
 
     path: Path
@@ -77,7 +80,7 @@ def read_criteria(path: Path) -> Criteria:
     """Return the criteria in a file.
 
     Raises:
-        UsageError: KG130 with the line when the file cannot be read or says what it cannot.
+        UsageError: KG130 the file is unreadable or invalid, with the line.
     """
     try:
         text = path.read_text("utf-8")
@@ -91,7 +94,7 @@ def read_criteria(path: Path) -> Criteria:
 
 
 class _Reader:
-    """Reads one file, and knows where what it reads is written."""
+    """Reads one file, keeping track of lines."""
 
     def __init__(self, path: Path, text: str) -> None:
         self.path = path
@@ -180,7 +183,7 @@ class _Reader:
         return value
 
     def _line(self, key: str, start: int | None = None) -> int | None:
-        """Return the first line, from `start` on, that gives `key` a value or is the head of its table."""
+        """Return the first line, from `start` on, that sets `key` or begins its table."""
         pattern = re.compile(rf"""\s*\[*\s*["']?{re.escape(key)}["']?\s*[\]=]""")
         numbered = enumerate(self._lines[(start or 1) - 1 :], start or 1)
         return next((number for number, line in numbered if pattern.match(line)), start)

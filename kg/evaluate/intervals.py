@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
 Z95: Final = 1.959963984540054
-"""The quantile of the normal distribution that bounds 95 % on both sides."""
+"""Quantile of the normal distribution for a two-sided 95 % interval."""
 
 
 def wilson(right: int, number: int) -> tuple[float, float]:
-    """Return the interval of the share `right` of `number` (Wilson 1927); (0, 1) when nothing was counted.
+    """Return the interval of the share `right` of `number` (Wilson 1927); (0, 1) for an empty sample.
 
-    It holds for small numbers and for shares near 0 and 1, where the simple normal interval does not.
+    It holds for small numbers and for shares near 0 and 1, unlike the normal approximation.
     """
     if number == 0:
         return 0.0, 1.0
@@ -30,7 +30,7 @@ def wilson(right: int, number: int) -> tuple[float, float]:
 
 
 def bootstrap(values: Sequence[float], *, rounds: int = 2000, seed: int = 0) -> tuple[float, float]:
-    """Return the 95 % percentile interval of the mean (Efron 1979), the same for the same values and seed."""
+    """Return the 95 % percentile interval of the mean (Efron 1979), deterministic for the same values and seed."""
     if not values:
         return 0.0, 0.0
     chance = random.Random(seed)  # noqa: S311 - no secret
@@ -38,14 +38,14 @@ def bootstrap(values: Sequence[float], *, rounds: int = 2000, seed: int = 0) -> 
 
 
 def bounds(drawn: Iterable[float]) -> tuple[float, float]:
-    """Return the values that bound the middle 95 % of what was drawn, at least one value."""
+    """Return the bounds of the middle 95 % of one or more values."""
     ordered = sorted(drawn)
     number = len(ordered)
     return ordered[int(0.025 * number)], ordered[min(number - 1, int(0.975 * number))]
 
 
 def shares_of(sizes: Mapping[str, int], size: int) -> dict[str, int]:
-    """Return how many each group gives: the same for all, what one cannot give is taken from the others."""
+    """Return the sample size of each group: equal, with the remainder of small groups given to others."""
     found = dict.fromkeys(sizes, 0)
     left = min(size, sum(sizes.values()))
     while left:
@@ -57,10 +57,9 @@ def shares_of(sizes: Mapping[str, int], size: int) -> dict[str, int]:
 
 
 def weighed(groups: Iterable[tuple[int, int, int]]) -> Score | None:
-    """Return the share of all groups together with its 95 % interval (Cochran 1977, section 5.6).
+    """Return the share over all groups with its 95 % interval (Cochran 1977, section 5.6).
 
-    A group has its size, how many were looked at, and how many of these were right. None when nothing of a group was
-    looked at.
+    A group has its size, the size of its sample, and the number that is right in it. None if a group has no sample.
     """
     known = [group for group in groups if group[0]]
     every = sum(size for size, _, _ in known)

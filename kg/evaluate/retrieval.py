@@ -1,16 +1,12 @@
-"""Table 11: how well nodes are found for needs, by the search of `kg` and by other ways to rank them.
+"""Table 11: retrieval quality of the search of `kg`, compared with other rankings of the same nodes.
 
-What the search is compared with: well-known ways to rank nodes for a need, untuned, over the same nodes.
+The baselines are well known and untuned. Each scores every document of the search; nodes without a score are not found.
+The libraries are those of the extra `evaluate`, loaded on demand.
 
-Each takes the documents that the search knows and gives a score for every node; nodes with none are not found. The
-libraries are those of the extra `evaluate`, loaded when they are needed.
-
-Nodes whose interface contains the one that is asked for, by subgraph monomorphism.
-
-The pattern of a need is a graph: the node, a vertex for each end that it must have, labelled with its role, and a
-vertex for the type of that end. A node's own graph has the same shape for all its ends. A node matches when the
-pattern occurs in its graph (a monomorphism: the graph may have more edges). networkx does that with VF2
-(`GraphMatcher`); its VF2++ tests only whether two graphs as wholes are isomorphic.
+One of them matches interfaces by subgraph monomorphism. The pattern of a need is a graph: the node, a vertex for each
+required end, labelled with its role, and a vertex for the type of that end. A node's graph has the same shape for all
+its ends, and matches if it contains the pattern. networkx implements that by VF2 (`GraphMatcher`); its VF2++ only tests
+isomorphism of whole graphs.
 """
 
 from __future__ import annotations
@@ -50,12 +46,12 @@ _ROLES: Final = {
     "provides": ("services", "action_servers"),
     "calls": ("clients", "action_clients"),
 }
-"""Kinds of constraints by the roles of ends that meet them."""
+"""Kinds of constraints by the roles of matching ends."""
 _KINDS: Final = {role: kind for kind, roles in _ROLES.items() for role in roles}
 
 
 class Patterns:
-    """The interfaces of nodes, in which patterns are looked for."""
+    """The interfaces of nodes as graphs."""
 
     def __init__(self, nodes: Sequence[Document]) -> None:
         self._ends = [
@@ -65,7 +61,7 @@ class Patterns:
         self._graphs: dict[int, Any] = {}
 
     def scores(self, constraints: Constraints | None) -> list[float]:
-        """Return for each node one by the number of its ends when it matches, else 0; no constraints, no match."""
+        """Return a score for each node by its number of ends if it matches, else 0; no constraints, no match."""
         wanted = [(kind, type_) for kind in _ROLES for type_ in getattr(constraints, kind, ())]
         if not wanted:
             return [0.0] * len(self._ends)
@@ -73,7 +69,7 @@ class Patterns:
         return [self._score(place, pattern, counts) for place in range(len(self._ends))]
 
     def _score(self, place: int, pattern: Any, wanted: Counter[tuple[str, str]]) -> float:
-        # Most nodes lack an end of the pattern, which counting tells without a search.
+        # Counting excludes most nodes without a search.
         if any(self._counts[place][end] < number for end, number in wanted.items()):
             return 0.0
         from networkx.algorithms.isomorphism import (  # noqa: PLC0415 - an extra
@@ -105,7 +101,7 @@ Ranker: TypeAlias = "Callable[[Need], Sequence[float]]"
 
 
 def library(name: str, package: str) -> Any:
-    """Return a library that not every installation has; UsageError KG724 with how to get it."""
+    """Return an optional library; UsageError KG724 with how to install it."""
     try:
         return import_module(name)
     except ImportError:
@@ -114,7 +110,7 @@ def library(name: str, package: str) -> Any:
 
 
 def text_of_node(node: Document, package: PackageDocument) -> str:
-    """Return all that is known of a node in words: names, descriptions, interfaces, of its package too."""
+    """Return all texts about a node: names, descriptions and interfaces, including those of its package."""
     names = [node.name, node.executable, node.plugin, node.node_name, *node.aliases, package.name]
     ends = [text for end in node.ends for text in (end.name, end.type)]
     texts = [package.description, *(text.text for text in (*node.texts, *package.texts))]
@@ -160,13 +156,13 @@ def embeddings(index: Index, model: Path) -> Ranker:
 
 
 def retrieval(search: Search, needs: Sequence[Need], model: Path | None = None) -> Table:
-    """Return the table: NDCG of each way, and by how much ours is above it, with 95 % bootstrap intervals.
+    """Return the table: NDCG of each ranking, and the gain of ours over it, with 95 % bootstrap intervals.
 
-    The difference is of pairs: both ways answer the needs of a round. The relative one is the difference of the means
-    by the mean of the other way.
+    Differences are paired: both rankings answer the same resampled needs. The relative one is the difference of the
+    means divided by the mean of the other ranking.
 
     Raises:
-        UsageError: KG724 when a library of the extra `evaluate` is missing, KG704 for a model that cannot be used.
+        UsageError: KG724 a library of the extra `evaluate` is missing, KG704 an unusable model.
     """
     index = search.index
     rankers = {
@@ -202,7 +198,7 @@ def _found(search: Search, need: Need) -> list[Ranked]:
 
 
 def _ranked(search: Search, ranker: Ranker, need: Need) -> list[Ranked]:
-    """Return the best nodes by scores, of copies and variants the best; those of one score in the index's order."""
+    """Return the best nodes by score, the best of copies and variants; ties in the index's order."""
     index = search.index
     scores = np.asarray(ranker(need))
     chosen: dict[int, int] = {}
@@ -230,7 +226,7 @@ def _mean(values: Sequence[float]) -> float:
 
 
 def _compared(ours: Sequence[float], theirs: Sequence[float]) -> tuple[Cell, Cell]:
-    """Return the difference of the means and the relative one; None for that to a mean of zero."""
+    """Return the difference of the means and the relative one; None relative to zero."""
     differences = [one - other for one, other in zip(ours, theirs, strict=True)]
     difference = Score(_mean(differences), bootstrap(differences), signed=True)
     if not _mean(theirs):

@@ -1,9 +1,7 @@
-"""A table as files: Markdown, CSV, and a figure as SVG.
+"""A table as files: Markdown, CSV, and a figure as SVG with a bar for each share and score.
 
-The figure of a table: a bar for each share and score, with its interval, as SVG.
-
-Series are told apart by their names at each bar, not by colour alone. The same table always gives the same bytes.
-Colours follow `prefers-color-scheme`; `title` and `desc` say the same in words.
+Series are labelled at each bar, not only by colour. The same table always gives the same bytes. Colours follow
+`prefers-color-scheme`; `title` and `desc` describe the figure in words.
 """
 
 from __future__ import annotations
@@ -48,7 +46,7 @@ class _Bar:
 
 
 def draw(table: Table) -> str:
-    """Return the SVG of a table's shares, scores and figures from 0 to 1; differences are left to the table."""
+    """Return the SVG of a table's shares, scores and figures from 0 to 1; differences are omitted."""
     bars = list(_bars(table))
     left = int(max([0, *(width(short(bar.shown, _LONGEST)) for bar in bars)]) * 7.9)
     right = int(max([0, *(width(bar.text) for bar in bars)]) * _CHARACTER)
@@ -85,7 +83,7 @@ def _value(cell: Cell) -> float | None:
 
 
 def _drawn(bars: list[_Bar], start: int) -> tuple[list[str], int]:
-    """Return the bars from the top down, and where they end."""
+    """Return the bars from the top down, and the bottom edge."""
     parts: list[str] = []
     y = _TOP
     for bar in bars:
@@ -119,10 +117,10 @@ def _description(bars: list[_Bar]) -> str:
 
 
 def write(table: Table, folder: Path) -> tuple[Path, ...]:
-    """Write `NAME.md`, `NAME.csv` and `NAME.svg` into a folder, made where there is none; return their paths.
+    """Write `NAME.md`, `NAME.csv` and `NAME.svg` into a folder, created if missing; return their paths.
 
     Raises:
-        UsageError: KG003 when a file cannot be written.
+        UsageError: KG003 a file cannot be written.
     """
     texts = {
         folder / f"{table.name}.md": as_markdown(table),
