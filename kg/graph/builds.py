@@ -52,7 +52,7 @@ COUNTS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class BuildRecord:
-    """One reading of one source: times with their zone, the version of `kg`, and what was found."""
+    """A build of one source: times with their zone, the version of `kg`, and the number of facts."""
 
     repository: Repository
     started: datetime

@@ -18,7 +18,7 @@ from kg.graph import vocabulary as v
 from kg.graph.ntriples import Writer, boolean, double, integer, literal
 
 Properties: TypeAlias = Mapping[str, list[str]]
-"""What the graph says of one thing: values by the IRIs of properties."""
+"""The properties of one thing in the graph: values by the IRIs of properties."""
 
 
 def one(properties: Properties, term: str) -> str | None:

@@ -47,7 +47,7 @@ _MEMORY: Final = "-Xmx2000M"
 
 @dataclass(frozen=True, slots=True)
 class OntologyCheck:
-    """What the reasoner says of one ontology or of several taken together.
+    """The reasoner's result for one ontology, or for several together.
 
     `files` are the paths taken together. An inconsistent ontology contradicts itself as a whole; otherwise
     `unsatisfiable` holds the IRIs of the classes that can have no instances. `seconds` is the time it took.
@@ -64,7 +64,7 @@ class OntologyCheck:
         return self.consistent and not self.unsatisfiable
 
     def error(self) -> GraphError | None:
-        """Return what is wrong as an error KG602, None when nothing is."""
+        """The failed check as an error KG602, None if it passed."""
         names = ", ".join(path.name for path in self.files)
         if not self.consistent:
             return GraphError("KG602", f"{names}: the axioms contradict each other", hint=self._hint())

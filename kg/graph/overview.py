@@ -21,7 +21,9 @@ _CHANNELS: Final = {
     "service": ("ros:ServiceServer", "ros:ServiceClient", "rnkg:hasServiceType"),
     "action": ("rnkg:ActionServer", "rnkg:ActionClient", "rnkg:hasActionType"),
 }
-"""For each kind of channel the component that gives (publishes, serves), the one that takes, what leads to the type."""
+"""For each kind of channel, the component that gives (publishes, serves), the one that takes, and the property of
+the type.
+"""
 _GIVERS: Final = frozenset({Role.PUBLISHES, Role.SERVICES, Role.ACTION_SERVERS})
 _DECLARES: Final = {
     v.bare(v.PUBLISHER): "publishes",

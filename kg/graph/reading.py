@@ -108,7 +108,7 @@ class Readable(Queryable, Protocol):
     """What whole graphs can be read from at once: the columns of a store (`kg.rules.selecting`)."""
 
     def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
-        """Return what a graph says of each subject, as `grouped` does."""
+        """Return the properties of each subject of a graph, as `grouped` does."""
         ...
 
 
@@ -132,7 +132,7 @@ class NodeRecord:
 
     @property
     def reference(self) -> facts.NodeReference:
-        """What stands for the node type in facts about instances."""
+        """The reference of the node type in facts about instances."""
         return facts.NodeReference(self.repository, self.package, self.node.name)
 
     @property
@@ -197,7 +197,7 @@ def code_facts(
 
 
 def references(graph: Queryable, iris: Collection[str]) -> dict[str, facts.NodeReference]:
-    """Return what stands for the node types of some IRIs; those that are not in the store are left out."""
+    """Return the references of the node types with some IRIs; unknown ones are left out."""
     return {
         iri: facts.NodeReference(repository, package, name)
         for iri, name, package, repository in texts(graph, _REFERENCES % these(graph, "node", iris))
@@ -280,7 +280,7 @@ def grouped(rows: Iterable[Any]) -> dict[str, dict[str, list[str]]]:
 
 
 def end_of(properties: Properties, types: Mapping[str, str]) -> facts.Interface | None:
-    """Return the interface that an end with properties of its own says; `types` are names of types by IRI."""
+    """Return the interface of an end with properties of its own; `types` are names of types by IRI."""
     roles = [_ROLES[kind] for kind in properties.get(_KIND, ()) if kind in _ROLES]
     return _interface(roles[0], properties, types.get(type_of(properties) or ""), {}) if roles else None
 

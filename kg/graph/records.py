@@ -92,7 +92,7 @@ def end_object(end: facts.InstanceInterface) -> dict[str, Any]:
 
 
 def _yaml(text: str | None) -> Any:
-    """Return the value that a text of YAML stands for, where JSON can hold it; else the text."""
+    """Return the value of a YAML text if JSON can represent it; else the text."""
     import yaml  # noqa: PLC0415 - only who shows instances needs it
 
     if text is None:

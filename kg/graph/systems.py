@@ -30,15 +30,15 @@ if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord
 
 _ENDS: Final = frozenset(shape.component for shape in SHAPES.values())
-"""What the IRIs of ends have behind the name of their instance."""
+"""Suffixes of the IRIs of ends, after the name of their instance."""
 
 
 def system_triples(
     system: facts.System, records: Mapping[facts.NodeReference, NodeRecord], iris: Iris, *, whole: bool = False
 ) -> bytes:
-    """Return the N-Triples of a system; `records` are the node types that its instances are of, or load.
+    """Return the N-Triples of a system; `records` are the node types of its instances and their plugins.
 
-    What other graphs of a store say too, such as the description of a type, is left out unless it is `whole`.
+    Triples that other graphs of a store have too, such as descriptions of types, are left out unless it is `whole`.
     """
     writing = _Writing(system, records, iris, whole=whole)
     return writing.run() if whole else writing.own(writing.run())
@@ -106,7 +106,7 @@ class _Writing:
         return [self._scope.part(self._iri, "instance", one.name.lstrip("/"))[1:-1] for one in self._system.instances]
 
     def one(self, iri: str, instance: facts.NodeInstance) -> bytes:
-        """Return what is said of one instance that was seen running."""
+        """Return the triples of one observed instance."""
         self._instance(iri, instance, {}, 0)
         return self._writer.encoded()
 
@@ -322,9 +322,9 @@ class _Writing:
     def _evidence(
         self, subject: str, location: facts.Location, chain: tuple[facts.Location, ...] = (), since: str | None = None
     ) -> None:
-        """Add where something stands. Files are described in the graph of their source, and only there.
+        """Add the place of something. Files are described only in the graph of their source.
 
-        Of what was seen running it is the peer that showed it, and since when.
+        For an observed thing it is the peer that showed it, and the time of the first observation.
         """
         if since is not None:
             self._writer.text(subject, v.SEEN_AT, location.path)

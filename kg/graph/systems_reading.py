@@ -1,7 +1,6 @@
-"""The way back: systems are read from the store as the facts they were written from.
+"""Reading of systems from the store, the inverse of `kg.graph.systems`; a test compares the two.
 
-`kg.graph.systems` writes what this module reads; a test holds the two together. Not kept are what a configuration was
-given, the files that it read, and which line an include stands in.
+Not stored are the arguments given to a configuration, the files that it read, and the lines of includes.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
 
 
 _Content: TypeAlias = "dict[str, dict[str, list[str]]]"
-"""What is said of things, by their IRIs and those of properties."""
+"""Properties of things, by their IRIs and those of properties."""
 
 _NAMES: Final = """
 SELECT ?name ?path ?ros ?repository WHERE {
@@ -236,7 +235,7 @@ def _read(graph: Readable, starts: _Content, name: str) -> _Content:
 
 
 class _Records:
-    """The node types that instances are of, with what their IRIs stand for."""
+    """The node types of instances, with their references."""
 
     def __init__(
         self, graph: Queryable, contents: Iterable[Mapping[str, Properties]], declared: str | None = None
@@ -264,7 +263,7 @@ class _Records:
         self.qualities: Mapping[str, facts.Qos] = qualities(graph) if types else {}
 
     def reference(self, iri: str | None) -> facts.NodeReference | None:
-        """Return what stands for the node type of an IRI."""
+        """Return the reference of the node type with an IRI."""
         return self._by_iri.get(iri) if iri else None
 
 

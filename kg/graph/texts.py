@@ -34,7 +34,7 @@ _BEST: Final = (
     DescriptionKind.LAUNCH,
     DescriptionKind.MANIFEST,
 )
-"""Kinds of descriptions, those first that are written to say what a node is for."""
+"""Kinds of descriptions, those first that describe the purpose of a node."""
 _SENTENCE: Final = re.compile(r"(?<=[^.\s]{2}[.!?])\s+(?=[A-Z])")
 
 
@@ -51,13 +51,13 @@ def _rank(one: Description) -> tuple[int, str, int, str]:
 
 
 def summary(said: Iterable[Description]) -> str | None:
-    """Return the first sentence of the first description; None where there is none."""
+    """Return the first sentence of the first description; None without one."""
     first = next(iter(said), None)
     return _SENTENCE.split(first.text, maxsplit=1)[0] if first else None
 
 
 _LABEL_LENGTH: Final = 60
-"""So many characters of a text stand in its label."""
+"""Maximum length of a label in characters."""
 _LONGEST_TERM: Final = 4
 """So many words has the longest term; names of devices are no longer."""
 

@@ -59,7 +59,7 @@ SELECT DISTINCT ?node WHERE {
   ?node ros:hasComponent ?code .
 }"""
 _ORIGINS: Final = ("ros1.node", "ros2.node", "ros2.lifecycle", "bond")
-"""How the origins of such ends begin. What else is implicit (transforms, diagnostics) tells what a node does."""
+"""Prefixes of the origins of such ends. Other implicit ends (transforms, diagnostics) describe what a node does."""
 _ROLES: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
 
 

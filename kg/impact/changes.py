@@ -1,7 +1,7 @@
-"""What the changes between two states of the sources break in places that did not change with them.
+"""Breaking changes between two states of the sources: places that depend on a change but did not change with it.
 
-A place is left behind if its line is the same in both states. Who loses whom in a launch file is taken from the ends
-of both states, so a name that changed at both ends breaks nothing.
+A place is left behind if its line is the same in both states. Lost connections in launch files follow from the ends in
+both states, so a name that changed at both ends breaks nothing.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ VERBS: Final = {
 }
 """What a node does with a channel, in words."""
 GIVING: Final = frozenset({Role.PUBLISHES, Role.SERVICES, Role.ACTION_SERVERS})
-"""What goes on without anybody at the other side."""
+"""Ends that work without a peer."""
 
 
 @dataclass(frozen=True, slots=True, order=True)

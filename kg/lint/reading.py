@@ -1,4 +1,4 @@
-"""Findings as rules left them in the store, read graph by graph, which costs a fraction of joins over their union."""
+"""Reading of findings from the store, graph by graph, which is much faster than joins over their union."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _LED: Final = """SELECT ?configuration ?start ?chain WHERE {
   %s
   GRAPH ?g { ?instance rnkg:startedWith ?start ; rnkg:includeChain ?chain . ?configuration rnkg:hasInstance ?instance }
 }"""
-"""What instances share with those of other systems was reached by the includes that led to them."""
+"""Objects shared by systems have the includes of the instances that lead to them."""
 _VERBS: Final = {
     v.bare(v.PUBLISHER): "publishes",
     v.bare(v.SUBSCRIBER): "subscribes to",
@@ -48,7 +48,7 @@ _VERBS: Final = {
     v.bare(v.CONFIGURATION): "is",
     v.bare(v.NODE_TYPE): "is the code of",
 }
-"""What happens in the line of a thing, by its class."""
+"""Description of a line by the class of its object."""
 _REMAP: Final = v.bare(v.REMAP)
 
 
@@ -59,9 +59,9 @@ _EVIDENCE: Final = v.RNKG + "evidence"
 def read_findings(
     graph: Queryable, base: str, configuration: str | None = None, labels: Mapping[str, str] = _NO_LABELS
 ) -> list[Finding]:
-    """Return the findings of a store, sorted; `base` is that of its IRIs.
+    """Return the sorted findings of a store; `base` is that of its IRIs.
 
-    With `configuration`, the IRI of a launch configuration, only those about it. `labels` has other names for the
+    With `configuration`, the IRI of a launch configuration, only those about it. `labels` overrides the names of the
     configurations with these IRIs.
     """
     which = _OF % NamedNode(configuration) if configuration else _ANY
@@ -70,7 +70,7 @@ def read_findings(
 
 
 class _Reading:
-    """What findings name, read at once: configurations, things at lines, and what declares these."""
+    """The objects named in findings, read at once: configurations, things with lines, and their declarations."""
 
     def __init__(self, graph: Queryable, base: str, findings: Mapping[str, Properties]) -> None:
         self._graph = graph
@@ -86,12 +86,12 @@ class _Reading:
         return grouped(select(self._graph, _THINGS % among("s", things))) if things else {}
 
     def _chains(self, starts: Collection[str]) -> dict[tuple[str, str], str]:
-        """Return the includes that led to an instance, by its configuration and what it is started with."""
+        """Return the includes that led to an instance, by its configuration and start."""
         found = sorted(texts(self._graph, _LED % among("start", starts))) if starts else []
         return {(configuration, start): chain for configuration, start, chain in reversed(found)}
 
     def findings(self, labels: Mapping[str, str]) -> Iterator[Finding]:
-        """Yield those that have a code, a message and a system with a name."""
+        """Yield the findings that have a code, a message and a named system."""
         for iri, own in self._findings.items():
             code, message = one(own, v.rnkg("code")), one(own, v.rnkg("message"))
             configuration = one(own, v.rnkg("inConfiguration"))
@@ -122,7 +122,7 @@ class _Reading:
         )
 
     def _places(self, things: Iterable[str], configuration: str) -> list[Evidence]:
-        """Return the lines of things, or of what declares them, sorted."""
+        """Return the sorted lines of things, or of their declarations."""
         return sorted(place for thing in things for place in self._lines(thing, configuration))
 
     def _lines(self, thing: str, configuration: str) -> Iterator[Evidence]:
@@ -142,7 +142,7 @@ class _Reading:
 
 
 def _words(own: Properties) -> str:
-    """Return what happens in the line of a thing, in a few words."""
+    """Return a short description of the line of a thing."""
     kinds = own.get(v.bare(v.TYPE), ())
     name = one(own, v.NAME) or one(own, v.RESOLVED_NAME)
     source, target = one(own, v.FROM), one(own, v.TO)

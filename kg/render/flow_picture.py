@@ -1,8 +1,8 @@
-"""A picture of what feeds what, as SVG: boxes from left to right, and between them the names of what passes on.
+"""A dependency picture as SVG: boxes from left to right, with labelled lines between them.
 
-Boxes of a group have one colour and name the group, so that nothing is told by colour alone; a dashed line with a bar
-at its end says that the box asks for what is absent. The same input always gives the same bytes. Colours follow
-`prefers-color-scheme`; `title` and `desc` say the same in words.
+Boxes of a group have one colour and the group's name, so colours carry no extra meaning. A dashed line with a bar at
+its end means that the box requires the absence of its input. The same input always gives the same bytes. Colours follow
+`prefers-color-scheme`; `title` and `desc` describe the picture in words.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _COLORS: Final = 8
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A box with its name, its group, a sentence about it and a note beside its group; without group a name only."""
+    """A box with its name, its group, a sentence and a note; without a group it has a name only."""
 
     key: str
     name: str
@@ -48,13 +48,13 @@ class Box:
 
     @property
     def below(self) -> str:
-        """What stands below the name."""
+        """The text below the name."""
         return f"{self.group}, {self.note}" if self.note else self.group
 
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """A line from one thing to another, by key; `absent`: the target asks for what is not there."""
+    """A line between two boxes, by key; `absent`: the target requires the absence of the source."""
 
     source: str
     target: str

@@ -49,7 +49,7 @@ class Rectangle:
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """Where boxes stand, the corners of each way from its source to its target, and the size of all."""
+    """The positions of boxes, the corners of each line from its source to its target, and the total size."""
 
     boxes: Mapping[str, Rectangle]
     ways: tuple[tuple[tuple[float, float], ...], ...]

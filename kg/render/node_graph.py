@@ -1,7 +1,7 @@
-"""A node with its entities and named relations, as figure 6 of the RNKG paper draws one: SVG, DOT or lines of text.
+"""A node with its entities and named relations, as in figure 6 of the RNKG paper: SVG, DOT or lines of text.
 
-The node stands on the left, what it is related to beside it by relation, and what these are of on the right. What rules
-inferred is dashed, what was read is solid. The same relations always give the same bytes.
+The node is on the left, its related entities next to it by relation, and their entities on the right. Inferred
+relations are dashed, extracted ones solid. The same relations always give the same bytes.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ _FOOT: Final = 40
 
 @dataclass(frozen=True, slots=True)
 class Relation:
-    """A named relation from one entity to another, by their names; `inferred` where rules alone say so.
+    """A named relation between two entities, by name; `inferred` if only rules derive it.
 
-    `subject` is the name of the node, or of something that the node is related to. Names of other things than the node
-    begin with their kind or have a slash, so that each name is one thing.
+    `subject` is the name of the node, or of an entity related to it. Names of other entities begin with their kind or
+    contain a slash, so names are unique.
     """
 
     subject: str
@@ -55,7 +55,7 @@ class _Place:
 
 
 def node_graph_lines(node: str, relations: Sequence[Relation]) -> list[str]:
-    """Return the relations as text: a line for each, below the node; `(inferred)` where rules say so."""
+    """Return the relations as text: a line for each, below the node; `(inferred)` marks inferred ones."""
     of = {one.subject: [other for other in relations if other.subject == one.subject] for one in relations}
     lines = [printable(node)]
     for name, found in groupby(of.get(node, ()), key=lambda one: one.name):
@@ -113,7 +113,7 @@ def _near_places(node: str, near: Sequence[Relation]) -> tuple[float, dict[str, 
 
 
 def _far_places(far: Sequence[Relation], places: Mapping[str, _Place], column: float) -> dict[str, _Place]:
-    """Return `places` with what stands in the third column: each near the middle of what leads to it."""
+    """Return `places` with the entities of the third column: each near the middle of its sources."""
     leading: dict[str, list[float]] = {}
     for one in far:
         if one.object not in places:

@@ -1,8 +1,8 @@
-"""The picture of one node as SVG, drawn like a chip: what comes in on the left, what goes out on the right.
+"""The picture of one node as SVG, drawn like a chip: inputs on the left, outputs on the right.
 
-Topics have round ends and solid wires, services square ones and dashed wires, actions cut corners and thick wires,
-so that nothing is told by colour alone. The same node always gives the same bytes. Colours follow
-`prefers-color-scheme`; `title` and `desc` say the same in words.
+Topics have round ends and solid wires, services square ones and dashed wires, actions cut corners and thick wires, so
+colours carry no extra meaning. The same node always gives the same bytes. Colours follow `prefers-color-scheme`;
+`title` and `desc` describe the picture in words.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class _Side:
 
 
 def draw(title: str, lines: Sequence[str], ports: Iterable[Port], *, more: str = "") -> str:
-    """Return the SVG of a node: `lines` stand below its name, `more` tells what is not shown."""
+    """Return the SVG of a node: `lines` are below its name, `more` describes what is not shown."""
     every = sorted(ports, key=lambda port: (port.implicit, port.name, port.type))
     left, right = _side(_LEFT, every), _side(_RIGHT, every)
     texts = [(title, 10.3), *((line, 7.3) for line in lines), (more, 7.3)]

@@ -42,14 +42,14 @@ def stylesheet(name: str) -> str:
 
 
 def short(text: str, longest: int = _LONGEST) -> str:
-    """Return `text` with its middle left out when it is long; the whole stands in the title of its group."""
+    """Return `text` with its middle cut if it is long; the full text is in the title of its group."""
     safe = printable(text)
     half = longest // 2
     return safe if len(safe) <= longest else f"{safe[: half - 1]}…{safe[-half:]}"
 
 
 def escaped(text: str) -> str:
-    """Return `text` as it may stand in XML, without signs that steer."""
+    """Return `text` escaped for XML, without control characters."""
     return escape(printable(text), quote=True)
 
 

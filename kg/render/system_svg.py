@@ -1,8 +1,8 @@
-"""The picture of a system as SVG: nodes and the channels between them, from those that give to those that take.
+"""The picture of a system as SVG: nodes and the channels between them, from outputs to inputs.
 
-Channels between the same nodes share one box. An end that leads nowhere stands as a line in its node, with an arrow:
-out of the node where nobody listens, into it where nobody gives. Nodelets and components lie in the box of their host.
-`title` and `desc` say the same in words. The same graph always gives the same bytes.
+Channels between the same nodes share one box. A dangling end is a line in its node, with an arrow out of the node for
+outputs, into it for inputs. Nodelets and components are inside the box of their host. `title` and `desc` describe the
+picture in words. The same graph always gives the same bytes.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class _Loose:
 
 @dataclass(slots=True)
 class _Drawing:
-    """What stands where: the members with their lines, and the bundles that have both sides."""
+    """The layout: the members with their lines, and the bundles that have both sides."""
 
     graph: SystemGraph
     loose: dict[str, list[_Loose]] = field(init=False)

@@ -17,7 +17,7 @@ _Thing = TypeVar("_Thing")
 
 
 def around(graph: SystemGraph, focus: Collection[str], depth: int = 1) -> SystemGraph:
-    """Return what is at most `depth` channels away from the members `focus`, with all channels of those in focus."""
+    """Return the members within `depth` channels of the members `focus`, with all channels of those in focus."""
     ends = graph.ends()
     at: defaultdict[str, set[str]] = defaultdict(set)
     for link in graph.links:
@@ -44,9 +44,9 @@ def around(graph: SystemGraph, focus: Collection[str], depth: int = 1) -> System
 
 
 def collapsed(graph: SystemGraph, expand: Collection[str] = (), most: int = 60) -> SystemGraph:
-    """Return the graph with namespaces as one box each where it has more than `most` boxes.
+    """Return the graph with namespaces as one box each if it has more than `most` boxes.
 
-    As few levels of namespaces as are needed go into one box; those in `expand`, and what is in them, never.
+    As few levels of namespaces as necessary are collapsed; those in `expand`, and their content, never.
     """
     deepest = max((member.name.count("/") - 1 for member in graph.members), default=0)
     found = graph
