@@ -45,6 +45,6 @@ def test_aliases_that_double_are_a_fault() -> None:
 
 def test_a_fault_has_its_line() -> None:
     """What is wrong with a text is told with the line that it is on."""
-    with pytest.raises(YamlFault, match="is no YAML") as caught:
+    with pytest.raises(YamlFault, match="is not YAML") as caught:
         compose_yaml("a:\n  b: [1, 2\nc: }\n")
     assert caught.value.line == 3

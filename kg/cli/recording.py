@@ -146,4 +146,4 @@ async def _record(settings: Settings, path: Path, topics: Sequence[str], *, keep
             if number:
                 note(f"{count(number, 'message')} in {recorder.last - recorder.first:.1f} s: {path}")
         if not number:
-            raise RobotError("KG825", "no message came, so that no file was written")
+            raise RobotError("KG825", "no message arrived, so no file was written")

@@ -303,11 +303,10 @@ def gap_words(rule: RuleCoverage) -> list[str]:
 
 def run_words(report: RunReport) -> str:
     """Describe a run in one line."""
-    would = "would come" if report.dry_run else "came"
-    going = "would go" if report.dry_run else "went"
+    would = "would be " if report.dry_run else ""
     return (
         f"{report.mode} run: {count(report.inferred, 'triple')} inferred from {report.asserted:,}; "
-        f"{report.added:,} {would}, {report.removed:,} {going}; in {report.seconds.total:.2f} s"
+        f"{report.added:,} {would}added, {report.removed:,} {would}removed; in {report.seconds.total:.2f} s"
     )
 
 

@@ -161,7 +161,7 @@ def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
 
 def types_started(graph: Queryable, names: Collection[str]) -> set[str]:
     """Return the IRIs of the node types of instances of some names."""
-    return {row["type"].value for row in select(graph, _NAMED % " ".join(map(literal, sorted(names))))}
+    return {kind for _, kind in texts(graph, _NAMED % one_of("name", names))}
 
 
 def starts(graph: Queryable, types: Collection[str], names: Collection[str] | None = None) -> list[Start]:

@@ -35,7 +35,7 @@ Key = tuple[str, str]
 
 CODE: Final = (
     *("facts", "holes.py", "names.py", "xmltext.py", "yamltext.py", "corpus", "symbolic", "extract", "language"),
-    *("launch", "graph"),
+    *("launch", "graph", "syntax/__init__.py", "syntax/names.py"),
     *("pipeline/cache.py", "pipeline/known.py", "pipeline/recording.py", "pipeline/work.py"),
 )
 """Code and data of `kg` that results depend on."""

@@ -52,7 +52,7 @@ def test_a_line_longer_than_a_page_is_cut() -> None:
 
 def test_a_page_that_does_not_exist_is_named() -> None:
     """The answer says how many there are."""
-    assert paged(["a"], [], 3, 600) == "there is no page 3; the answer has 1"
+    assert paged(["a"], [], 3, 600) == "page 3 does not exist; the answer has 1"
 
 
 def test_paths_are_within_the_first_source() -> None:

@@ -27,7 +27,7 @@ def test_a_proof_ends_in_lines_of_code_and_of_ontologies(built: Program) -> None
     """An inferred capability leads to the line that publishes and to the line of the ontology."""
     run = built("why", "scan_filter", "hasCapability", "measure distances")
     assert run.code == 0, run.err
-    assert "scan_filter_nodelet.cpp:33" in run.out
+    assert "scan_filter_nodelet.cpp:30" in run.out
     assert "capability.ttl:" in run.out
     assert "by rule capability/general" in run.out
 

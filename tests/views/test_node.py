@@ -33,10 +33,10 @@ def test_a_node_has_all_that_its_page_shows(snapshot: EmbeddedSnapshot, settings
 
 def test_what_is_inferred_is_marked(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """Functions, hardware and capabilities come with the fact that `why` proves."""
-    found = node(snapshot, settings, name="scan_filter")["capabilities"]
-    ranging = next(one for one in found if one["iri"].endswith("#ranging"))
-    assert ranging["inferred"]
-    assert ranging["fact"]["predicate"].endswith("#hasCapability")
+    found = node(snapshot, settings, name="base_controller")["capabilities"]
+    speed = next(one for one in found if one["iri"].endswith("#sensingVelocity"))
+    assert speed["inferred"]
+    assert speed["fact"]["predicate"].endswith("#hasCapability")
 
 
 def test_the_package_is_described_by_its_manifest(snapshot: EmbeddedSnapshot, settings: Settings) -> None:

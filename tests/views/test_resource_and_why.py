@@ -24,14 +24,14 @@ def _group(groups: list[dict[str, Any]], label: str) -> dict[str, Any]:
 
 def test_facts_stand_in_groups_with_their_origin(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """What a node has is there by property; what rules derived is marked, what stands on a line has it."""
-    iri = node(snapshot, settings, name="scan_filter")["iri"]
+    iri = node(snapshot, settings, name="base_controller")["iri"]
     found = resource(snapshot, settings, iri=iri, limit="100")
-    assert (found["kind"], found["label"]) == ("node", "scan_filter")
+    assert (found["kind"], found["label"]) == ("node", "base_controller")
     assert found["evidence"]["path"].endswith(".cpp")
     assert all(one["inferred"] for one in _group(found["out"], "rnkg:hasCapability")["facts"])
     (name,) = _group(found["out"], "rnkg:name")["facts"]
     assert not name["inferred"]
-    assert name["value"] == {"text": "scan_filter", "datatype": "xsd:string", "language": None}
+    assert name["value"] == {"text": "base_controller", "datatype": "xsd:string", "language": None}
     assert all(one["evidence"] for one in _group(found["out"], "ros:hasComponent")["facts"])
     assert _group(found["in"], "rnkg:contains")["count"] == 1
 

@@ -195,7 +195,7 @@ def status(*, settings: Settings, json: Json = False) -> None:
 
     layout = layout_of(settings)
     with EmbeddedStore(layout).read() as snapshot:
-        states, quads, generation = sources(snapshot), snapshot.count(), snapshot.generation
+        states, quads, generation = sources(snapshot, counted=True), snapshot.count(), snapshot.generation
     changed = pending(layout, settings)
     columns = (
         Column("source", "name"),

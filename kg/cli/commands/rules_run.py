@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kg.rules.remote.running import RemoteReport
     from kg.rules.reports import RunReport
 
-_CHANGES: Final = (Column("rule", "name"), Column("came", "number"), Column("went", "number"))
+_CHANGES: Final = (Column("rule", "name"), Column("added", "number"), Column("removed", "number"))
 _COLUMNS: Final = (
     Column("rule", "name"),
     Column("derived", "number"),

@@ -108,7 +108,7 @@ def test_blocks_for_readers_are_left_alone() -> None:
         (
             "## A\n```turtle given\n:a :b :c .\n```\n```turtle expect\n:a :b :c .\n```\n",
             "page.md:5",
-            "`ex:a ex:b ex:c` is expected and given",
+            "`ex:a ex:b ex:c` is given and expected",
             "one of the two",
         ),
     ],

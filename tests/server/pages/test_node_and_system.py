@@ -72,7 +72,7 @@ def test_tables_of_a_node_fit_a_laptop_and_a_phone(browser: Chromium, site: str,
 
 
 def test_a_phone_shows_first_what_a_node_is_about(browser: Chromium, site: str, things: Shown) -> None:
-    """The first screen has function, hardware and capabilities, and the pages' links take one line of it."""
+    """The first screen has function and hardware, and the pages' links take one line of it."""
 
     async def look() -> tuple[list[str], set[float], float]:
         async with browser.visit(f"{site}/node?iri={things['node']}", viewport={"width": 390, "height": 800}) as visit:
@@ -82,7 +82,7 @@ def test_a_phone_shows_first_what_a_node_is_about(browser: Chromium, site: str, 
             return await about.all_text_contents(), set(heights), box["y"] if box else 800
 
     about, heights, end = browser.run(look())
-    assert {"data processing", "laser scanner", "scan in three dimensions"} <= set(about)
+    assert {"data processing", "laser scanner", "arm"} <= set(about)
     assert len(heights) == 1
     assert end < 500
 

@@ -16,6 +16,7 @@ import yaml
 from patience import patient
 
 from kg.facts import LaunchProblemKind
+from kg.holes import ANONYMOUS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -87,7 +88,9 @@ def differences(ours: LaunchConfiguration, theirs: Mapping[str, Any]) -> list[st
     names = [f"{node.namespace.rstrip('/')}/{node.name}" for node in ours.nodes if node.kind != "test"]
     twice = sorted({name for name in names if names.count(name) > 1})
     if "error" in theirs:
-        waits = any(one.value is None for one in ours.arguments)
+        waits = any(one.value is None for one in ours.arguments) or any(
+            ANONYMOUS in one.namespace for one in ours.nodes
+        )
         return [] if refused or twice or waits else [f"only roslaunch refuses it: {theirs['error']}"]
     if refused or twice:
         return [f"only roslaunch takes it: {(refused or twice)[0]}"]
