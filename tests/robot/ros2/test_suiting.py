@@ -1,4 +1,4 @@
-"""Readers that follow what publishers offer."""
+"""Readers that adapt to the offers of publishers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class _Wire:
-    """A middleware with one publisher, which refuses to open the second reader."""
+    """A middleware with one publisher, which rejects the second reader."""
 
     def __init__(self) -> None:
         self.types = Types(2)
@@ -43,7 +43,7 @@ class _Wire:
 
 
 def test_a_reader_that_cannot_be_opened_is_told_and_tried_again() -> None:
-    """Where a reader cannot follow what is offered, the graph has the problem, and the next graph opens it."""
+    """If a reader cannot adapt to an offer, the graph has the problem, and the next graph retries."""
 
     async def scene() -> tuple[list[str], list[str]]:
         wire = _Wire()
