@@ -100,7 +100,7 @@ def test_the_published_examples_and_what_kg_writes_are_consistent(tmp_path: Path
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_a_component_of_node_and_communication_is_consistent_but_a_node_is_no_topic(tmp_path: Path) -> None:
-    """The domain of `ros:hasComponent` includes node and communication, which are disjoint."""
+    """Node and communication may both have `ros:hasComponent`; an entity that is both is inconsistent."""
     both = written(
         tmp_path,
         "both.ttl",
