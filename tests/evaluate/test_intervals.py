@@ -37,7 +37,7 @@ def test_an_interval_holds_the_share_and_mirrors(counted: tuple[int, int]) -> No
     [(0, 0, 0.0, 1.0), (0, 10, 0.0, 0.277532), (10, 10, 0.722467, 1.0), (81, 263, 0.255265, 0.366239)],
 )
 def test_known_intervals(right: int, number: int, low: float, high: float) -> None:
-    """81 of 263 is the example of Newcombe (1998), table I; without data the interval is everything."""
+    """81 of 263 is the example of Newcombe (1998), table I; without data the interval is 0 to 1."""
     assert wilson(right, number) == pytest.approx((low, high), abs=2e-4)
 
 
