@@ -61,7 +61,7 @@ def kg(robot: Drivable, folder: Path, *command: str) -> Iterator[subprocess.Pope
 def test_a_silent_controller_stops_and_does_not_go_on(
     robot: Drivable, tmp_path: Path, command: tuple[str, ...], pause: signal.Signals, resume: signal.Signals
 ) -> None:
-    """A suspended process or blocked loop is replaced by zero commands; when it resumes it exits with KG828."""
+    """The watchdog sends zero for a suspended process or a blocked loop, which exits with KG828 when it resumes."""
     with kg(robot, tmp_path, *command) as process:
         robot.until("speed 0.5")
         process.send_signal(pause)

@@ -1,6 +1,6 @@
 """Effects of changes in a small workspace: each file of `cases` has a name as typed, and the response of the view.
 
-`KG_WRITE_EXPECTED=1` writes the answers anew; the difference shows what changed.
+`KG_WRITE_EXPECTED=1` rewrites the expected responses; the difference shows the changes.
 """
 
 from __future__ import annotations

@@ -121,7 +121,7 @@ def theirs(data: Iterable[Triple]) -> set[str]:
 def compared(found: set[str]) -> set[str]:
     """Return the comparable triples: those about the data, without trivial ones about a class or property.
 
-    owlrl has more data types, and does not say of every class that it is below and equivalent to itself.
+    owlrl has more data types, and does not derive that every class is a subclass of and equivalent to itself.
     """
     parts = {text: text.split() for text in found if "urn:x:" in text}
     trivial = ("subClassOf>", "subPropertyOf>", "equivalentClass>", "equivalentProperty>")

@@ -189,7 +189,7 @@ def test_a_type_that_is_not_known_is_asked_for() -> None:
 def test_types_are_compared_by_their_names() -> None:
     """A publisher with the same type name matches, whatever its fields; no description is requested.
 
-    Cyclone DDS before 11 crashes when it overhears the response, whoever asked.
+    Cyclone DDS before 11 crashes when it receives the response, even for a request of another participant.
     """
 
     async def scene() -> None:

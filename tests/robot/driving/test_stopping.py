@@ -110,9 +110,7 @@ class _Told(Watchdog):
 def test_the_last_thing_is_zero(sequence: list[tuple[object, ...]], end: str, known: Capabilities) -> None:
     """After any sequence and any exit of the block, each moved topic got a zero command last.
 
-    The watchdog has each of them as long as it moves.
-
-    The watchdog is told of each as long as it moves.
+    The watchdog has a record of each while it moves.
     """
 
     async def scene() -> None:

@@ -1,6 +1,6 @@
 """Converted programs stop the robot however they end: signals, errors, the end of the program, `rosnode kill`.
 
-Those for rospy run in Debian's ROS 1, those for rclpy on a stand-in that aborts where rclpy does.
+Those for rospy run in Debian's ROS 1, those for rclpy on a stand-in that aborts in the same cases as rclpy.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ def line(event: dict[str, Any]) -> str:
 async def carried_out(
     text: str, meanwhile: Callable[[Runner, Trolley], Awaitable[None]] | None = None
 ) -> tuple[Ended, list[dict[str, Any]], Trolley]:
-    """Run a program on a trolley, with an action beside it."""
+    """Run a program on a trolley, with a concurrent action."""
     events: list[dict[str, Any]] = []
     async with trolley() as (robot, driver), asyncio.timeout(patient(15)):
         runner = Runner(driver, parse(text), events.append)

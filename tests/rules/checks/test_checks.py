@@ -1,6 +1,6 @@
 """Each check has the expected findings of its cases at their places, and none in other cases.
 
-A case is a rule in `cases/CODE/`; a line `# expect: CODE line:column words` at its end says what is found.
+A case is a rule in `cases/CODE/`; a line `# expect: CODE line:column words` at its end gives an expected finding.
 """
 
 from __future__ import annotations
