@@ -39,7 +39,7 @@ def copies() -> RuleSet:
     ],
 )
 def test_files_give_what_follows_from_them(tmp_path: Path, text: str, expected: str) -> None:
-    """Plain lines are split at whitespace; all others are parsed."""
+    """Plain lines are split at the ends of their terms; all others are parsed."""
     source, output = tmp_path / "in.nt", tmp_path / "out.nt"
     source.write_text(text)
     report = run_files([source], output, copies())

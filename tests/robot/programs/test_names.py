@@ -39,6 +39,6 @@ def test_names_are_found_however_they_are_written(name: str) -> None:
 
 
 def test_the_other_way_is_told() -> None:
-    """A capability that can only be sensed suggests sensing it."""
+    """KG834 for writing a capability that can only be sensed."""
     with pytest.raises(RobotError, match="KG834"):
         Known(CAPABILITIES).write("laserScanning")

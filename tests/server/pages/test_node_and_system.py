@@ -60,7 +60,7 @@ _NAVIGATION: Final = "[...document.querySelectorAll('.bar nav a')].map((link) =>
 
 @pytest.mark.parametrize("width", [1200, 390])
 def test_tables_of_a_node_fit_a_laptop_and_a_phone(browser: Chromium, site: str, things: Shown, width: int) -> None:
-    """The last column of each table, with the lines of code, is visible without scrolling; one wide one is allowed."""
+    """The last column of each table, with the lines of code, needs no scrolling; a count of one is singular."""
 
     async def look() -> tuple[list[str], str]:
         viewport = {"width": width, "height": 900}

@@ -192,7 +192,7 @@ def test_the_stored_query_asked_for_last_is_opened(browser: Chromium, site: str)
 
 @editing
 def test_pictures_that_are_gone_are_let_go(browser: Chromium, site: str) -> None:
-    """A replaced picture keeps no reference to the page once another is drawn."""
+    """A replaced picture is destroyed once another is drawn."""
 
     async def draw(visit: Visit) -> bool:
         page = visit.page
