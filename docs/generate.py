@@ -18,7 +18,6 @@ from transcripts import refreshed
 
 from kg.cli.man_page import roff as man_page
 from kg.cli.reference import markdown as commands_page
-from kg.errors import CATALOGUE, Exit
 from kg.lint.question import DECLARED as LINT
 from kg.query import stored
 from kg.rules.reading import OPTIONAL, discover
@@ -37,58 +36,6 @@ _FOLDER: Final = Path(__file__).resolve().parent
 _DATES: Final = {"GIT_AUTHOR_DATE": "2026-01-01T00:00:00Z", "GIT_COMMITTER_DATE": "2026-01-01T00:00:00Z"}
 """Fixed dates, so that the commit always has the same hash."""
 _AUTHOR: Final = ("-c", "user.name=kg", "-c", "user.email=kg@localhost", "-c", "commit.gpgsign=false")
-
-_AREAS: Final = {
-    "0": "Usage and settings",
-    "1": "Reading sources",
-    "2": "Rules",
-    "3": "The store",
-    "4": "Findings in an architecture",
-    "5": "Queries",
-    "6": "Graph and ontology",
-    "7": "Search and evaluation",
-    "8": "Robots",
-    "9": "Inside kg",
-}
-
-_EXITS: Final = {
-    Exit.OK: "success",
-    Exit.FOUND: "success with findings, or nothing found",
-    Exit.USAGE: "invalid command, option or setting",
-    Exit.SOURCE: "unreadable source",
-    Exit.STORE: "the store is missing, busy, damaged or full",
-    Exit.QUERY: "a query was refused or failed",
-    Exit.TIMEOUT: "a deadline or another limit stopped the work",
-    Exit.INTERNAL: "a defect in `kg`",
-    Exit.INTERRUPTED: "Ctrl-C",
-}
-
-_INTRODUCTION: Final = """\
-# Error codes
-
-<!-- Written by docs/generate.py from kg/errors.py. -->
-
-Every error has a code, a location and a hint. `kg explain CODE` prints the entries below. Errors in sources do not stop
-a build: each is reported, and the rest is built.
-
-## Exit codes
-
-| code | when |
-|---|---|
-"""
-
-
-def errors_page() -> str:
-    """Return docs/errors.md: the exit codes, then every code of the catalogue by area."""
-    parts = [_INTRODUCTION + "".join(f"| {int(code)} | {when} |\n" for code, when in _EXITS.items())]
-    area = None
-    for code, entry in sorted(CATALOGUE.items()):
-        if code[2] != area:
-            area = code[2]
-            parts.append(f"\n## {_AREAS[area]}\n")
-        parts.append(f"\n### {code}: {entry.title}\n\n{entry.explanation}\n\nFix: {entry.way_out}\n")
-    return "".join(parts)
-
 
 _SETTINGS: Final = """\
 # Settings
@@ -263,7 +210,6 @@ def shell_page() -> str:
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "cli.md": commands_page,
     "kg.1": man_page,
-    "errors.md": errors_page,
     "queries.md": queries_page,
     "rules.md": rules_page,
     "settings.md": settings_page,

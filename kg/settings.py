@@ -135,13 +135,16 @@ class Settings:
         None,
         forms.store,
         "FOLDER",
-        "Folder of the store, or the address of a SPARQL server for commands that read (docs/cluster.md); by default "
+        "Folder of the store, or the address of a SPARQL server (docs/cluster.md); by default "
         "the nearest .kg in this folder or above.",
+        short="-s",
     )
     base: str = setting(
         "https://w3id.org/rnkg/", forms.iri, "IRI", "What the IRIs of packages, nodes and topics start with."
     )
-    jobs: int = setting(0, forms.whole(0), "N", "How many processes read packages at a time; 0 is one a processor.")
+    jobs: int = setting(
+        0, forms.whole(0), "N", "How many processes read packages at a time; 0 is one a processor.", short="-j"
+    )
     cluster: str = setting(
         "",
         forms.cluster,
@@ -174,7 +177,7 @@ class Settings:
         "Name or path of the spaCy pipeline that tags descriptions; by default kg's own.",
     )
     timeout: float = setting(60.0, forms.number(0), "SECONDS", "How long a query may run; 0 is without end.")
-    limit: int = setting(1000, forms.whole(0), "N", "How many rows a table shows; 0 shows all.")
+    limit: int = setting(1000, forms.whole(0), "N", "How many rows a table shows; 0 shows all.", short="-n")
     format: str = setting(
         "auto", forms.word, "FORMAT", "How results are written; auto is a table on a terminal and TSV elsewhere."
     )

@@ -43,6 +43,11 @@ macro(ament_auto_add_gtest target)
   target_link_libraries(${target} ${kg_auto_libraries} ${kg_build_dependencies})
 endmacro()
 
+macro(ament_auto_package)
+  cmake_parse_arguments(kg "" "INSTALL_TO_PATH" "INSTALL_TO_SHARE" ${ARGN})
+  install(DIRECTORY ${kg_INSTALL_TO_SHARE} DESTINATION share/${PROJECT_NAME})
+endmacro()
+
 # --- tests of ament and catkin
 
 macro(ament_add_gtest target)

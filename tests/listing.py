@@ -85,7 +85,7 @@ _WALKED: Final = """() => {
 
 
 class Shown(TypedDict):
-    """Things of the example workspace, quoted for addresses."""
+    """Entities of the example workspace, quoted for addresses."""
 
     node: str
 
@@ -94,8 +94,8 @@ class Shown(TypedDict):
 class Examined:
     """The findings about a page.
 
-    `status`, problems (`Visit.troubles`), axe violations in light and in dark, the number of links to the page as JSON,
-    elements unreachable by Tab, elements without a visible focus, the width of the page on a phone.
+    `status`, problems (`Visit.troubles`), axe violations in light, and in dark on a phone, the number of links to the
+    page as JSON, elements unreachable by Tab, elements without a visible focus, the width of the page on a phone.
     """
 
     status: int
@@ -122,20 +122,18 @@ async def examine(browser: Chromium, address: str) -> Examined:
 
 async def inspect(visit: Visit) -> Examined:
     """Examine an open page, loaded with tools and in light."""
-    light, dark = await _accessible(visit)
+    light = await _accessible(visit)
     twins = await visit.page.locator("footer a[type='application/json']").count()
     missed, ringless = await _walked(visit.page)
     await visit.page.set_viewport_size({"width": _PHONE, "height": 800})
     width = await visit.page.evaluate("document.documentElement.scrollWidth")
+    await visit.page.emulate_media(color_scheme="dark")
+    dark = await _accessible(visit)
     return Examined(visit.status, await visit.troubles(), light, dark, twins, missed, ringless, width)
 
 
-async def _accessible(visit: Visit) -> tuple[list[str], list[str]]:
-    if not axe():
-        return [], []
-    light = await visit.violations()
-    await visit.page.emulate_media(color_scheme="dark")
-    return light, await visit.violations()
+async def _accessible(visit: Visit) -> list[str]:
+    return await visit.violations() if axe() else []
 
 
 async def _walked(page: Page) -> tuple[list[str], list[str]]:

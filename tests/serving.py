@@ -60,8 +60,11 @@ serve(load({{"store": sys.argv[1]}}), Options(**named), lambda address: print(ad
 
 
 @contextmanager
-def application(store: Path, address: str = ADDRESS, **options: Any) -> Iterator[TestClient]:
-    """Yield a client of an application in this process that serves the store, with a deadline for busy machines."""
+def application(store: Path | str, address: str = ADDRESS, **options: Any) -> Iterator[TestClient]:
+    """Yield a client of an application in this process, which serves a folder or the data of another server.
+
+    The deadline of queries allows for a busy machine.
+    """
     named = {"seconds": patient(_SECONDS), **options}
     app = create_app(load({"store": str(store)}, environment={}), Options(**named))
     with TestClient(app, base_url=address, follow_redirects=False, raise_server_exceptions=False) as client:

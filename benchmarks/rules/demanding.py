@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleSet
     from kg.store.embedded import EmbeddedStore
 
-__all__ = ["measure"]
+__all__ = ["measure", "query"]
 
 _BASE: Final = "urn:benchmark:"
 _PARENT: Final = f"<{_BASE}parent>"
@@ -82,7 +82,7 @@ def _queries(name: str, store: EmbeddedStore, rules: RuleSet, nodes: list[int], 
             ("ancestors", f"<urn:n{node}> {_ANCESTOR} ?x"),
             ("below", f"?x {_ANCESTOR} <urn:n{node}>"),
         ):
-            seconds, found = _query(store, rules, pattern, cache)
+            seconds, found = query(store, rules, pattern, cache)
             expected = _count(store, pattern.replace(_ANCESTOR, f"{_PARENT}+"))
             if found != expected:
                 raise SystemExit(f"{name}: {found} answers to {pattern}, and {expected} by a path")
@@ -94,7 +94,7 @@ def _queries(name: str, store: EmbeddedStore, rules: RuleSet, nodes: list[int], 
     return {"answers": answers, **figures}
 
 
-def _query(store: EmbeddedStore, rules: RuleSet, pattern: str, cache: Path) -> tuple[float, int]:
+def query(store: EmbeddedStore, rules: RuleSet, pattern: str, cache: Path) -> tuple[float, int]:
     """Return the processor seconds of one query on demand, with its copy of the store, and its number of answers."""
     from kg.query.core import run  # noqa: PLC0415 - each engine loads its own
     from kg.rules.demand.deriving import Base, derive  # noqa: PLC0415 - each engine loads its own

@@ -1,6 +1,6 @@
 """What stops when: the time from an event to the zero velocity that the robot gets, over ROS 1, DDS and bridges.
 
-    python -m benchmarks.stopping [--repeats N] [--seconds S] [--over PROTOCOL]...
+    python -m benchmarks.stopping [--repeats N] [--seconds S] [--over PROTOCOL]... [--event EVENT]...
     unshare -n sh -c 'ip link set lo up; python -m benchmarks.stopping --cut'
 
 `--cut` takes the network away in some rows. `unshare` (as root) gives the benchmark a network of its own for that.
@@ -152,10 +152,19 @@ def _with_children(process: subprocess.Popen[str], number: signal.Signals) -> No
 
 EVENTS: Final[dict[str, Callable[[subprocess.Popen[str]], None]]] = {
     "Ctrl-C (SIGINT)": lambda process: process.send_signal(signal.SIGINT),
+    "ended (SIGTERM)": lambda process: process.send_signal(signal.SIGTERM),
+    "terminal closed (SIGHUP)": lambda process: process.send_signal(signal.SIGHUP),
     "Ctrl-Z (SIGTSTP)": lambda process: process.send_signal(signal.SIGTSTP),
     "killed (SIGKILL)": lambda process: process.kill(),
     "suspended (SIGSTOP)": lambda process: process.send_signal(signal.SIGSTOP),
     "machine lost": lambda process: _with_children(process, signal.SIGSTOP),
+}
+
+
+ON_SERVER: Final[dict[str, signal.Signals]] = {
+    "server ended (SIGTERM)": signal.SIGTERM,
+    "server's terminal closed (SIGHUP)": signal.SIGHUP,
+    "server killed (SIGKILL)": signal.SIGKILL,
 }
 
 
@@ -184,6 +193,9 @@ def _of_command(command: tuple[str, ...], event: str, seconds: float, over: str)
         arguments = ["-m", "kg", "robot", *command, "--robot", found.address]
         process = stack.enter_context(_process(arguments, folder))
         moving(found)
+        if event in CUTS:
+            for _ in range(5):  # about as long as the watchdog takes to start
+                moving(found)
         begun = time.monotonic()
         if event == MASTER_STOPPED:
             end_master()
@@ -219,8 +231,8 @@ def _of_page(event: str, seconds: float, over: str) -> float | None:
                     client.post("/robot/stop")
                 elif event == "page silent":
                     return since(found, begun, seconds)
-                elif event == "server killed (SIGKILL)":
-                    server.kill()
+                elif event in ON_SERVER:
+                    server.send_signal(ON_SERVER[event])
                 if event != "page closed":
                     return since(found, begun, seconds)
             return since(found, begun, seconds)
@@ -266,18 +278,21 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=8.0)
     parser.add_argument("--over", action="append", choices=PROTOCOLS)
     parser.add_argument("--cut", action="store_true", help="cut the network of this process, which has to be its own")
+    parser.add_argument("--event", action="append", help="only this row, by its name in the table")
     given = parser.parse_args()
     over = given.over or PROTOCOLS
     print(f"| event | driven by | {' | '.join(over)} |\n|---|---|{'---|' * len(over)}")
     events = [*EVENTS, *(CUTS if given.cut else ()), MASTER_STOPPED]
     commands = [(event, command) for event in events for command in (DO, RUN)]
-    pages = ("page closed", "page silent", "STOP pressed", "server killed (SIGKILL)")
+    pages = ("page closed", "page silent", "STOP pressed", *ON_SERVER)
     cases: list[tuple[str, str, Callable[[str], float | None]]] = [
         (event, f"`kg robot {command[0]}`", partial(_of_command, command, event, given.seconds))
         for event, command in commands
     ]
     cases += [(event, "page, by hand", partial(_of_page, event, given.seconds)) for event in pages]
     for event, name, measure in cases:
+        if given.event and event not in given.event:
+            continue
         cells = []
         for one in over:
             if event == MASTER_STOPPED and one != ROS1:

@@ -74,7 +74,6 @@ def node(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
             one["role"].replace("_", " "),
             one["name"] or f"a name not known: {one['written']}",
             one["type"] or "a type not known",
-            one["quality"],
             one["how"],
             where(one["evidence"]),
             _code(one, detail=detail),
@@ -92,6 +91,18 @@ def node(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
         yield f"{one['kind']} {one['channel']} {'to' if one['outward'] else 'from'} {one['count']}: {names}"
     for one in found["used_in"]["instances"]:
         yield _line("started as", one["name"], "in", one["system"], where(one["evidence"]))
+
+
+def nodes(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
+    """Yield the names of the nodes of each package (view `list` of nodes), all of them whatever `detail` is."""
+    del detail
+    packages: defaultdict[str, list[str]] = defaultdict(list)
+    for one in found["rows"]:
+        packages[one["package"]].append(one["node"])
+    for package in sorted(packages):
+        yield f"{package}: {', '.join(sorted(packages[package]))}"
+    if found["total"] > len(found["rows"]):
+        yield f"{found['total']} nodes in all; `find_nodes` with `package` lists others"
 
 
 def systems(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:

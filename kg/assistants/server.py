@@ -34,7 +34,7 @@ def create_server(settings: Settings) -> MCPServer:
     from importlib.metadata import version  # noqa: PLC0415 - searches the installation
 
     layout = layout_of(settings)
-    tools = Tools(str(layout.root), settings.timeout or _SECONDS, settings.robot)
+    tools = Tools(layout.address or str(layout.root), settings.timeout or _SECONDS, settings.robot)
 
     @asynccontextmanager
     async def lifespan(_server: MCPServer) -> AsyncIterator[None]:
@@ -66,15 +66,11 @@ def _add_resources(server: MCPServer, tools: Tools) -> None:
 
     @server.resource("kg://nodes", description="The nodes of the store, by package.", mime_type="text/plain")
     async def nodes() -> str:
-        return await tools.query(
-            "SELECT ?package ?node { ?p rnkg:contains ?n ; a rnkg:Package ; rnkg:name ?package . "
-            "?n a rnkg:NodeType ; rnkg:name ?node } ORDER BY ?package ?node",
-            limit=200,
-        )
+        return await tools.nodes()
 
     @server.resource("kg://launch-files", description="The launch files of the store.", mime_type="text/plain")
     async def launch_files() -> str:
-        return await tools.wiring()
+        return await tools.launch_files()
 
     @server.resource("kg://rules", description="The rules in force, by name and title.", mime_type="text/plain")
     async def rules() -> str:
@@ -84,9 +80,7 @@ def _add_resources(server: MCPServer, tools: Tools) -> None:
     async def node(package: str, name: str) -> str:
         return await tools.describe_node(f"{unquote(package)}/{unquote(name)}")
 
-    @server.resource(
-        "kg://launch-file/{name}", description="What a launch file starts; `/` is %2F.", mime_type="text/plain"
-    )
+    @server.resource("kg://launch-file/{+name}", description="What a launch file starts.", mime_type="text/plain")
     async def launch_file(name: str) -> str:
         return await tools.wiring(unquote(name))
 

@@ -29,6 +29,7 @@ _DETAILED: Final = 12_000
 _FORMATS: Final = {"rows": "tsv", "boolean": "json", "graph": "turtle"}
 _MOST_ROWS: Final = 200
 _MOST_HITS: Final = 50
+_MOST_NODES: Final = 1000
 _DOES_NOT_HOLD: Final = "KG226"
 _QUERY_SECONDS: Final = 10.0
 _DIFF_SECONDS: Final = 300.0
@@ -307,6 +308,14 @@ class Tools:
                 *("robot", "run", path, how, *self._robot, *self._store), seconds=seconds, page=page, hidden=folder
             )
 
+    async def nodes(self) -> str:
+        """Return the names of the nodes by package, for the resource of that name."""
+        return _document(await self._answer("list", {"of": "nodes", "limit": str(_MOST_NODES)}), lines.nodes)
+
+    async def launch_files(self) -> str:
+        """Return the launch files with their counts, for the resource of that name."""
+        return _document(await self._answer("systems", {}), lines.systems)
+
     async def rules(self) -> str:
         """Return the names and titles of the rules in force, for the resource of that name."""
         found = await self._answer("rules", {})
@@ -363,6 +372,11 @@ def _text(found: dict[str, Any], written: Callable[..., Any], *, none: str = "no
     where = lines.Where()
     shown = list(written(found, where, detail=detail)) or [none]
     return lines.paged(shown, where.legend, page, _DETAILED if detail else PAGE)
+
+
+def _document(found: dict[str, Any], written: Callable[..., Any]) -> str:
+    """Return a resource: the first lines of a list, on one page of the size of pages with detail."""
+    return lines.paged(list(written(found, lines.Where(), detail=False)), [], 1, _DETAILED)
 
 
 def _told(error: KgError) -> ToolError:

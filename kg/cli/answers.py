@@ -1,4 +1,4 @@
-"""Answers of queries on standard output: tables for people, the formats of `kg.query.formats` for programs."""
+"""Query results on standard output: tables for people, the formats of `kg.query.formats` for programs."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ _OTHER_NAMES: Final = {
 
 
 def format_for(name: str) -> str:
-    """Return the format meant by the setting `format`; `auto` is a table for people and TSV for programs.
+    """Return the format for the setting `format`; `auto` is a table for people and TSV for programs.
 
     Raises:
-        QueryError: KG504 for a format that no answer can be written in.
+        QueryError: KG504 unknown format.
     """
     if name == "auto":
         return "table" if terminal() else "tsv"
@@ -48,7 +48,7 @@ def format_for(name: str) -> str:
 
 
 def answer(result: Result, name: str, *, automatic: bool = False, links: Links | None = None) -> None:
-    """Write an answer in a format of `format_for`; an `automatic` one gives way to Turtle for a graph."""
+    """Write a result in a format of `format_for`; an `automatic` format becomes Turtle for a graph."""
     if name == "table" and isinstance(result, Solutions):
         table(result, links)
     elif name == "table" and isinstance(result, Boolean):
@@ -64,14 +64,14 @@ def answer(result: Result, name: str, *, automatic: bool = False, links: Links |
 
 
 def is_empty(result: Result) -> bool:
-    """Tell whether an answer has nothing in it."""
+    """Return whether a result is empty."""
     if isinstance(result, Solutions):
         return not result.rows
     return not (result.value if isinstance(result, Boolean) else result.triples)
 
 
 def table(result: Solutions, links: Links | None = None) -> None:
-    """Write rows as a table: numbers to the right, `?file` and `?line` as one place that leads there."""
+    """Write rows as a table: numbers aligned right, `?file` and `?line` as one place with a link."""
     if not result.rows:
         return
     place: dict[str, int] = {
@@ -99,7 +99,7 @@ def _column(result: Solutions, index: int) -> Column:
 def _add_places(
     rows: list[list[object]], result: Solutions, at: Mapping[str, int], room: int, links: Links | None
 ) -> None:
-    """Add to each row its place, as long as there is room for."""
+    """Add the place of each row, if there is room."""
     found = [(display(row[at["file"]]), display(row[at["line"]])) for row in result.rows]
     shown = fitted([f"{file}:{line}" if line else file for file, line in found], room)
     for row, (file, line), text in zip(rows, found, shown, strict=True):
@@ -108,7 +108,7 @@ def _add_places(
 
 
 def _remarks(result: Result, name: str) -> None:
-    """Say how many rows there were, when people read, and always when rows are missing."""
+    """Report the number of rows to people, and missing rows to everyone."""
     if isinstance(result, Boolean):
         return
     if isinstance(result, Solutions):

@@ -235,7 +235,7 @@ def _print_version(value: bool) -> None:  # noqa: FBT001 - the signature of type
 
 
 def _speak_in(color: str | None) -> str | None:
-    """Take --color before anything can go wrong; what is no colour is reported when the settings are read."""
+    """Apply --color before anything can fail; an invalid value is reported when the settings are read."""
     if color in {"always", "never"}:
         MODE.set(Mode(color, MODE.get().traceback))
     return color

@@ -1,4 +1,4 @@
-"""The end of a build in words: what was read, what was found, what stayed unresolved and why, what was wrong."""
+"""The summary of a build: what was read and found, unresolved names with reasons, and problems."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _FEW_REASONS: Final = 5
 
 
 def summary(report: BuildReport, store: Path, *, every: bool) -> Iterator[str]:
-    """Yield the lines about a build that has ended; `every` lists all problems and reasons."""
+    """Yield the lines about a finished build; `every` lists all problems and reasons."""
     sources = count(len(report.sources), "source")
     if report.generation is None:
         yield f"nothing changed in {count(report.reused, 'package')} of {sources} ({report.seconds:.2f} s)"
@@ -94,13 +94,13 @@ def _place(source: SourceReport, problem: Problem) -> str:
 
 
 def near(path: Path) -> str:
-    """Return a path as short as it can be typed in the working folder."""
+    """Return a path relative to the working folder if that is shorter."""
     relative = os.path.relpath(path)
     return str(path.resolve()) if relative.startswith("..") else relative
 
 
 def left_out(inferred: Inferred | None) -> bool:
-    """Warn of the rules that were left out, and tell whether there were any."""
+    """Warn of the rules that were left out; return whether there were any."""
     problems = inferred.problems if inferred else ()
     for problem in problems:
         show(problem, "warning")
@@ -110,13 +110,13 @@ def left_out(inferred: Inferred | None) -> bool:
 
 
 def volume_row(volume: Volume) -> tuple[object, ...]:
-    """Return the cells of what a build would read of a source."""
+    """Return the cells about a source in a build plan."""
     code = f"{volume.code_bytes / 1e6:.1f}"
     return volume.source, volume.packages, volume.reused, volume.files, code, f"{volume.reading:.1f}"
 
 
 def volume_object(volume: Volume) -> dict[str, Any]:
-    """Return what a build would read of a source, with its estimates, ready for JSON."""
+    """Return a source in a build plan, with its estimates, for JSON."""
     return {
         **asdict(volume),
         "reading_seconds": round(volume.reading, 3),
@@ -127,7 +127,7 @@ def volume_object(volume: Volume) -> dict[str, Any]:
 
 
 def volumes_in_words(volumes: list[Volume]) -> Iterator[str]:
-    """Yield the lines below the list of volumes."""
+    """Yield the lines below the table of a build plan."""
     packages, code = sum(one.packages for one in volumes), sum(one.code_bytes for one in volumes)
     yield f"would read {count(packages, 'package')} with {code / 1e6:.1f} MB of code; nothing was read"
     if packages:
@@ -140,7 +140,7 @@ def volumes_in_words(volumes: list[Volume]) -> Iterator[str]:
 
 
 def report_object(report: BuildReport) -> dict[str, Any]:
-    """Return the report as plain values, ready for JSON."""
+    """Return the report as plain values for JSON."""
     keys = (
         "packages",
         "nodes",

@@ -1,4 +1,4 @@
-"""The checks of `kg doctor`: each says what it found and, when something is wrong, the way out."""
+"""The checks of `kg doctor`: each reports a finding and, if something is wrong, a fix."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _LEAST_FREE: Final = 200 << 20
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """What one check found: `state` is ok, note (something optional is missing) or wrong."""
+    """The result of a check: `state` is ok, note (something optional is missing) or wrong."""
 
     subject: str
     state: str
@@ -39,7 +39,7 @@ class Check:
 
 
 def checks(settings: Settings) -> Iterator[Check]:
-    """Yield what every check found, from the ground up."""
+    """Yield the results of all checks, basic ones first."""
     yield Check("Python", "ok", f"{platform.python_version()} at {sys.executable}")
     yield from _dependencies()
     yield _data()
@@ -102,7 +102,7 @@ def _pages() -> Check:
 
 
 def _said(*command: str) -> str:
-    """Return the first line that a program says, empty when it cannot be run."""
+    """Return the first line of a program's output, empty if it cannot be run."""
     program = shutil.which(command[0])
     if program is None:
         return ""

@@ -1,4 +1,4 @@
-"""What the shell offers behind Tab: names from the store, stored queries, codes. Where nothing is known, nothing."""
+"""Shell completion: names from the store, stored queries, codes. It offers nothing if the data cannot be read."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def completing(names: Callable[[str], Iterable[str]]) -> Callable[[str], list[str]]:
-    """Let a function return only the names that begin as typed, and none where the names cannot be read."""
+    """Decorate a function to return only the names with the typed prefix, and none on errors."""
 
     def complete(incomplete: str) -> list[str]:
         try:
@@ -58,7 +58,7 @@ def packages(_: str) -> Iterable[str]:
 
 
 def features(kind: str) -> Callable[[str], list[str]]:
-    """Return what completes the values of a filter of `kg search`; types also by their last part."""
+    """Return the completer for a filter of `kg search`; types are also completed by their last part."""
 
     @completing
     def complete(_: str) -> Iterable[str]:
@@ -98,9 +98,9 @@ def launches(_: str) -> Iterable[str]:
 
 
 def channels(kind: str) -> Callable[[str], list[str]]:
-    """Return what completes names of topics, services or actions, in launched systems and in code.
+    """Return the completer for names of topics, services or actions, in launched systems and in code.
 
-    Where the slash in front is not typed, they come without it.
+    Names come without the leading slash unless it is typed.
     """
 
     @completing
@@ -121,7 +121,7 @@ def subjects(incomplete: str) -> list[str]:
 
 @completing
 def parameters(_: str) -> Iterable[str]:
-    """Return the names of parameters, as code declares them and as launch and parameter files set them."""
+    """Return the names of parameters declared in code, or set in launch and parameter files."""
     from kg.graph.parameters_reading import declared_names, set_names  # noqa: PLC0415 - start-up time
 
     with _snapshot() as snapshot:

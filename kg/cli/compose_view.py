@@ -1,4 +1,4 @@
-"""Chains of nodes as lines for people: what each node takes and gives, on which line, and what else it needs."""
+"""Chains of nodes as lines for people: inputs and outputs of each node, with their lines, and further inputs."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ if TYPE_CHECKING:
 
     from kg.search.compose.network import Port
 
-_MOST: Final = 4
-"""How many copies, and types that are needed, are named one by one."""
+_MOST: Final = 4  # maximum number of copies and required types that are listed
 
 
 def chain_lines(chain: Composed, rank: int) -> Iterator[str]:

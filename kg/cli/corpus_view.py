@@ -1,4 +1,4 @@
-"""How selections, and figures beside those of RNKG, are shown: rows of tables and plain values for JSON."""
+"""Selections of repositories, and figures next to those of RNKG: rows of tables and plain values for JSON."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def step_rows(found: Selection) -> Iterator[tuple[object, ...]]:
 
 
 def figure_rows(found: Selection) -> Iterator[tuple[object, ...]]:
-    """Yield the rows of Table 2: ours, the paper's, and by how many percent ours are more."""
+    """Yield the rows of Table 2: our figure, the paper's, and the difference in percent."""
     paper = paper_figures()
     for name, ours in found.figures.items():
         yield from _rows(name.replace("_", " "), ours, paper.table.get(name, {}))
@@ -62,7 +62,7 @@ def _more(ours: float | None, paper: float | None) -> str:
 
 
 def selection_object(found: Selection) -> dict[str, Any]:
-    """Return a selection as plain values, ready for JSON."""
+    """Return a selection as plain values for JSON."""
     paper = paper_figures()
     return {
         "dataset": str(found.dataset.path),
@@ -88,7 +88,7 @@ def selection_object(found: Selection) -> dict[str, Any]:
 
 
 def rnkg_rows(ours: Counted) -> Iterator[tuple[str, str, str]]:
-    """Yield the figures of a graph as RNKG counts them, with the paper's where it prints them."""
+    """Yield the figures of a graph as RNKG counts them, with those printed in the paper."""
     for name, theirs in paper_figures().graph.items():
         yield name.replace("_", " "), _plain(getattr(ours, name)), _plain(theirs)
     for kind, number in ours.by_kind:
@@ -102,6 +102,6 @@ def _plain(value: float | None) -> str:
 
 
 def compared(ours: Counted) -> dict[str, Any]:
-    """Return the same as plain values, ready for JSON."""
+    """Return these figures as plain values for JSON."""
     plain = asdict(ours) | {"by_kind": dict(ours.by_kind)}
     return {"here": plain, "paper": dict(paper_figures().graph)}

@@ -1,7 +1,6 @@
-"""Words on standard error: errors, warnings, notes. No other module of the command line writes there.
+"""Errors, warnings and notes on standard error. No other module of the command line writes there.
 
-An error is shown as its code and message, the place, the line of source with carets when the place has a column,
-and the way out:
+An error has its code and message, the place, the source line with carets under the column, and a hint:
 
     error[KG501]: expected a variable
      --> query.rq:3:8
@@ -31,7 +30,7 @@ _STYLES: Final = {"error": "1;31", "warning": "1;33", "note": "1;36", "help": "1
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """How this run speaks: `color` as the setting, and whether errors come with Python's traceback."""
+    """Output settings of this run: `color`, and whether errors include Python's traceback."""
 
     color: str = "auto"
     traceback: bool = False
@@ -42,7 +41,7 @@ MODE: ContextVar[Mode] = ContextVar("MODE", default=_AT_FIRST)
 
 
 def colored(stream: IO[str]) -> bool:
-    """Tell whether to colour what goes to `stream` (https://no-color.org)."""
+    """Return whether to colour output to `stream` (https://no-color.org)."""
     color = MODE.get().color
     if color == "auto":
         return stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
@@ -54,37 +53,37 @@ def _paint(style: str, text: str, *, on: bool) -> str:
 
 
 def dim(text: str, *, color: bool) -> str:
-    """Return text that stands back."""
+    """Return dimmed text."""
     return _paint("dim", text, on=color)
 
 
 def say(text: str = "") -> None:
-    """Write a line of words, after the data that was written before it."""
+    """Write a line, after flushing standard output."""
     sys.stdout.flush()
     sys.stderr.write(text + "\n")
     sys.stderr.flush()
 
 
 def note(text: str) -> None:
-    """Tell something the user should know about the answer, a cut or a choice made."""
+    """Report something about the result, such as truncation or a choice made."""
     say(f"{_paint('note', 'note', on=colored(sys.stderr))}: {text}")
 
 
 def problem(code: str, message: str, place: str) -> None:
-    """Tell of something wrong in a source, on one line."""
+    """Report a problem of a source on one line."""
     on = colored(sys.stderr)
     say(f"{printable(place)}: {_paint('warning', code, on=on)} {printable(message)}")
 
 
 def report(error: KgError, severity: str = "error") -> None:
-    """Show an error, or what the command could do without as a `warning`."""
+    """Report an error, or as a `warning` something the command can do without."""
     if MODE.get().traceback:
         say("".join(traceback.format_exception(error)).rstrip())
     say(render(error, color=colored(sys.stderr), severity=severity))
 
 
 def defect(error: BaseException) -> None:
-    """Show an error that `kg` did not raise on purpose, as KG900."""
+    """Report an unexpected exception as KG900."""
     tail = traceback.extract_tb(error.__traceback__)[-1:]
     where = f" ({Path(tail[0].filename).name}:{tail[0].lineno})" if tail else ""
     first_line = str(error).partition("\n")[0]
@@ -95,7 +94,7 @@ def defect(error: BaseException) -> None:
 
 
 def render(error: KgError, *, color: bool = False, severity: str = "error") -> str:
-    """Return the lines that show an error, or a finding of less severity (`warning`, `note`)."""
+    """Return the lines of an error, or of a finding of lower severity (`warning`, `note`)."""
     help_text = error.hint or CATALOGUE[error.code].way_out
     return "\n".join(
         [
@@ -107,25 +106,25 @@ def render(error: KgError, *, color: bool = False, severity: str = "error") -> s
 
 
 def head(severity: str, code: str, message: str, *, color: bool) -> str:
-    """Return the line that says what is wrong."""
+    """Return the line with code and message."""
     return (
         _paint(severity if severity in _STYLES else "note", f"{severity}[{code}]", on=color) + ": " + printable(message)
     )
 
 
 def helps(text: str, *, color: bool) -> list[str]:
-    """Return the lines that say what to do."""
+    """Return the lines with hints."""
     return [f"{_paint('help', 'help', on=color)}: {printable(line)}" for line in text.splitlines()]
 
 
 def linked(text: str, address: str | None, *, color: bool) -> str:
-    """Return printable text that terminals open `address` for when it is clicked (OSC 8)."""
+    """Return printable text with a terminal link to `address` (OSC 8)."""
     shown = printable(text)
     return f"\x1b]8;;{address}\x1b\\{shown}\x1b]8;;\x1b\\" if address and color else shown
 
 
 def excerpt(place: Place, *, color: bool, address: str | None = None) -> list[str]:
-    """Return the lines that show a place: its name, which leads to `address`, and the line of source."""
+    """Return the lines of a place: its name, linked to `address`, and the source line."""
     line = _line(place)
     number = str(place.line or "")
     gutter = " " * len(number)
@@ -142,7 +141,7 @@ def excerpt(place: Place, *, color: bool, address: str | None = None) -> list[st
 
 
 def _line(place: Place) -> str | None:
-    """Return the line of source at `place`, if there is one to be had."""
+    """Return the source line at `place`, if it can be read."""
     if place.excerpt is not None or place.line is None:
         return place.excerpt
     try:

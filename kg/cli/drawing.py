@@ -1,18 +1,16 @@
-"""What commands that draw share: which form is asked for, and where it goes."""
+"""Shared parts of commands that draw: the output format and its destination."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
 from kg.cli.diagnostics import say
 from kg.cli.output import terminal, write_bytes
 from kg.errors import Place, UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _ENDINGS: Final = {
     ".svg": "svg",
@@ -34,9 +32,9 @@ Output = Annotated[
 
 
 def form_of(asked: Mapping[str, bool], output: str | None) -> str:
-    """Return the form that a flag asks for, or that the ending of the file names; `text` without either.
+    """Return the format of a flag or of the file name's suffix; `text` without either.
 
-    UsageError KG003 for two flags, or an ending that says nothing.
+    UsageError KG003 for two flags, or an unknown suffix.
     """
     chosen = [form for form, is_asked in asked.items() if is_asked]
     if len(chosen) > 1:
@@ -52,7 +50,7 @@ def form_of(asked: Mapping[str, bool], output: str | None) -> str:
 
 
 def deliver(text: str, form: str, output: str | None, name: str) -> None:
-    """Write `text` to the file that is asked for, to standard output, or a picture on a terminal to `name`.svg."""
+    """Write `text` to the given file or to standard output; on a terminal, write pictures to `name`.svg."""
     if output == "-" or (output is None and not (form == "svg" and terminal())):
         write_bytes(text.encode())
         return

@@ -1,18 +1,25 @@
-"""What `kg robot read` and `kg robot do` do, and how they show it."""
+"""`kg robot read` and `kg robot do`: their options, execution and output."""
 
 from __future__ import annotations
 
 import asyncio
+import math
+import sys
+from collections import Counter
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.cli.driving_view import show_outcome, show_plan, tell, tell_feedback, tell_message, warn
+import msgspec
+
+from kg.cli.diagnostics import note, report, say
 from kg.cli.interruptible import interruptible
 from kg.cli.numbers import frequency, whole
 from kg.cli.numbers import seconds as seconds_of
-from kg.errors import RobotError, UsageError
+from kg.cli.output import json_line, terminal, write
+from kg.errors import CATALOGUE, RobotError, UsageError
+from kg.render.text import count, printable
 from kg.robot.clock import within
 from kg.robot.connecting import address_of, connected, inhabited, is_recording, not_commanded
 from kg.robot.driving import Driver, Watchdog, find
@@ -23,22 +30,22 @@ from kg.robot.programs.places import at_place, offered, read_places
 from kg.robot.tasks import ended, spawn
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping, Sequence
+    from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterator, Mapping, Sequence
 
-    from kg.robot.connection import ComputationGraph, Connection
+    from kg.robot.capability import Capability
+    from kg.robot.connection import ComputationGraph, Connection, GraphProblem
+    from kg.robot.driving import Outcome, Plan
     from kg.settings import Settings
 
-_FIRST: Final = 5.0
-"""Seconds of the wall that the first value may take where reading is to end."""
-_QUEUE: Final = 100
-"""Messages of a topic that may wait to be written."""
-_FEEDBACK: Final = 1.0
-"""How often a second of the wall a person is told how far a goal is."""
+
+_FIRST: Final = 5.0  # wall-clock seconds to wait for the first value if reading is limited
+_QUEUE: Final = 100  # maximum number of queued messages of a topic
+_FEEDBACK: Final = 1.0  # maximum progress reports per wall-clock second for people
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What of a capability is to be read: until `count` values or `seconds` are over, `rate` a second at most."""
+    """Options of reading a capability: at most `count` values or `seconds`, at most `rate` per second."""
 
     count: int | None
     seconds: float | None
@@ -47,27 +54,18 @@ class Reading:
     json: bool
 
     @classmethod
-    def of(  # noqa: PLR0913 - the options of the command
-        cls,
-        *,
-        once: bool,
-        count: str | None,
-        seconds: str | None,
-        rate: str | None,
-        way: str | None,
-        json: bool,
-    ) -> Reading:
-        """Return it as a user's options say it; UsageError KG003 for what is no number."""
+    def of(cls, *, once: bool, count: str | None, seconds: str | None, rate: str | None, **more: Any) -> Reading:
+        """Return it as a user's options say it; UsageError KG003 for a text that is not a number."""
         if once and count is not None:
             raise UsageError("KG003", "--once conflicts with --count", hint="Leave one out.")
         number = 1 if once else whole(count, "--count", 1) if count is not None else None
         time = seconds_of(seconds, "--seconds") if seconds is not None else _FIRST if once else None
-        return cls(number, time, None if rate is None else frequency(rate, "--rate"), way, json)
+        return cls(number, time, None if rate is None else frequency(rate, "--rate"), **more)
 
 
 @dataclass(frozen=True, slots=True)
 class Doing:
-    """What is to be done with a capability: its arguments, how long, and whether in earnest."""
+    """Options of executing a capability: its arguments, duration, and whether it is a dry run."""
 
     arguments: Mapping[str, str]
     keep: float | None
@@ -78,18 +76,8 @@ class Doing:
     json: bool
 
     @classmethod
-    def of(  # noqa: PLR0913 - the options of the command
-        cls,
-        values: Sequence[str],
-        *,
-        keep: str | None,
-        timeout: str | None,
-        way: str | None,
-        dry_run: bool,
-        exclusive: bool,
-        json: bool,
-    ) -> Doing:
-        """Return it as a user's options say it; UsageError KG003 for what is no number, or no NAME=VALUE."""
+    def of(cls, values: Sequence[str], *, keep: str | None, timeout: str | None, **more: Any) -> Doing:
+        """Return the options as given by the user; UsageError KG003 for an invalid number or NAME=VALUE."""
         pairs = [one.partition("=") for one in values]
         for text, (name, sign, _) in zip(values, pairs, strict=True):
             if not sign or not name.strip():
@@ -102,10 +90,7 @@ class Doing:
             {name.strip(): value.strip() for name, _, value in pairs},
             None if keep is None else seconds_of(keep, "--for"),
             None if timeout is None else seconds_of(timeout, "--timeout"),
-            way,
-            dry_run,
-            exclusive,
-            json,
+            **more,
         )
 
 
@@ -114,7 +99,7 @@ async def _driver(settings: Settings, **options: Any) -> AsyncIterator[tuple[Dri
     address = address_of(settings)
     async with connected(address) as connection:
         graph = await inhabited(connection)
-        # In a thread: a loop that stands still would take the time of a simulation for what it was before.
+        # In a thread: a blocked event loop would misread the clock of a simulation.
         capabilities = await asyncio.to_thread(infer, graph, settings, address=address)
         watchdog = Watchdog(address, settings.watchdog)
         async with Driver(connection, capabilities, watchdog=watchdog, graph=graph, **options) as driver:
@@ -122,7 +107,7 @@ async def _driver(settings: Settings, **options: Any) -> AsyncIterator[tuple[Dri
 
 
 def read_capability(settings: Settings, name: str, asked: Reading) -> None:
-    """Write the values of a capability as they come; RobotError as `Driver.read`, KG825 when none came in time."""
+    """Write the values of a capability as they arrive; RobotError as `Driver.read`, KG825 if none arrived in time."""
     interruptible(_read(settings, name, asked))
 
 
@@ -163,9 +148,9 @@ async def _tell_in_time(
     connection: Connection,
     show: Callable[[dict[str, Any]], None],
 ) -> None:
-    """Write values until as many were told, or as much time is over, as was asked; KG825 when there was none."""
+    """Write values up to the requested number or duration; KG825 if there was none."""
     try:
-        # Until the first value seconds are of the wall: connecting takes as long however fast a simulation runs.
+        # Until the first value, seconds are wall-clock: connecting takes as long however fast a simulation runs.
         seconds = None if asked.seconds is None else max(asked.seconds, _FIRST)
         first = await asyncio.wait_for(anext(values), seconds)
     except (TimeoutError, StopAsyncIteration):
@@ -192,12 +177,14 @@ async def _tell_all(
 
 
 def do_capability(settings: Settings, name: str, asked: Doing) -> None:
-    """Do something and write how it goes; raises as `Driver.do`, and KG003 for a movement without an end."""
+    """Execute a capability and write its progress; raises as `Driver.do`, and KG003 for an endless movement."""
     interruptible(_do(settings, name, asked), moves=True)
 
 
 async def _do(settings: Settings, name: str, asked: Doing) -> None:
-    own = read_places(settings.places) if AT in asked.arguments else {}  # landing must not fail for want of a file
+    own = (
+        read_places(settings.places) if AT in asked.arguments else {}
+    )  # landing must not fail because a file is missing
     options = {"exclusive": asked.exclusive, "on_problem": lambda one: warn(one, json=asked.json)}
     if is_recording(address_of(settings)):
         raise not_commanded(address_of(settings))
@@ -224,7 +211,7 @@ async def _do(settings: Settings, name: str, asked: Doing) -> None:
         throttle = Throttle(None if asked.json else _FEEDBACK)
 
         def feedback(told: Mapping[str, Any]) -> None:
-            # Of the wall: a person reads no faster where a simulation runs faster.
+            # Wall-clock: people do not read faster when a simulation runs faster.
             if throttle.takes(monotonic()):
                 tell_feedback(told, capability, json=asked.json)
 
@@ -241,3 +228,134 @@ async def _do(settings: Settings, name: str, asked: Doing) -> None:
 async def _follow(driver: Driver) -> None:
     async for graph in driver.connection.changes():
         driver.saw(graph)
+
+
+_LONGEST: Final = 60
+_WIDEST: Final = 100  # maximum columns of a progress line
+_QUATERNION: Final = {"x", "y", "z", "w"}
+
+
+def tell(value: Mapping[str, Any], capability: Capability, *, json: bool) -> None:
+    """Write values by parameter, with units on a terminal, else as a line of JSON."""
+    if json or not terminal():
+        sys.stdout.write(json_line(_plain(value)))
+    else:
+        write(_words(value, capability))
+    sys.stdout.flush()
+
+
+def tell_message(value: Mapping[str, Any]) -> None:
+    """Write a message as a line of JSON."""
+    sys.stdout.write(json_line(_plain(value)))
+    sys.stdout.flush()
+
+
+def warn(doubt: GraphProblem, *, json: bool) -> None:
+    """Warn of an expected failure, with a hint; with `json` also as a line of the data."""
+    error = RobotError(doubt.code, f"{doubt.subject}: {doubt.message}")
+    report(error, "warning")
+    if json:
+        hint = CATALOGUE[doubt.code].way_out
+        told = {"event": "warning", "code": doubt.code, "name": doubt.subject, "message": doubt.message, "hint": hint}
+        sys.stdout.write(json_line(told))
+        sys.stdout.flush()
+
+
+def tell_feedback(value: Mapping[str, Any], capability: Capability, *, json: bool) -> None:
+    """Write the progress of a goal: as a line of data with `json`, else as a short text."""
+    if json:
+        tell({"feedback": value}, capability, json=True)
+    elif words := _words(value, capability):
+        say(words if len(words) <= _WIDEST else f"{words[: _WIDEST - 3]}...")
+
+
+def show_outcome(outcome: Outcome, capability: Capability, *, json: bool) -> None:
+    """Write the outcome of a command and its results."""
+    if json or not terminal():
+        found = {"ended": outcome.ended, "sent": outcome.sent, "values": outcome.values}
+        if outcome.moved is not None:
+            found["moved"] = outcome.moved
+        sys.stdout.write(json_line(_plain(found)))
+        return
+    if outcome.values:
+        write(_words(outcome.values, capability))
+    plan = outcome.plan
+    if plan.kind == "topic":
+        after = ", then a zero command" if plan.afterwards is not None else ""
+        note(f"sent {count(outcome.sent, 'message')} to {plan.name}{after}")
+    else:
+        note(f"{plan.name} is {outcome.ended}")
+
+
+def show_plan(plan: Plan, *, json: bool) -> None:
+    """Write the plan of a dry run."""
+    if json or not terminal():
+        sys.stdout.write(json_line(_plain(msgspec.to_builtins(plan))))
+        return
+    often = f" {plan.rate:g} times a second" if plan.rate else ""
+    time = f" for {plan.seconds:g} s" if plan.rate and plan.seconds else ""
+    note(f"{plan.capability} would send to the {plan.kind} {plan.name} of {plan.node}{often}{time}:")
+    for line in _lines({plan.type: plan.message}):
+        write(printable(line))
+    if plan.afterwards is not None:
+        note("then the same with zeros, to stop")
+
+
+def _lines(value: Mapping[str, Any], depth: int = 0) -> list[str]:
+    found = []
+    for name, one in value.items():
+        if isinstance(one, dict):
+            found += [f"{'  ' * depth}{name}:", *_lines(one, depth + 1)]
+        else:
+            found.append(f"{'  ' * depth}{name}: {_short(one)}")
+    return found
+
+
+def _words(value: Mapping[str, Any], capability: Capability) -> str:
+    units = {one.name: one.unit for one in capability.parameters}
+    leaves = dict(_leaves(value))
+    shared = Counter(ending for name in leaves for ending in _endings(name))
+    short = {next((one for one in _endings(name) if shared[one] == 1), name): told for name, told in leaves.items()}
+    parts = [f"{name} {_short(one):>8}{_unit(one, units.get(name))}" for name, one in short.items()]
+    return printable("   ".join(parts)).rstrip()
+
+
+def _endings(path: str) -> Iterator[str]:
+    """Yield the suffixes of a path, the shortest first: `c`, `b.c`, `a.b.c`."""
+    steps = path.split(".")
+    return (".".join(steps[-length:]) for length in range(1, len(steps) + 1))
+
+
+def _leaves(value: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the scalar fields of a message by path, except headers and quaternions."""
+    for name, one in value.items():
+        if not isinstance(one, dict):
+            yield before + name, one
+        elif name != "header" and set(one) != _QUATERNION:
+            yield from _leaves(one, f"{before}{name}.")
+
+
+def _unit(value: Any, unit: str | None) -> str:
+    return f" {unit}" if unit and isinstance(value, int | float) else ""
+
+
+def _short(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return "free" if math.isinf(value) else f"{value:.3f}"
+    text = f"{len(value)} bytes" if isinstance(value, bytes) else str(value)
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+def _plain(value: Any) -> Any:
+    """Return a value for JSON: null for numbers that are not finite, the length for bytes."""
+    if isinstance(value, dict):
+        return {name: _plain(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, bytes):
+        return f"{len(value)} bytes"
+    return None if isinstance(value, float) and not math.isfinite(value) else value

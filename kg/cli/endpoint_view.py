@@ -1,4 +1,4 @@
-"""Ends of a topic, service or action, and what becomes of a parameter, as tables with links to the lines."""
+"""Endpoints of a topic, service or action, and uses of a parameter, as tables with links to the lines."""
 
 from __future__ import annotations
 
@@ -17,15 +17,14 @@ if TYPE_CHECKING:
     from kg.cli.links import Links
 
 _OF_FACES: Final = frozenset({"accesses", "calls", "evidence", "node_iri", "quality", "title"})
-"""What of a row is there for faces; it has the same in other fields."""
-_MOST: Final = 3
-"""So many launch files are named in a sentence."""
+"""Fields of a row for pages only; other fields have the same data."""
+_MOST: Final = 3  # maximum number of launch files listed in a sentence
 
 
 def endpoint_view(
     found: Mapping[str, Any], links: Links, columns: int, *, every: bool, via: bool
 ) -> Iterator[RenderableType]:
-    """Yield what to show of the view `channel` on so many columns.
+    """Yield the output for the view `channel` at a width in columns.
 
     `every` gives each launch file a row, `via` adds the calls from a line to the framework.
     """
@@ -59,7 +58,7 @@ def endpoint_view(
 def parameter_view(
     found: Mapping[str, Any], links: Links, columns: int, *, every: bool, via: bool
 ) -> Iterator[RenderableType]:
-    """Yield what to show of the view `parameter` on so many columns; see `endpoint_view`."""
+    """Yield the output for the view `parameter` at a width in columns; see `endpoint_view`."""
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     yield Text.assemble((printable(found["name"]), "bold"), "  parameter")
@@ -83,14 +82,14 @@ def parameter_view(
 
 
 def _table(titles: Mapping[str, Column | None], rows: Iterable[Mapping[str, object]]) -> RenderableType:
-    """Return a table of the columns that are there and not empty."""
+    """Return a table of the non-empty columns."""
     every = list(rows)
     shown = {name: column for name, column in titles.items() if column and any(row.get(name) for row in every)}
     return make_table(tuple(shown.values()), [[row.get(name, "") for name in shown] for row in every])
 
 
 def plain(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row of a view for other programs: without what faces show, places as `file`, `line`, `repository`."""
+    """Return a row of a view for other programs: without page fields, places as `file`, `line`, `repository`."""
     return {
         name: {"file": value["path"], "line": value["line"], "repository": value["repository"]}
         if isinstance(value, dict) and "vscode" in value
@@ -117,7 +116,7 @@ def _listed(systems: Sequence[str]) -> str:
 
 
 class _Places:
-    """Writes places as cells that lead to the files, as short as lines of so many columns need."""
+    """Writes places as cells with links, shortened to fit the width."""
 
     def __init__(self, links: Links, columns: int, rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> None:
         self._links = links
@@ -127,7 +126,7 @@ class _Places:
             self._shown.update(zip(places, fitted(places, columns // 4), strict=True))
 
     def cell(self, evidence: Mapping[str, Any] | None, words: str = "") -> Linked | str:
-        """Return a cell for a place; `words` stand in front of it, or alone where there is none."""
+        """Return a cell for a place, with `words` before it, or alone without a place."""
         from kg.facts import Location  # noqa: PLC0415 - start-up time
 
         if evidence is None:
@@ -144,7 +143,7 @@ def _place(evidence: Mapping[str, Any]) -> str:
 def _endpoints(
     ends: Iterable[Mapping[str, Any]], places: _Places, *, every: bool, via: bool
 ) -> Iterator[Mapping[str, object]]:
-    """Yield rows by the names of their columns; what is done at the name has a row of its own above those who do it."""
+    """Yield rows by column name; each role has a heading row above its endpoints."""
     title = None
     for one in ends:
         head = one["title"] if one["instance"] else f"{one['title']}, by no launch file"

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def deliver(table: Table, *, json: bool, output: str | None) -> None:
-    """Print a table (as JSON Lines with `json`), its notes to standard error, and write its files where asked."""
+    """Print a table (as JSON Lines with `json`), its notes to standard error, and write the requested files."""
     from kg.evaluate.tables import as_objects, spelled  # noqa: PLC0415 - start-up time
 
     numeric = {name for at, name in enumerate(table.columns) if not any(isinstance(row[at], str) for row in table.rows)}
@@ -33,7 +33,7 @@ def deliver(table: Table, *, json: bool, output: str | None) -> None:
 
 
 def misses_csv(missed: Iterable[Miss]) -> str:
-    """Return what was missed as a table of CSV."""
+    """Return the missed entries as CSV."""
     from kg.evaluate.tables import Table, as_csv  # noqa: PLC0415 - the branch that needs it
 
     rows = tuple((one.measure, one.kind, one.address, one.text) for one in missed)

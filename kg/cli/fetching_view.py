@@ -1,21 +1,19 @@
-"""What `kg corpus fetch` shows: a bar on a terminal, a line a repository elsewhere, and what was not fetched."""
+"""Progress of `kg corpus fetch`: a bar on a terminal, else a line per repository; and a summary."""
 
 from __future__ import annotations
 
 import sys
 from collections import Counter
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.diagnostics import note, problem, say
+from kg.cli.progress import ProgressBar
 from kg.corpus.fetching_lock import FETCHED, Entry, Lock, Standing
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
-    from rich.progress import Progress, TaskID
-
     from kg.corpus.fetching import Fetched
 
 _CODES: Final = {"refused": "KG134", "too large": "KG135", "too slow": "KG135", "in the way": "KG137"}
@@ -23,7 +21,7 @@ _LONGEST_NAME: Final = 40
 
 
 def code_of(entry: Entry) -> str | None:
-    """Return the code of the error that kept a repository from being fetched; None for one that was."""
+    """Return the code of the error that prevented fetching a repository; None on success."""
     return None if entry.state == FETCHED else _CODES.get(entry.state, "KG133")
 
 
@@ -34,71 +32,36 @@ class Lines:
         self._all = 0
         self._done = 0
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Nothing is left to clean up."""
-
     def begin(self, repositories: int) -> None:
-        """Write how many there are."""
+        """Write the number of repositories."""
         self._all = repositories
         say(f"fetching {count(repositories, 'repository', 'repositories')}")
 
     def ended(self, entry: Entry) -> None:
-        """Write what became of one."""
+        """Write the result of one repository."""
         self._done += 1
         where = f" {entry.branch} {entry.commit[:12]}".rstrip() if entry.state == FETCHED else ""
         say(f"{self._done}/{self._all} {printable(entry.name)}: {entry.state}{printable(where)}")
 
 
-class Bar(Lines):
-    """A bar that grows by repositories, with the one that was done last."""
+class Bar(ProgressBar):
+    """A progress bar of repositories, with the last finished one."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self._progress: Progress | None = None
-        self._task: TaskID | None = None
-
-    def __enter__(self) -> Self:
-        from rich.console import Console  # noqa: PLC0415 - start-up time
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - start-up time
-
-        columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=None), MofNCompleteColumn())
-        self._progress = Progress(
-            *columns, TimeElapsedColumn(), console=Console(stderr=True, highlight=False), transient=True
-        )
-        self._progress.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Take the bar away."""
-        if self._progress:
-            self._progress.stop()
-
-    def begin(self, repositories: int) -> None:
-        """Give the bar its length."""
-        if self._progress:
-            self._task = self._progress.add_task("fetching", total=repositories)
+        super().__init__("fetching", _LONGEST_NAME, threaded=True)
 
     def ended(self, entry: Entry) -> None:
-        """Let the bar grow."""
-        if self._progress and self._task is not None:
-            shown = printable(entry.name)[-_LONGEST_NAME:]
-            self._progress.update(self._task, advance=1, description=f"{shown:<{_LONGEST_NAME}}")
+        """Advance the bar."""
+        self.show(entry.name[-_LONGEST_NAME:], advance=1)
 
 
-def for_this_stream() -> Lines:
-    """Return what suits standard error."""
-    return Bar() if sys.stderr.isatty() else Lines()
+def for_this_stream() -> AbstractContextManager[Bar | Lines]:
+    """Return the display that suits standard error."""
+    return Bar() if sys.stderr.isatty() else nullcontext(Lines())
 
 
 def summary(done: Fetched) -> None:
-    """Say what was not fetched and why, what moved, and how much there is."""
+    """Report repositories that were not fetched with reasons, changed commits, and totals."""
     for entry in sorted(done.entries, key=lambda one: one.name):
         code = code_of(entry)
         if code:
@@ -115,7 +78,7 @@ def summary(done: Fetched) -> None:
 
 
 def not_as_pinned(lock: Lock, found: Standing) -> None:
-    """Say which repositories of a lock file are not there, or not as it says."""
+    """Report the repositories of a lock file that are missing or differ from it."""
     place = printable(str(lock.path))
     for entry in found.missing:
         why = "was not fetched" if entry.state == FETCHED else f"{entry.state}: {entry.reason}"
@@ -130,5 +93,5 @@ def not_as_pinned(lock: Lock, found: Standing) -> None:
 
 
 def entry_object(entry: Entry) -> dict[str, Any]:
-    """Return an entry as plain values, ready for JSON, with its code."""
+    """Return an entry as plain values for JSON, with its code."""
     return {**asdict(entry), "code": code_of(entry)}

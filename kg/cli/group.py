@@ -1,4 +1,4 @@
-"""The classes of typer's commands that `kg` uses: help from `kg.cli.manual`, endings from `kg.cli.guard`."""
+"""Subclasses of typer's commands: help from `kg.cli.manual`, exit codes from `kg.cli.guard`."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ CALLED: Final = {
     "tui": ("shell",),
     "check": ("lint",),
 }
-"""What other programs call a command of `kg`."""
+"""Names that other programs use for a command of `kg`."""
 
 
 class _AsTyped:
-    """Gives arguments to commands as they were typed.
+    """Passes arguments to commands as typed.
 
-    Commands take texts, lists of texts and switches only; what they mean is read by `kg.settings` and the commands.
-    typer would load pydantic to find that a text is a text, which takes as long as everything else at the start.
+    Commands take only texts, lists of texts and switches; `kg.settings` and the commands parse them. typer would load
+    pydantic to validate texts, which doubles the start-up time.
     """
 
     def coerce(self, value: Any, param: Any, ctx: Any) -> Any:  # noqa: ARG002 - called by typer
-        """Return the value; what may be given several times is a list."""
+        """Return the value; repeatable options are lists."""
         several = param.multiple or param.nargs == -1
         return list(value or ()) if several else value
 
@@ -53,7 +53,7 @@ class KgCommand(TyperCommand):
     """A command."""
 
     def get_params(self, ctx: Any) -> Any:
-        """Return the arguments and options, `--help` among them."""
+        """Return the arguments and options, including `--help`."""
         return _as_typed(super().get_params(ctx))
 
     def get_help(self, ctx: Any) -> str:
@@ -62,7 +62,7 @@ class KgCommand(TyperCommand):
 
 
 class Later(NamedTuple):
-    """A command whose module, of `kg.cli.commands`, is imported when the command is needed."""
+    """A command whose module, of `kg.cli.commands`, is imported on first use."""
 
     panel: str
     name: str
@@ -84,7 +84,7 @@ class Later(NamedTuple):
 
 
 class _Commands(UserDict[str, Any]):
-    """The commands of a group by name: those that are loaded when they are looked up, then groups below."""
+    """The commands of a group by name, imported on look-up, then subgroups."""
 
     def __getitem__(self, name: str) -> Any:
         held = self.data[name]
@@ -93,7 +93,7 @@ class _Commands(UserDict[str, Any]):
         return held
 
     def entries(self) -> list[tuple[str, str, str]]:
-        """Return the panel, the name and the first paragraph of each command; nothing is imported."""
+        """Return panel, name and first paragraph of each command without importing any."""
         found = []
         for name, held in self.data.items():
             if isinstance(held, Later):
@@ -118,7 +118,7 @@ class KgGroup(TyperGroup):
         return list(self.commands)
 
     def get_params(self, ctx: Any) -> Any:
-        """Return the options, those for completion and `--help` among them."""
+        """Return the options, including those for completion and `--help`."""
         return _as_typed(super().get_params(ctx))
 
     def get_help(self, ctx: Any) -> str:
@@ -126,14 +126,14 @@ class KgGroup(TyperGroup):
         return plain(page(self, ctx))
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command; typer would end a broken pipe with a failure."""
+        """Run the command; typer would turn a broken pipe into a failure."""
         try:
             return super().invoke(ctx)
         except BrokenPipeError:
             return hang_up()
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find the command, or name the nearest."""
+        """Find the command, or suggest the nearest one."""
         if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
             meant = [name for name in CALLED.get(args[0], ()) if name in self.commands]
             near = asked(meant) or did_you_mean(args[0], self.commands)
@@ -142,6 +142,6 @@ class KgGroup(TyperGroup):
         return super().resolve_command(ctx, args)
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Run and leave the process with an exit code of `kg.errors.Exit`."""
+        """Run the command line and exit with a code of `kg.errors.Exit`."""
         kwargs |= {"standalone_mode": False, "prog_name": "kg"}
         sys.exit(guarded(lambda: super(KgGroup, self).main(*args, **kwargs)))

@@ -1,6 +1,6 @@
-"""The boundary between commands and the shell: every ending becomes an exit code and at most a few lines of words.
+"""The boundary between commands and the shell: all outcomes become an exit code and at most a few lines of text.
 
-A command line that does not fit the commands becomes an error like all others, with the nearest name that does.
+An invalid command line becomes an error like all others, with a suggestion.
 """
 
 from __future__ import annotations
@@ -8,7 +8,8 @@ from __future__ import annotations
 import errno
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from typer import Abort
 from typer.exceptions import TyperException
@@ -19,12 +20,9 @@ from kg.cli.supervising import MemoryLimitError, is_out_of_memory
 from kg.errors import Exit, KgError, StoreError, UsageError
 from kg.similar import did_you_mean
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 def as_usage_error(error: TyperException) -> UsageError:
-    """Return KG003 for what typer has to say about the arguments."""
+    """Return KG003 for an error of typer about the arguments."""
     context: Any = getattr(error, "ctx", None)
     see = f"See `{context.command_path} --help`." if context else "See `kg --help`."
     message = error.message if hasattr(error, "option_name") else error.format_message()
@@ -38,7 +36,7 @@ def _lower(sentence: str) -> str:
 
 
 def guarded(work: Callable[[], object]) -> int:
-    """Run a command and return what the process shall return (`kg.errors.Exit`)."""
+    """Run a command and return the exit code of the process (`kg.errors.Exit`)."""
     try:
         result = work()
         sys.stdout.flush()
@@ -56,7 +54,7 @@ def guarded(work: Callable[[], object]) -> int:
 
 
 def hang_up() -> int:
-    """Write to standard output no more: its reader has gone and has what it wanted, or nothing fits there."""
+    """Stop writing to standard output: its reader has closed it, or the disk is full."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return Exit.OK
 

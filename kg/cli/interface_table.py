@@ -1,4 +1,4 @@
-"""A table of interfaces that fits the terminal: paths become short, then remarks go below what they are about."""
+"""A table of interfaces that fits the terminal: paths are shortened first, then remarks move below their rows."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _LEAST_REMARK: Final = 16
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A line of the table; `dim` for what a framework makes by itself."""
+    """A line of the table; `dim` for endpoints that a framework creates."""
 
     name: str
     type: str
@@ -31,12 +31,12 @@ class Row:
     location: Location
     dim: bool
     via: tuple[Location, ...] = ()
-    """The calls from the location to that of the framework, shown below the location."""
+    """The calls from the location to the framework, shown below the location."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """How places are written, and whether remarks stand below the types; columns with a width are not folded."""
+    """How places are written, and whether remarks are below the types; columns with a width are not folded."""
 
     places: Mapping[Location, str]
     type_width: int | None = None
@@ -74,7 +74,7 @@ def interface_table(groups: Sequence[tuple[str, Sequence[Row]]], repository: str
 
 
 def place_text(location: Location, repository: str, links: Links, shown: str | None = None) -> Text:
-    """Return a place as rich text that links to the file."""
+    """Return a place as rich text with a link to the file."""
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     address = links.to(repository, location)
@@ -87,7 +87,7 @@ def _where(location: Location) -> str:
 
 
 def _layout(rows: Sequence[Row], columns: int) -> _Layout:
-    """Return the first layout that fits; the last one is folded when not even that does."""
+    """Return the first layout that fits; the last one is folded if necessary."""
     locations = list(dict.fromkeys(one for row in rows for one in (row.location, *row.via)))
     forms = [dict(zip(locations, form, strict=True)) for form in shortened([_where(one) for one in locations])]
     whole, without_shared, names = forms

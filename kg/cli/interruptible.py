@@ -1,27 +1,25 @@
-"""Commands that clean up when they are ended by a signal: a robot is stopped before anything else."""
+"""Commands with clean-up on signals: a robot is stopped before anything else."""
 
 from __future__ import annotations
 
 import asyncio
 import signal
-from typing import TYPE_CHECKING, Any
+from collections.abc import Coroutine
+from typing import Any
 
 import typer
 
 from kg.errors import Exit, RobotError
 
-if TYPE_CHECKING:
-    from collections.abc import Coroutine
-
 
 def interruptible(work: Coroutine[Any, Any, None], *, moves: bool = False) -> None:
-    """Run something; Ctrl-C, and a polite kill, cancel it, wait until it has cleaned up, and end with 130.
+    """Run something; Ctrl-C or SIGTERM cancels it, waits for its clean-up, and exits with 130.
 
-    So does a terminal that is closed, unless the process was started to outlive it (nohup). What `moves` a robot is
-    ended by Ctrl-Z, too, since the robot would have to be stopped in any case, and must not go on later by itself.
+    So does SIGHUP (a closed terminal), unless the process was started to survive it (nohup). A command that `moves` a
+    robot is also ended by Ctrl-Z: the robot has to be stopped, and must not continue by itself later.
 
     Raises:
-        RobotError: KG828 when Ctrl-Z has ended it.
+        RobotError: KG828 ended by Ctrl-Z.
     """
     try:
         asyncio.run(_cancelled_by_signals(work, moves=moves))

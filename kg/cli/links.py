@@ -1,4 +1,4 @@
-"""Places in source code as terminals can open them: OSC 8 links to the file, or to the commit on its forge."""
+"""Terminal links (OSC 8) for places in source code: to the file, or to its commit on the forge."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Links:
-    """Makes links for the sources of a store."""
+    """Creates links for the sources of a store."""
 
     places: Places
 
@@ -28,11 +28,11 @@ class Links:
         return cls(Places.of(sources))
 
     def find(self, path: str, line: int) -> str | None:
-        """Return the address of a place whose source is not known: the file, where one source has it here."""
+        """Return the address of a place of unknown source: the file, if exactly one source has it here."""
         found = self.places.find(path)
         return self.to(found, Location(path, line)) if found else None
 
     def to(self, repository: str, location: Location) -> str | None:
-        """Return the address of a place: the file when it is here, else the page of its commit, else None."""
+        """Return the address of a place: the file if it exists here, else the page of its commit, else None."""
         file = self.places.file(repository, location)
         return f"file://{gethostname()}{quote(str(file))}" if file else self.places.web(repository, location)

@@ -1,6 +1,6 @@
-"""Findings of systems for people: what is wrong, the line with what leads to it, the evidence, the way out.
+"""Findings for people: the problem, its line with context, the evidence, and a hint.
 
-error[KG401]: /filter subscribes to /scan, which nobody publishes; /scan_raw is published
+error[KG401]: /filter subscribes to /scan, but nothing publishes it; /scan_raw is published
   --> bringup/launch/base.launch:12
    |
 12 |   <remap from="scan" to="scan_raw"/>
@@ -18,8 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.diagnostics import dim, excerpt, head, helps, linked
-from kg.codes import CATALOGUE
-from kg.codes.severities import SEVERITIES
+from kg.codes import CATALOGUE, SEVERITIES
 from kg.errors import Place
 from kg.facts import Location
 from kg.lint.lines import Lines
@@ -35,11 +34,11 @@ if TYPE_CHECKING:
     from kg.lint.running import Checked
 
 _MOST_EVIDENCE: Final = 4
-"""So many lines of evidence, and findings of one kind at one line, are shown; JSON has them all."""
+"""Maximum number of evidence lines, and of findings of one kind at one line; JSON has them all."""
 
 
 class LintView:
-    """Draws the findings of one report; places are named as seen from `folder`."""
+    """Formats the findings of one report; paths are relative to `folder`."""
 
     def __init__(self, checked: Checked, links: Links, folder: Path, *, color: bool) -> None:
         self._checked = checked
@@ -50,7 +49,7 @@ class LintView:
         self._helped: set[str] = set()
 
     def lines(self) -> Iterator[str]:
-        """Yield the lines of all findings, an empty one behind each; those of one kind at one line stand together."""
+        """Yield the lines of all findings, separated by empty lines; findings of one kind at one line are grouped."""
         for _, alike in groupby(self._checked.report.findings, _kind):
             first, *others = alike
             yield from self._finding(first, others)
@@ -84,7 +83,7 @@ class LintView:
             yield f"and {count(len(finding.evidence) - _MOST_EVIDENCE, 'other line')}; --json has them all"
 
     def _help(self, finding: Finding) -> Iterator[str]:
-        """Yield the finding's own way out, or that of its code, the latter only once."""
+        """Yield the finding's own hint, or that of its code, the latter only once."""
         entry = CATALOGUE.get(finding.code)
         if finding.hint:
             yield from helps(finding.hint, color=self._color)
@@ -100,14 +99,14 @@ class LintView:
 
 
 def _kind(finding: Finding) -> tuple[object, ...]:
-    """Return what findings have in common that are shown together: code, rule, severity and line."""
+    """Return the key by which findings are grouped: code, rule, severity and line."""
     place = finding.place
     where = (place.repository, place.path, place.line) if place is not None else finding
     return finding.code, finding.rule, finding.severity, where
 
 
 def summary(checked: Checked) -> Iterator[str]:
-    """Yield the last lines: how much of what was found, and what the allow-list and the baseline have too much."""
+    """Yield the summary: number of findings, and stale entries of the allow-list and the baseline."""
     found = checked.report
     sums = Counter(one.severity for one in found.findings)
     told = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity]) or "nothing wrong"
@@ -124,7 +123,7 @@ def summary(checked: Checked) -> Iterator[str]:
 
 
 def gone_sources(checked: Checked) -> Iterator[str]:
-    """Yield notes: sources that are not on disk any more, so that no lines and no comments of them are read."""
+    """Yield notes about sources that no longer exist on disk, whose lines and comments cannot be read."""
     for one in checked.sources:
         if one.root and not Path(one.root).is_dir():
             said = "lines are not shown, and comments that allow are not read"
@@ -132,7 +131,7 @@ def gone_sources(checked: Checked) -> Iterator[str]:
 
 
 def leftovers(found: Report) -> Iterator[str]:
-    """Yield notes: entries of kg.toml and of the baseline that mean nothing any more, comments without reason."""
+    """Yield notes about stale entries of kg.toml and of the baseline, and comments without a reason."""
     for allowance in found.unused:
         yield f"{_near(allowance.place)}: the entry for {allowance.code} matches no finding; remove it"
     for place, code in found.without_reason:
@@ -145,7 +144,7 @@ def leftovers(found: Report) -> Iterator[str]:
 
 
 def _near(place: Place) -> str:
-    """Return a place as seen from the working folder."""
+    """Return a place relative to the working folder."""
     path, here = Path(place.path), Path.cwd()
     return str(replace(place, path=str(path.relative_to(here)))) if path.is_relative_to(here) else str(place)
 

@@ -1,4 +1,4 @@
-"""Where the program `kg` starts."""
+"""Entry point of the program `kg`."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from contextlib import suppress
 
 
 def run() -> None:
-    """Run the command line of this process; even what happens while modules load ends in a line or two."""
+    """Run the command line of this process; even errors during imports end in a line or two."""
     try:
         _run()
     finally:
         # Python keeps in mind that Ctrl-C came while a text was executed, as when methods of data classes are made, and
         # `python -m` then ends by the signal, whatever was done about it and with which code. This is another text.
-        with suppress(MemoryError):  # where a limit ended the command
+        with suppress(MemoryError):  # a memory limit ended the command
             exec("")  # noqa: S102 - nothing
 
 
 def _run() -> None:
     _mend_streams()
-    # A command makes objects until it ends, few of them garbage: a collection for each 700 takes a fifth of the time.
+    # Commands create many objects and little garbage: a collection every 700 objects costs a fifth of the time.
     gc.set_threshold(100_000)
-    # Before numpy is loaded: its matrices are small here, and the threads that it starts for them only spin.
+    # Before numpy is loaded: matrices are small here, and its threads would only spin.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from kg.cli.supervising import MemoryLimitError, address_space, is_out_of_memory, supervise  # noqa: PLC0415 - as below
 
@@ -47,12 +47,12 @@ def _run() -> None:
 
 
 def was_interrupted(error: BaseException) -> bool:
-    """Tell whether an error is Ctrl-C, or what Python before 3.12 makes of it in the middle of a class's definition."""
+    """Return whether an error is Ctrl-C, or its disguise in class definitions before Python 3.12."""
     return isinstance(error, KeyboardInterrupt) or isinstance(error.__cause__, KeyboardInterrupt)
 
 
 def _mend_streams() -> None:
-    """See to it that both streams exist (`>&-` closes them) and take any character, shown as an escape if need be."""
+    """Ensure that both streams exist (`>&-` closes them) and accept any character, escaped if necessary."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:

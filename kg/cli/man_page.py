@@ -1,4 +1,4 @@
-"""kg(1), the manual page in roff, made from the commands themselves; `docs/generate.py` writes it."""
+"""kg(1), the manual page in roff, generated from the commands by `docs/generate.py`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _FILES = (
 
 
 def roff() -> str:
-    """Return the page, as man(7) reads it."""
+    """Return the page in the format of man(7)."""
     from kg.cli.app import app  # noqa: PLC0415 - so that the program can be described without running it
 
     root = get_command(app)
@@ -49,7 +49,7 @@ def _entry(name: str, sentence: str) -> list[str]:
 
 
 def _prose(text: str) -> list[str]:
-    """Return paragraphs; what is indented is an example and keeps its lines."""
+    """Return paragraphs; indented lines are examples and keep their breaks."""
     lines: list[str] = []
     for part in text.split("\n\n"):
         if part.startswith("    "):
@@ -60,6 +60,6 @@ def _prose(text: str) -> list[str]:
 
 
 def _text(text: str) -> str:
-    """Return text that roff prints as it is: escapes, hyphens that can be copied, no line that is a request."""
+    """Return text escaped for roff, with hyphens that can be copied."""
     escaped = text.replace("\\", r"\e").replace("-", r"\-")
     return rf"\&{escaped}" if escaped.lstrip().startswith((".", "'")) else escaped

@@ -1,6 +1,6 @@
-"""What `--help` and docs/cli.md say of a command, taken from its function once and laid out for both.
+"""The content of `--help` and docs/cli.md for a command, extracted from its function.
 
-A command's docstring is its text: paragraphs are filled, indented blocks stay as they are (examples).
+A command's docstring is its text: paragraphs are filled, indented blocks (examples) are kept.
 """
 
 from __future__ import annotations
@@ -13,13 +13,12 @@ from typing import Any, Final
 
 _WIDEST: Final = 100
 _INDENT: Final = "  "
-_LISTS: Final = {"Arguments", "Options"}
-"""Sections that are no groups of commands."""
+_LISTS: Final = {"Arguments", "Options"}  # sections that are not groups of commands
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """An argument, option or command with the sentence about it."""
+    """An argument, option or command with its sentence."""
 
     name: str
     sentence: str

@@ -1,4 +1,4 @@
-"""`kg search -i`: questions in the terminal, each answer a filter more."""
+"""`kg search -i`: questions in the terminal, each answer of which adds a filter."""
 
 from __future__ import annotations
 
@@ -12,16 +12,14 @@ from kg.search.narrowing import Question, question
 if TYPE_CHECKING:
     from kg.search.searching import Search
 
-_LOOKED_AT: Final = 30
-"""So many of the best hits are split by questions."""
-_ENOUGH: Final = 2
-"""With so few hits left no question is asked."""
+_LOOKED_AT: Final = 30  # number of best hits that questions split
+_ENOUGH: Final = 2  # number of hits at which no more questions are asked
 
 
 def narrow(found: Search, words: str, filters: dict[str, list[str]]) -> dict[str, list[str]]:
-    """Ask what splits the hits best until few are left, and return the filters with those that were answered.
+    """Ask questions that split the hits until few are left, and return the filters with the answers added.
 
-    An empty line skips a question; `q` and the end of the input end them all.
+    An empty line skips a question; `q` or the end of the input stops.
     """
     chosen, skipped = dict(filters), set[str]()
     while True:
@@ -39,7 +37,7 @@ def narrow(found: Search, words: str, filters: dict[str, list[str]]) -> dict[str
 
 
 def _answer(asked: Question, hits: int) -> str | None:
-    """Return the value that was chosen, an empty text for none of them, None to ask no more."""
+    """Return the chosen value, an empty text for none of them, None to stop."""
     click.echo(f"{asked.text} ({count(hits, 'hit')})", err=True)
     for number, (value, left) in enumerate(asked.answers, 1):
         click.echo(f"  {number}. {printable(value)} ({left})", err=True)

@@ -1,4 +1,4 @@
-"""One node for people: what it is, how it is started, and its interface by role with the line behind each entry."""
+"""One node for people: what it is, how to start it, and its interface by role with the line of each entry."""
 
 from __future__ import annotations
 
@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord
     from kg.views.evidence import Places
 
-_MOST_DESCRIPTIONS: Final = 2
-"""Texts that are shown unless all are asked for: the best say what a node is for."""
+_MOST_DESCRIPTIONS: Final = 2  # maximum number of descriptions shown by default; the best come first
 _NO_CLASSES: Final = Classes()
 
 
@@ -36,13 +35,12 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
     most: int | None = None,
     classes: Classes = _NO_CLASSES,
 ) -> tuple[RenderableType, ...]:
-    """Return what to show of a node on so many columns; `every` adds what frameworks make by themselves.
+    """Return the output for a node at a width in columns; `every` adds the endpoints of frameworks.
 
-    `via` adds the calls that lead from a line of the node's package to the framework, where they are elsewhere.
-    `most` bounds how many parameters are shown, so that a terminal still shows the interface; `classes` is what rules
-    inferred.
+    `via` adds the calls from a line of the node's package to the framework, if they are in other files. `most` limits
+    the number of parameters, so a terminal still shows the interface. `classes` is the result of rules.
 
-    Where the lines are too narrow for whole paths their beginnings are left out; the links still lead to the file.
+    If lines are too narrow for whole paths, their beginnings are cut; the links still lead to the file.
     """
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
@@ -65,7 +63,7 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
 
 
 def node_lines(record: NodeRecord, where: Places, *, every: bool) -> tuple[Text, ...]:
-    """Return the statements behind a node, its interfaces and parameters, by place, each below its place."""
+    """Return the statements of a node, its interfaces and parameters, by place, each below its place."""
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     node = record.node
@@ -80,7 +78,7 @@ def node_lines(record: NodeRecord, where: Places, *, every: bool) -> tuple[Text,
 
 
 def left_out(node: NodeType) -> int:
-    """Return how many entries of a node are implicit."""
+    """Return the number of implicit entries of a node."""
     return sum(one.implicit for one in node.interfaces) + sum(one.implicit for one in node.parameters)
 
 
@@ -114,14 +112,14 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
 
 
 def _inferred(classes: Classes) -> Iterable[Text]:
-    """Yield what the node is for and works with; `kg why` explains both."""
+    """Yield the node's functions and hardware; `kg why` explains both."""
     yield _field("function", ", ".join(map(str, classes.functions)) or "unknown")
     if classes.hardware or classes.devices:
         yield _field("hardware", ", ".join(map(str, (*classes.hardware, *classes.devices))))
 
 
 def _description(said: Description, repository: str, links: Links) -> Iterable[RenderableType]:
-    """Yield what was written about a node and, dim, where."""
+    """Yield the descriptions of a node and, dimmed, their places."""
     from rich.padding import Padding  # noqa: PLC0415 - start-up time
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
@@ -170,7 +168,7 @@ def _interface(fact: Interface, *, via: bool) -> Row:
 
 
 def _parameters(facts: Iterable[Parameter], *, every: bool, via: bool) -> list[Row]:
-    """Return one row a parameter, although code may read and write it at many places."""
+    """Return one row per parameter, even if code reads and writes it at many places."""
     shown = parameter_groups(fact for fact in facts if every or not fact.implicit)
     return [_parameter(group, via=via) for group in shown]
 

@@ -1,4 +1,4 @@
-"""Numbers that a user types: commands get texts, and read them here."""
+"""Parsing of numbers in options: commands receive texts."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from kg.errors import UsageError
 
 
 def whole(text: str, option: str, least: int, most: int | None = None) -> int:
-    """Return the number that the text behind `option` is; UsageError KG003 when it is none, or out of bounds."""
+    """Return the integer of `option`; UsageError KG003 if it is invalid or out of bounds."""
     bounds = f"at least {least}" if most is None else f"from {least} to {most}"
     try:
         number = int(text)
@@ -22,17 +22,17 @@ def whole(text: str, option: str, least: int, most: int | None = None) -> int:
 
 
 def seconds(text: str, option: str) -> float:
-    """Return the seconds that the text behind `option` says; UsageError KG003 below 1 ms, and for no number."""
+    """Return the seconds of `option`; UsageError KG003 below 1 ms, or if it is invalid."""
     return _positive(text, option, "number of seconds", "Write 30 or 0.5.", 0.001)  # no timer is finer
 
 
 def frequency(text: str, option: str) -> float:
-    """Return how often a second the text behind `option` says; UsageError KG003 for no number above zero."""
+    """Return the frequency of `option` in Hz; UsageError KG003 unless it is a positive number."""
     return _positive(text, option, "rate", "Write 10 or 0.5: so many times a second.")
 
 
 def factor(text: str, option: str) -> float:
-    """Return how many times as much the text behind `option` says; UsageError KG003 for no number above zero."""
+    """Return the factor of `option`; UsageError KG003 unless it is a positive number."""
     return _positive(text, option, "factor", "Write 2 or 0.5: so many times as much.")
 
 
@@ -50,7 +50,7 @@ _UNITS: Final = {"k": 10, "m": 20, "g": 30}
 
 
 def size(text: str, option: str) -> int:
-    """Return the bytes that the text behind `option` (`800`, `500K`, `4M`, `1G`) is; UsageError KG003 for another."""
+    """Return the number of bytes of `option` (`800`, `500K`, `4M`, `1G`); UsageError KG003 if it is invalid."""
     unit = _UNITS.get(text[-1:].lower())
     digits = text[:-1] if unit else text
     if not digits.isdecimal() or not int(digits):

@@ -3,24 +3,55 @@
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from functools import wraps
 from typing import Annotated, Any, TypeVar
 
 import typer
 
 from kg.cli.completion import launches, packages
-from kg.settings import DECLARED, Declaration
+from kg.cli.session import session
+from kg.settings import DECLARED, Declaration, Settings
 
 _Command = TypeVar("_Command", bound=Callable[..., None])
 
 
-def from_setting(name: str, *short: str, also: str = "", **more: Any) -> Any:
+def from_setting(name: str, *, also: str = "", **more: Any) -> Any:
     """Return the option of a setting; its value stays text until `kg.settings.load` reads it.
 
     `also` is said after the sentence of the setting.
     """
     declaration = DECLARED[name]
-    sentence = f"{declaration.sentence} {also}".rstrip()
-    return _option(replace(declaration, sentence=sentence), *short, **more)
+    return _option(replace(declaration, sentence=f"{declaration.sentence} {also}".rstrip()), **more)
+
+
+def with_settings(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command an option for each of these settings; its argument `settings` is the `Settings` in force.
+
+    Callers from Python give `settings` themselves.
+    """
+    options = [_parameter(name, Annotated[str | None, from_setting(name)]) for name in names]
+    context_parameter = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
+
+    def add(command: Callable[..., None]) -> Callable[..., None]:
+        @wraps(command)
+        def run(*words: Any, context: typer.Context | None = None, **given: Any) -> None:
+            if context is not None:
+                flags = {name: given.pop(name) for name in names}
+                given["settings"] = session(context).settings(**flags)
+            command(*words, **given)
+
+        signature = inspect.signature(command)
+        own = [one for one in signature.parameters.values() if one.name != "settings"]
+        rest = [own.pop()] if own and own[-1].kind is inspect.Parameter.VAR_KEYWORD else []
+        vars(run)["__signature__"] = signature.replace(parameters=[*own, *options, context_parameter, *rest])
+        return run
+
+    return add
+
+
+def is_given(settings: Settings, name: str) -> bool:
+    """Tell whether a setting comes from an option of the command."""
+    return settings.origin(name).kind == "flag"
 
 
 def takes(declared: Iterable[Declaration]) -> Callable[[_Command], _Command]:
@@ -36,17 +67,20 @@ def with_options(options: Mapping[str, Any]) -> Callable[[_Command], _Command]:
 
     `options` maps names of arguments to their types, `Annotated` with what typer has to know.
     """
-    keyword = inspect.Parameter.KEYWORD_ONLY
-    added = [inspect.Parameter(name, keyword, default=None, annotation=kind) for name, kind in options.items()]
+    added = [_parameter(name, kind) for name, kind in options.items()]
 
     def add(command: _Command) -> _Command:
         signature = inspect.signature(command)
         own = [one for one in signature.parameters.values() if one.kind is not inspect.Parameter.VAR_KEYWORD]
-        first = [one for one in own if one.kind is not keyword]
+        first = [one for one in own if one.kind is not inspect.Parameter.KEYWORD_ONLY]
         vars(command)["__signature__"] = signature.replace(parameters=[*first, *added, *own[len(first) :]])
         return command
 
     return add
+
+
+def _parameter(name: str, kind: Any) -> inspect.Parameter:
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
 
 
 def _kind(declaration: Declaration) -> Any:
@@ -55,11 +89,11 @@ def _kind(declaration: Declaration) -> Any:
     return list[str] | None if declaration.several else str | None
 
 
-def _option(declaration: Declaration, *short: str, **more: Any) -> Any:
+def _option(declaration: Declaration, **more: Any) -> Any:
     default = f" [default: {declaration.shown}]" if declaration.table and declaration.shown else ""
     return typer.Option(
         declaration.flag,
-        *filter(None, (declaration.short, *short)),
+        *filter(None, [declaration.short]),
         metavar=declaration.metavar or None,
         help=f"{declaration.sentence}{default} [{declaration.variable}]",
         show_default=False,
@@ -67,30 +101,10 @@ def _option(declaration: Declaration, *short: str, **more: Any) -> Any:
     )
 
 
-Store = Annotated[str | None, from_setting("store", "-s")]
-Stores = Annotated[
-    list[str] | None, from_setting("store", "-s", also="May be repeated: the query sees the union of all stores.")
-]
-Base = Annotated[str | None, from_setting("base")]
-Jobs = Annotated[str | None, from_setting("jobs", "-j")]
-Cluster = Annotated[str | None, from_setting("cluster")]
-Artifacts = Annotated[str | None, from_setting("artifacts")]
-Calls = Annotated[str | None, from_setting("calls")]
-MaxFileBytes = Annotated[str | None, from_setting("max_file_bytes")]
-Memory = Annotated[str | None, from_setting("memory")]
-NlpModel = Annotated[str | None, from_setting("nlp_model")]
-Timeout = Annotated[str | None, from_setting("timeout")]
-Limit = Annotated[str | None, from_setting("limit", "-n")]
-Format = Annotated[str | None, from_setting("format")]
-Robot = Annotated[str | None, from_setting("robot")]
-Places = Annotated[str | None, from_setting("places")]
+Store = Annotated[str | None, from_setting("store")]
 Exclusive = Annotated[
     bool, typer.Option("--exclusive", help="Refuse to move what another node also moves, and stop if one appears.")
 ]
-WatchdogSeconds = Annotated[str | None, from_setting("watchdog")]
-Queries = Annotated[str | None, from_setting("queries")]
-Rules = Annotated[str | None, from_setting("rules")]
-Families = Annotated[str | None, from_setting("rule_families")]
 Json = Annotated[bool, typer.Option("--json", help="Write JSON Lines: one object per line.")]
 NoRules = Annotated[bool, typer.Option("--no-rules", help="Do not run rules; the next build updates inferred triples.")]
 PackageName = Annotated[
@@ -111,4 +125,7 @@ System = Annotated[
         help="Only what these launch files start: a path, `package/launch/x.launch`, or a suffix of either.",
         autocompletion=launches,
     ),
+]
+UpdateUrl = Annotated[
+    str | None, typer.Option("--update-url", metavar="URL", help="Address for updates of the server, if different.")
 ]

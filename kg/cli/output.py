@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.table import Table
 
-_GAP = 2
-"""Spaces between two columns of a table."""
+_GAP = 2  # spaces between two columns of a table
 _UNBOUNDED = 100_000
 
 
@@ -27,8 +26,7 @@ _UNBOUNDED = 100_000
 class Column:
     """A column of a table: `kind` is text, number, name (bold) or dim.
 
-    A `spare` one is left out where the lines are too short for the table: those of the highest number first, of one
-    number the last.
+    `spare` columns are dropped on narrow terminals: the highest number first, and the last of equal ones.
     """
 
     title: str
@@ -38,19 +36,19 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Linked:
-    """A cell that leads somewhere: terminals open `address` when its text is clicked."""
+    """A cell with a link to `address`."""
 
     text: str
     address: str | None
 
 
 def terminal() -> bool:
-    """Tell whether a person reads standard output."""
+    """Return whether standard output is a terminal."""
     return sys.stdout.isatty()
 
 
 def line_width() -> int:
-    """Return how many columns a line of standard output has; off a terminal there is no end to it."""
+    """Return the width of standard output in columns, unlimited if it is not a terminal."""
     return get_terminal_size().columns if terminal() else _UNBOUNDED
 
 
@@ -60,14 +58,14 @@ def write(text: str = "") -> None:
 
 
 def write_bytes(data: bytes) -> None:
-    """Write bytes as they are."""
+    """Write bytes unchanged."""
     sys.stdout.flush()
     sys.stdout.buffer.write(data)
     sys.stdout.buffer.flush()
 
 
 def write_text(text: str, output: str | None) -> None:
-    """Write a text to a file, else to standard output; UsageError KG003 when it cannot be written."""
+    """Write a text to a file, else to standard output; UsageError KG003 if the file cannot be written."""
     if output is None or output == "-":
         write_bytes(text.encode("utf-8"))
         return
@@ -78,7 +76,7 @@ def write_text(text: str, output: str | None) -> None:
 
 
 def json_lines(records: Iterable[Any]) -> None:
-    """Write one JSON object a line."""
+    """Write one JSON object per line."""
     for record in records:
         sys.stdout.write(json_line(record))
 
@@ -89,7 +87,7 @@ def json_line(record: Any) -> str:
 
 
 def console(stream: IO[str] | None = None) -> Console:
-    """Return rich's console for a stream (default: standard output); off a terminal lines are never folded."""
+    """Return rich's console for a stream (default: standard output); lines are folded on terminals only."""
     from rich.console import Console  # noqa: PLC0415 - start-up time
 
     stream = stream or sys.stdout
@@ -112,7 +110,7 @@ def listing(
     *,
     objects: Iterable[Any] | None = None,
 ) -> None:
-    """Write a list: as JSON Lines when `objects` are given, as a table on a terminal, as TSV with a head elsewhere."""
+    """Write a list: as JSON Lines if `objects` are given, as a table on a terminal, else as TSV with a header."""
     if objects is not None:
         json_lines(objects)
     elif terminal():
@@ -123,7 +121,7 @@ def listing(
 
 
 def show(*parts: RenderableType) -> None:
-    """Write what rich draws, a part below the other; off a terminal no line ends in blanks."""
+    """Write rich renderables one after the other; without trailing whitespace if not to a terminal."""
     target = console()
     if terminal():
         target.print(*parts, sep="\n")
@@ -135,7 +133,7 @@ def show(*parts: RenderableType) -> None:
 
 
 def print_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> None:
-    """Write a table for people, and say which columns there was no room for."""
+    """Write a table for people, and report columns that did not fit."""
     every = list(rows)
     show(make_table(columns, every, title=title))
     kept = _fitting(columns, [[_cell(value) for value in row] for row in every])
@@ -145,7 +143,7 @@ def print_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, 
 
 
 def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> Table:
-    """Return a table of printable cells; where lines are short, columns that can be spared are left out."""
+    """Return a table of printable cells, without the spare columns that do not fit."""
     from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
     from rich.table import Table  # noqa: PLC0415 - start-up time
 
@@ -188,7 +186,7 @@ def _width(cell: str | Linked) -> int:
 
 
 def _fitting(columns: Sequence[Column], cells: Sequence[Sequence[str | Linked]]) -> list[int]:
-    """Return the positions of the columns that fit on a line, or that cannot be spared."""
+    """Return the positions of the columns that fit on a line, or cannot be dropped."""
     widths = [
         max([width(column.title), *(_width(row[index]) for row in cells)]) + _GAP
         for index, column in enumerate(columns)

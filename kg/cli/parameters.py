@@ -1,4 +1,4 @@
-"""What `kg robot params` does, and how it shows it."""
+"""`kg robot params`: reading and setting parameters, and their output."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _LONGEST: Final = 60
 
 
 def show_parameters(settings: Settings, node: str | None, name: str | None, *, json: bool) -> None:
-    """Write the parameters of a robot, of a node, or one; raises as `kg.robot.parameters.read`."""
+    """Write the parameters of a robot or node, or one parameter; raises as `kg.robot.parameters.read`."""
     found, problems = asyncio.run(_read(address_of(settings), node, name))
     for one in problems:
         problem(one.code, one.message, one.subject)
@@ -49,7 +49,7 @@ async def _read(address: str, node: str | None, name: str | None) -> tuple[list[
 def set_parameter(  # noqa: PLR0913 - the arguments and options of the command
     settings: Settings, node: str, name: str, text: str, *, dry_run: bool, json: bool
 ) -> None:
-    """Set a parameter and write what it was and is; raises as `parsed` and `write` of `kg.robot.parameters`."""
+    """Set a parameter and write its old and new value; raises as `parsed` and `write` of `kg.robot.parameters`."""
     address = address_of(settings)
     if is_recording(address):
         raise not_commanded(address)
@@ -77,7 +77,7 @@ def _object(one: NodeParameter) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as JSON has it; what is not finite is written as in YAML."""
+    """Return a value for JSON; numbers that are not finite are written as in YAML."""
     if isinstance(value, list):
         return [_plain(one) for one in value]
     if isinstance(value, float) and not math.isfinite(value):

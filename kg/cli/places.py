@@ -1,17 +1,14 @@
-"""Places in source code that have to fit beside other things."""
+"""Shortening of places in source code to fit a width."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from kg.render.text import width
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 def shortened(places: Sequence[str]) -> tuple[list[str], ...]:
-    """Return places whole, without the folders that all of them share, and as the names of their files alone."""
+    """Return places in full, without their common folders, and as file names only."""
     folders = [place.split("/")[:-1] for place in places]
     shared = 0
     for level in zip(*folders, strict=False):
@@ -23,6 +20,6 @@ def shortened(places: Sequence[str]) -> tuple[list[str], ...]:
 
 
 def fitted(places: Sequence[str], room: int) -> list[str]:
-    """Return the longest form of places that fits in so many columns, else the shortest."""
+    """Return the longest form of places that fits a number of columns, else the shortest."""
     *longer, shortest = shortened(places)
     return next((form for form in longer if max(map(width, form), default=0) <= room), shortest)

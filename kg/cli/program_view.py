@@ -1,11 +1,12 @@
-"""Programs for robots on the command line: what is wrong with them, and what they do, line by line."""
+"""Programs for robots on the command line: their problems, and their progress line by line."""
 
 from __future__ import annotations
 
 import json as as_json
 import math
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import typer
 
@@ -18,16 +19,13 @@ from kg.robot.programs.files import Loaded, load
 from kg.robot.programs.tree import statements
 from kg.robot.programs.write import headline
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 def read(path: str, *, json: bool) -> Loaded:
-    """Return the program in a file; with `json`, what makes it none is written like any other problem, and that is all.
+    """Return the program in a file; with `json`, a syntax error is written like any other problem.
 
     Raises:
-        typer.Exit: with `json`, when the file holds no program.
-        KGError: what `load` raises.
+        typer.Exit: with `json`, the file is not a program.
+        KGError: those of `load`.
     """
     try:
         return load(path)
@@ -45,7 +43,7 @@ def error_at(problem: Problem, loaded: Loaded) -> RobotError:
 
 
 def show_problems(problems: Sequence[Problem], loaded: Loaded, *, json: bool) -> None:
-    """Write what is wrong with a program: words on standard error, or an object each on standard output."""
+    """Write problems of a program: as text on standard error, or one object each on standard output."""
     if json:
         json_lines(_problem_object(problem, loaded.path, loaded.place(problem.path)) for problem in problems)
         return
@@ -68,10 +66,10 @@ def _problem_object(problem: Problem, file: str, place: Place) -> dict[str, Any]
 
 
 class Log:
-    """Writes what a program does as it happens: lines with the time, or objects."""
+    """Writes the events of a program: lines with the time, or objects."""
 
     def __init__(self, loaded: Loaded, *, json: bool) -> None:
-        """Know the statements by their paths."""
+        """Index the statements by their paths."""
         self._loaded = loaded
         self._json = json
         self._heads = {path: headline(one) for path, one in statements(loaded.program.body)}
@@ -116,7 +114,7 @@ class Log:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as JSON has it: numbers without end become null."""
+    """Return a value for JSON: numbers that are not finite become null."""
     if isinstance(value, dict):
         return {key: _plain(one) for key, one in value.items()}
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""What a running build shows: a bar on a terminal, one line a package elsewhere; both on standard error."""
+"""Progress of a build on standard error: a bar on a terminal, else one line per package."""
 
 from __future__ import annotations
 
@@ -12,9 +12,6 @@ from kg.render.text import count, printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from types import TracebackType
-
-    from rich.progress import Progress, TaskID
 
     from kg.facts import Problem, Repository
 
@@ -22,37 +19,29 @@ _LONGEST_NAME: Final = 32
 
 
 class Lines(Silent):
-    """One line for each thing that happens, for logs and pipes."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Nothing is left to clean up."""
+    """One line per event, for logs and pipes."""
 
     def fetching(self, message: str) -> None:
-        """Write what happens to a git address."""
+        """Write the progress of fetching a git address."""
         say(printable(message))
 
     def source(self, repository: Repository, packages: int, problems: tuple[Problem, ...]) -> None:  # noqa: ARG002 - the end lists problems
-        """Write what was found at a source."""
+        """Write the content of a source."""
         say(f"source {printable(repository.name)}: {count(packages, 'package')}")
 
     def planned(self, read: int, reused: int, jobs: int) -> None:
-        """Write what is to be done."""
+        """Write the plan."""
         if read:
             unchanged = f", {reused:,} unchanged" if reused else ""
             means = f"with {count(jobs, 'process', 'processes')}" if jobs else "on the cluster"
             say(f"reading {count(read, 'package')}{unchanged}, {means}")
 
     def placed(self, worker: str, source: str) -> None:
-        """Write what a worker of a cluster begins to read."""
+        """Write the work that a worker of a cluster starts."""
         say(f"{printable(worker)} reads {printable(source)}")
 
     def done(self, result: PackageResult) -> None:
-        """Write what a package gave."""
+        """Write the result of a package."""
         found = (
             f"{count(result.counts.get('nodes', 0), 'node')}, {count(result.counts.get('interfaces', 0), 'interface')}"
         )
@@ -60,25 +49,21 @@ class Lines(Silent):
         say(f"read {printable(result.name)}: {found}{problems} ({result.seconds:.2f} s)")
 
     def writing(self, triples: int) -> None:  # noqa: ARG002 - most of them may be in the store already
-        """Write that the store is written."""
+        """Write that the store is being written."""
         say("writing")
 
     def inferring(self) -> None:
-        """Write that the rules run."""
+        """Write that rules are running."""
         say("inferring")
 
 
-class Bar(Silent):
-    """A bar that grows by packages, with the time spent and the package read last.
+class ProgressBar:
+    """A bar on standard error, with the time spent and at most `width` characters about what was done last.
 
-    It is drawn anew when something happens and not by a thread, because the build forks its workers.
+    Without `threaded` it is drawn only when something happens, never by a thread.
     """
 
-    def __init__(self) -> None:
-        self._progress: Progress | None = None
-        self._task: TaskID | None = None
-
-    def __enter__(self) -> Self:
+    def __init__(self, task: str, width: int, *, threaded: bool) -> None:
         from rich.console import Console  # noqa: PLC0415 - start-up time
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - start-up time
 
@@ -89,66 +74,74 @@ class Bar(Silent):
             TimeElapsedColumn(),
             console=Console(stderr=True, highlight=False),
             transient=True,
-            auto_refresh=False,
+            auto_refresh=threaded,
         )
+        self._task = self._progress.add_task(task, total=None)
+        self._width = width
+
+    def __enter__(self) -> Self:
         self._progress.start()
-        self._task = self._progress.add_task("looking for packages", total=None)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Take the bar away; what was said above it stays."""
-        if self._progress:
-            self._progress.stop()
+    def __exit__(self, *_: object) -> None:
+        """Remove the bar; lines above it remain."""
+        self._progress.stop()
+
+    def show(self, text: str, *, advance: int = 0) -> None:
+        """Show what is done, and let the bar grow by so many."""
+        shown = printable(text)[: self._width]
+        self._progress.update(self._task, description=f"{shown:<{self._width}}", advance=advance, refresh=True)
+
+    def begin(self, total: int) -> None:
+        """Set the length of the bar."""
+        self._progress.update(self._task, total=total, completed=0)
+
+
+class Bar(ProgressBar, Silent):
+    """A bar that grows by packages; no thread draws it, because the build forks its workers."""
+
+    def __init__(self) -> None:
+        super().__init__("looking for packages", _LONGEST_NAME, threaded=False)
 
     def fetching(self, message: str) -> None:
-        """Show what happens to a git address."""
-        self._show(message)
+        """Show the progress of fetching a git address."""
+        self.show(message)
 
     def planned(self, read: int, reused: int, jobs: int) -> None:  # noqa: ARG002 - the end tells them
-        """Give the bar its length."""
-        if self._progress and self._task is not None:
-            self._progress.update(self._task, total=read, completed=0)
-            self._show("reading")
+        """Set the length of the bar."""
+        self.begin(read)
+        self.show("reading")
 
     def placed(self, worker: str, source: str) -> None:
-        """Show what a worker of a cluster begins to read."""
-        self._show(f"{worker.rpartition('/')[2]} {source}")
+        """Show the work that a worker of a cluster starts."""
+        self.show(f"{worker.rpartition('/')[2]} {source}")
 
     def done(self, result: PackageResult) -> None:
-        """Let the bar grow."""
-        if self._progress and self._task is not None:
-            self._progress.advance(self._task)
-            self._show(f"read {result.name}")
+        """Advance the bar."""
+        self.show(f"read {result.name}", advance=1)
 
     def writing(self, triples: int) -> None:  # noqa: ARG002 - most of them may be in the store already
-        """Show that the store is written."""
-        self._show("writing")
+        """Show that the store is being written."""
+        self.show("writing")
 
     def inferring(self) -> None:
-        """Show that the rules run."""
-        self._show("inferring")
-
-    def _show(self, text: str) -> None:
-        if self._progress and self._task is not None:
-            shown = printable(text)[:_LONGEST_NAME]
-            self._progress.update(self._task, description=f"{shown:<{_LONGEST_NAME}}", refresh=True)
+        """Show that rules are running."""
+        self.show("inferring")
 
 
-def for_this_stream() -> Bar | Lines:
-    """Return what suits standard error."""
-    return Bar() if sys.stderr.isatty() else Lines()
+def for_this_stream() -> AbstractContextManager[Silent]:
+    """Return the display that suits standard error."""
+    return Bar() if sys.stderr.isatty() else nullcontext(Lines())
 
 
 def for_people() -> AbstractContextManager[Silent]:
-    """Return what suits standard error for commands whose answer is not the build: a bar, and elsewhere nothing."""
+    """Return the display for commands that build as a side effect: a bar on a terminal, else nothing."""
     return Bar() if sys.stderr.isatty() else nullcontext(Silent())
 
 
 @contextmanager
 def waiting(what: str) -> Iterator[None]:
-    """Show on a terminal that something takes its time, and how long it has taken, until it is done."""
+    """Show elapsed time on a terminal during long work."""
     if not sys.stderr.isatty():
         yield
         return

@@ -1,4 +1,4 @@
-"""Queries as arguments give them: typed, from a file or standard input, or stored under a name, with parameters."""
+"""Queries from arguments: typed, from a file or standard input, or stored under a name, with parameters."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NAME: Final = re.compile(r"[\w.-]+(/[\w.-]+)*")
 
 
 def pairs(given: list[str]) -> dict[str, str]:
-    """Return the values of parameters, given as `name=value`."""
+    """Return the values of parameters given as `name=value`."""
     found = {}
     for pair in given:
         name, sign, value = pair.partition("=")
@@ -28,7 +28,7 @@ def pairs(given: list[str]) -> dict[str, str]:
 
 
 def query_meant(text: str | None, file: Path | None, settings: Settings) -> StoredQuery:
-    """Return the query that the arguments mean: typed, from a file or standard input, or stored under a name."""
+    """Return the query of the arguments: typed, from a file or standard input, or stored under a name."""
     from kg.query.stored import find, read  # noqa: PLC0415 - start-up time
 
     if (text is None) == (file is None):
@@ -43,7 +43,7 @@ def query_meant(text: str | None, file: Path | None, settings: Settings) -> Stor
 
 
 def _typed(text: str, place: str) -> StoredQuery:
-    """Return a query without a file; each of its variables can be given a value."""
+    """Return an ad-hoc query; each of its variables may be a parameter."""
     from kg.query.stored import QueryParameter, StoredQuery  # noqa: PLC0415 - start-up time
 
     names = dict.fromkeys(re.findall(r"[?$](\w+)", text))

@@ -1,4 +1,4 @@
-"""What `kg robot nodes`, `kg robot topics` and `kg robot record` do, and how they show it."""
+"""`kg robot nodes`, `kg robot topics` and `kg robot record`: execution and output."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.diagnostics import note
-from kg.cli.driving_view import warn
+from kg.cli.driving import warn
 from kg.cli.interruptible import interruptible
 from kg.cli.output import Column, listing
 from kg.cli.robot_view import tell_problems
@@ -60,7 +60,7 @@ _RECORDED: Final = (
 
 
 def list_nodes(settings: Settings, *, json: bool) -> None:
-    """Write the nodes of a robot with their states and how many topics, services and actions they have of their own."""
+    """Write the nodes of a robot with their states and their numbers of topics, services and actions."""
     graph = asyncio.run(look(address_of(settings)))
     tell_problems(graph)
     ends = {
@@ -81,7 +81,7 @@ def list_nodes(settings: Settings, *, json: bool) -> None:
 
 
 def list_topics(settings: Settings, *, json: bool) -> None:
-    """Write the topics of a robot, with the numbers of messages where it is a recording."""
+    """Write the topics of a robot, with the numbers of messages for a recording."""
     graph = asyncio.run(look(address_of(settings)))
     tell_problems(graph)
     found = _topics(graph)
@@ -112,9 +112,9 @@ def _row(one: dict[str, Any]) -> tuple[object, ...]:
 
 
 def record_topics(settings: Settings, path: Path, topics: Sequence[str], *, keep: float | None, json: bool) -> None:
-    """Record topics until Ctrl-C, SIGTERM, the end of `keep` seconds or of the robot; then write what is in the file.
+    """Record topics until Ctrl-C, SIGTERM, `keep` seconds or the end of the robot; then write the file's content.
 
-    Raises as `Recorder`; RobotError KG803 when the robot is lost, KG825 when no message came in `keep` seconds.
+    Raises as `Recorder`; RobotError KG803 when the robot is lost, KG825 if no message arrived within `keep` seconds.
     """
     interruptible(_record(settings, path, topics, keep=keep, json=json))
 

@@ -1,8 +1,9 @@
-"""docs/cli.md, made from the commands themselves; `docs/generate.py` writes it."""
+"""docs/cli.md, generated from the commands by `docs/generate.py`."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Iterator
+from typing import Any, Final
 
 import typer
 from typer.main import get_command
@@ -10,10 +11,6 @@ from typer.main import get_command
 from kg.cli.manual import Page, page
 from kg.errors import Exit
 from kg.settings import DECLARED
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 _HEAD: Final = """\
 # The command line
@@ -63,7 +60,7 @@ def markdown() -> str:
 
 
 def description(context: Any) -> dict[str, Any]:
-    """Return all commands with their arguments and options, the settings and the exit codes, ready for JSON.
+    """Return all commands with their arguments and options, the settings and the exit codes, for JSON.
 
     `context` is that of the whole program.
     """
@@ -98,7 +95,7 @@ def description(context: Any) -> dict[str, Any]:
 
 
 def pages(group: Any, context: Any) -> Iterator[Page]:
-    """Yield the manual of each command of a group, in its context, and of the groups in it."""
+    """Yield the manual of each command of a group, in its context, and of its subgroups."""
     for name, command in group.commands.items():
         if command.hidden:
             continue

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Final
+from collections.abc import Mapping
+from typing import Annotated, Final
 
 import typer
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.errors import UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _FORMATS: Final = ("text", "json", "sarif", "github")
 
@@ -21,7 +19,7 @@ Level = Annotated[
 
 
 def require_known(form: str, level: str = SEVERITIES[-1], hints: Mapping[str, str] | None = None) -> None:
-    """Raise UsageError KG003 for a format or a severity that there is not; `hints` has the way out for some words."""
+    """Raise UsageError KG003 for an unknown format or severity; `hints` maps some words to a hint."""
     for word, allowed, what in ((form, _FORMATS, "format"), (level, SEVERITIES, "severity")):
         if word not in allowed:
             hint = (hints or {}).get(word) or f"One of {', '.join(allowed)}."

@@ -1,4 +1,4 @@
-"""Capabilities of robots as people and programs read them, and what `kg robot watch` says."""
+"""Capabilities of robots for people and programs, and the events of `kg robot watch`."""
 
 from __future__ import annotations
 
@@ -28,21 +28,20 @@ _COLUMNS: Final = (
     Column("through", "dim", spare=4),
 )
 _UNAVAILABLE: Final = Column("unavailable")
-_SHOWN: Final = 2
-"""So many ways of one capability are named in a table on a terminal."""
+_SHOWN: Final = 2  # maximum number of interfaces of a capability listed in a table on a terminal
 _SIGN: Final = {"came": "+", "went": "-"}
 
 
 def tell_problems(graph: ComputationGraph) -> None:
-    """Warn of what peers did wrong, such as nodes that are dead: the table lacks what they would be able to do."""
+    """Warn of problems of peers, such as dead nodes: their capabilities are missing from the table."""
     for one in graph.problems:
         problem(one.code, one.message, one.subject)
 
 
 def show_capabilities(found: Capabilities, *, every: bool, json: bool, none: str = "") -> None:
-    """Write capabilities: a table by kind with those that have ways, and general ones too with `every`.
+    """Write capabilities: a table by kind of those with interfaces, and general ones too with `every`.
 
-    `none` is what is said where there are none.
+    `none` is the text for an empty list.
     """
     chosen = [one for one in found.capabilities if every or one.ways]
     columns: tuple[Column, ...] = _COLUMNS
@@ -61,7 +60,7 @@ def show_capabilities(found: Capabilities, *, every: bool, json: bool, none: str
 
 
 def show_added(subject: Capabilities, base: Capabilities, *, every: bool, json: bool) -> None:
-    """Write what a package would add to something else."""
+    """Write the capabilities that a package would add."""
     from kg.robot.capabilities import added  # noqa: PLC0415 - start-up time
 
     found = added(subject, base)
@@ -72,7 +71,7 @@ def show_added(subject: Capabilities, base: Capabilities, *, every: bool, json: 
 
 
 def show_proofs(subject: Subject, name: str, *, json: bool) -> None:
-    """Write why each node has a capability: trees, or an object for each."""
+    """Write the proof of a capability for each node: trees, or one object each."""
     proofs = subject.why(name)
     if json:
         from kg.rules.explain.export import proof_object  # noqa: PLC0415 - start-up time
@@ -89,13 +88,13 @@ def show_proofs(subject: Subject, name: str, *, json: bool) -> None:
 
 
 def capability_object(one: Capability) -> dict[str, Any]:
-    """Return a capability as a plain object, as docs/robots.md has it; every key is there."""
+    """Return a capability as a plain object, documented in docs/robots.md; every key is present."""
     found: dict[str, Any] = {name: msgspec.to_builtins(getattr(one, name)) for name in one.__struct_fields__}
     return found
 
 
 async def follow(watching: Watching, *, once: bool, json: bool) -> None:
-    """Write what happens to a robot, with `once` what there is; the graph is marked as ended in the end."""
+    """Write the events of a robot, with `once` its current state; finally mark the graph as ended."""
     try:
         if once:
             for event in await watching.once():
@@ -116,7 +115,7 @@ def _tell(event: Event, *, json: bool) -> None:
 
 
 def _say(event: Event) -> None:
-    """Write what came and went as lines, all else as notes."""
+    """Write additions and removals as lines, all others as notes."""
     if event.change is not None:
         kind = {"end": " ", "node": "", "capability": "can "}[event.event]
         detail = f"  {event.detail}" if event.detail else ""
@@ -146,7 +145,7 @@ def _row(one: Capability) -> tuple[str, ...]:
 
 
 def _parameters(one: Capability) -> Iterator[str]:
-    """Yield the parameters that some way of the robot has a field for, with their units."""
+    """Yield the parameters with a field in some interface of the robot, with their units."""
     for parameter in one.parameters:
         if not one.ways or any(parameter.name in way.fields for way in one.ways):
             yield f"{parameter.name} {parameter.unit}" if parameter.unit else parameter.name

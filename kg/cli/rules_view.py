@@ -1,4 +1,4 @@
-"""Rules for people: the list of them, all about one, and how their examples went."""
+"""Rules for people: the list, one rule in detail, and the results of examples."""
 
 from __future__ import annotations
 
@@ -43,19 +43,19 @@ COLUMNS: Final = (
 
 
 def here(path: str | Path) -> str:
-    """Return a path as seen from the working folder, where it lies below it."""
+    """Return a path relative to the working folder, if it is below it."""
     text = os.path.relpath(path)
     return str(path) if text.startswith("..") else text
 
 
 def list_columns(rows: Iterable[Sequence[str | None]]) -> list[Column]:
-    """Return the columns of the list of rules; a state that there is to tell is not left out on short lines."""
+    """Return the columns of the list of rules; the state, if any, is never dropped."""
     told = any(row[-1] for row in rows)
     return [replace(column, spare=False) if told and column.title == "state" else column for column in COLUMNS]
 
 
 def list_row(entry: Entry, told: Documentation, error: RuleError | None = None) -> tuple[str | None, ...]:
-    """Return the row of a rule in the list of rules; `error` is what keeps it from being read."""
+    """Return the row of a rule in the list; `error` is why it cannot be read."""
     severity = f" [{told.severity}]" if told.severity else ""
     where = here(error.place.path) + _line_of(error.place.line) if error and error.place else ""
     words = (
@@ -68,7 +68,7 @@ def list_row(entry: Entry, told: Documentation, error: RuleError | None = None) 
 
 
 def manual_lines(known: Manual) -> Iterator[RenderableType]:
-    """Yield the lines about one rule: what it is, its documentation, its place among the rules, its text."""
+    """Yield the lines about one rule: its description, documentation, dependencies and text."""
     from rich.padding import Padding  # noqa: PLC0415 - start-up time
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
@@ -89,9 +89,9 @@ def manual_lines(known: Manual) -> Iterator[RenderableType]:
 
 
 def paragraphs(text: str) -> Iterator[str]:
-    """Yield the paragraphs, items of lists and indented lines of a text, each as one line; empty lines between them.
+    """Yield the paragraphs, list items and indented lines of a text, each as one line, separated by empty lines.
 
-    A terminal folds them where it ends, whatever the width that they were written for.
+    The terminal folds them, whatever the width of the source.
     """
     lines: list[str] = []
     for line in text.splitlines():
@@ -145,7 +145,7 @@ def _fields(known: Manual) -> Table:
 
 
 def result_lines(rule: str, results: Iterable[Result], *, every: bool) -> Iterator[Text]:
-    """Yield how the examples of one rule went: a line for the rule, and one for each example that matters."""
+    """Yield the results of a rule's examples: a line for the rule, and one for each relevant example."""
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     found = list(results)
@@ -186,7 +186,7 @@ def _line_of(line: int | None) -> str:
 
 
 def changed_line(sign: str, text: str, about: str = "", *, indent: int = 0) -> Text:
-    """Return a line about something that comes (`+`) or goes (`-`)."""
+    """Return a line about something added (`+`) or removed (`-`)."""
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     style = "green" if sign == "+" else "red"
@@ -195,7 +195,7 @@ def changed_line(sign: str, text: str, about: str = "", *, indent: int = 0) -> T
 
 
 def change_lines(changes: Sequence[Changed], view: View) -> Iterator[Text]:
-    """Yield triples that come or go as people call their parts, or by their names where two would look alike."""
+    """Yield added or removed triples with labels of their parts, or names if labels are ambiguous."""
     from kg.rules.authoring.spelling import spell_triple  # noqa: PLC0415 - start-up time
 
     texts = [" ".join(_called(term, change, view) for term in _terms(change)) for change in changes]
@@ -213,7 +213,7 @@ def change_lines(changes: Sequence[Changed], view: View) -> Iterator[Text]:
 
 
 def _placed(term: Term, change: Changed, view: View) -> str:
-    """Return what a thing is called, with what it is a part of."""
+    """Return the label of a thing, with that of its parent."""
     from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
 
     name = _called(term, change, view)
@@ -227,7 +227,7 @@ def _terms(change: Changed) -> tuple[Term, Term, Term]:
 
 
 def _called(term: Term, change: Changed, view: View) -> str:
-    """Return what a thing is called, else its name with the prefixes of the rule; properties have no other name."""
+    """Return the label of a thing, else its prefixed name; properties have prefixed names only."""
     from kg.rules.authoring.spelling import spell_term  # noqa: PLC0415 - start-up time
 
     label = view.spelt(term) if term == change.triple.predicate else view.label(term)
@@ -235,7 +235,7 @@ def _called(term: Term, change: Changed, view: View) -> str:
 
 
 def difference_words(found: Difference) -> Iterator[str]:
-    """Yield how much comes and goes, rule by rule and in all."""
+    """Yield the numbers of additions and removals by rule and in total."""
     by_rule = found.by_rule
     longest = max(map(len, by_rule), default=0)
     for rule, (more, less) in by_rule.items():
@@ -248,7 +248,7 @@ def difference_words(found: Difference) -> Iterator[str]:
 
 
 def element_table(rule: RuleProfile) -> Iterator[RenderableType]:
-    """Yield the elements of the bodies of one rule with their rows and seconds, in the order of the text."""
+    """Yield the elements of a rule's bodies with their rows and seconds, in the order of the text."""
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     several = any(element.part > 1 for element in rule.elements)
@@ -279,7 +279,7 @@ def element_table(rule: RuleProfile) -> Iterator[RenderableType]:
 
 
 def coverage_lines(rule: RuleCoverage) -> Iterator[RenderableType]:
-    """Yield the lines about a rule of which not all parts did something."""
+    """Yield the lines about a rule with unused parts."""
     from rich.padding import Padding  # noqa: PLC0415 - start-up time
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
@@ -288,7 +288,7 @@ def coverage_lines(rule: RuleCoverage) -> Iterator[RenderableType]:
 
 
 def gap_words(rule: RuleCoverage) -> list[str]:
-    """Return in words which parts of a rule never did anything."""
+    """Describe the parts of a rule that never had an effect."""
     words = []
     stopped = {gap.part for gap in rule.gaps if gap.kind == "element"}
     for gap in rule.gaps:
@@ -302,7 +302,7 @@ def gap_words(rule: RuleCoverage) -> list[str]:
 
 
 def run_words(report: RunReport) -> str:
-    """Return in one line what a run did."""
+    """Describe a run in one line."""
     would = "would come" if report.dry_run else "came"
     going = "would go" if report.dry_run else "went"
     return (
@@ -312,14 +312,14 @@ def run_words(report: RunReport) -> str:
 
 
 def share_rows(found: Iterable[Share]) -> Iterator[tuple[str, str, str]]:
-    """Yield rows of what came and went of which rules."""
+    """Yield the numbers of additions and removals by rule."""
     for share in found:
         name = " or ".join(share.rules) or "(no rule in force)"
         yield name, f"+{share.added:,}", f"-{share.removed:,}"
 
 
 def work_words(report: RunReport, derived: int, rules: int) -> Iterator[str]:
-    """Yield how a run went, in which `derived` files of rules out of `rules` inferred something."""
+    """Yield the lines about a run in which `derived` of `rules` files inferred something."""
     strata = count(report.strata, "stratum", "strata")
     yield f"{derived:,} of {count(rules, 'rule')} derived something, in {strata}" if rules else strata
     phases = report.seconds

@@ -1,4 +1,4 @@
-"""Hits of a search for people and as rows, and what was understood of the words."""
+"""Search results for people and as rows, and the interpretation of the query."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from kg.search.searching import Answer, Hit
 
 _REASONS: Final = 3
-_MOST: Final = 4
-"""How many copies and variants of a hit are named."""
+_MOST: Final = 4  # maximum number of copies and variants listed for a hit
 _FIRST, _LATER, _NARROWEST = "   ", "     ", 24
 
 
@@ -30,7 +29,7 @@ def row(hit: Hit) -> tuple[object, ...]:
 
 
 def show_hits(hits: Iterable[Hit], links: Links) -> None:
-    """Write hits for people: each with its reasons below it, and the line of code that shows each, as a link."""
+    """Write hits for people: each with its reasons and the lines of code behind them, as links."""
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     for hit in hits:
@@ -47,7 +46,7 @@ def show_hits(hits: Iterable[Hit], links: Links) -> None:
 
 
 def _folded(words: Text, place: Text) -> list[Text]:
-    """Return the rows of a reason: what does not fit goes on below; places are never broken."""
+    """Return the lines of a reason, folded; places are never broken."""
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     room = max(_NARROWEST, line_width() - len(_FIRST))
@@ -60,7 +59,7 @@ def _folded(words: Text, place: Text) -> list[Text]:
 
 
 def _told(hit: Hit) -> Iterator[tuple[str, Location | None]]:
-    """Yield what is told of a hit, each with its place; at least one is where the node is declared."""
+    """Yield the statements about a hit, each with its place; at least its declaration."""
     places = []
     for reason in hit.why[:_REASONS]:
         places.append(None if reason.path is None else Location(reason.path, reason.line or 0))

@@ -1,4 +1,4 @@
-"""What the options before the command say, kept for the command: `Session` is the object of typer's context."""
+"""The options before the command, stored for the command: `Session` is the object of typer's context."""
 
 from __future__ import annotations
 
@@ -6,44 +6,56 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from kg.settings import Settings, load
-from kg.store.opening import remote_refusal
+from kg.store.failure import remote_refusal
 
 REMOTE: Final = frozenset(
     {
         "action",
         "actions",
+        "build",
+        "compose",
         "config",
+        "export",
+        "graph",
+        "impact",
+        "instances",
         "lint",
+        "mcp",
         "node",
         "nodes",
         "packages",
         "param",
+        "publish",
         "query",
         "search",
+        "serve",
+        "shell",
+        "stats",
         "service",
         "services",
         "show",
         "topic",
         "topics",
         "why",
+        "why-not",
     }
 )
-"""The commands whose answers over a SPARQL server are those of the embedded store with the same graph."""
+"""Commands that give the same results over a SPARQL server as over an embedded store with the same graph."""
 
 
 @dataclass(slots=True)
 class Session:
-    """One run of `kg`: the settings given before the command, and its name, empty before it is known."""
+    """One run of `kg`: the settings given before the command, and its name, empty until it is known."""
 
     flags: dict[str, object] = field(default_factory=dict)
     command: str = ""
 
     def settings(self, **flags: object) -> Settings:
-        """Return the settings in force; `flags` are the command's own and win over those before the command.
+        """Return the settings in force; `flags` are the command's own and override those before the command.
 
         Raises:
-            UsageError: KG002 for a value of another form.
-            StoreError: KG309 for a SPARQL server where the command needs the store itself.
+            UsageError: KG002 an invalid value.
+            StoreError: KG309 a SPARQL server, but the command needs an embedded store.
         """
         given = {name: value for name, value in flags.items() if value is not None}
         settings = load({**self.flags, **given})

@@ -1,4 +1,4 @@
-"""`kg robot simulate`: what is read from its options, what it says, and the page beside it."""
+"""`kg robot simulate`: its options, messages, and the page for the robot."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ def chosen(  # noqa: PLR0913 - the options of a command
     seed: str,
     exercise: str | None = None,
 ) -> Choice:
-    """Return what the options choose.
+    """Return the simulation that the options select.
 
     Raises:
-        UsageError: KG003 for what they cannot mean.
-        RobotError: KG801 for a master whose address is of no form that is known.
+        UsageError: KG003 invalid options.
+        RobotError: KG801 an invalid address of a master.
     """
     from kg.robot.connecting import scheme_of  # noqa: PLC0415 - start-up time
     from kg.robot.simulation.plan import PLANS  # noqa: PLC0415 - start-up time
@@ -71,7 +71,7 @@ def chosen(  # noqa: PLR0913 - the options of a command
 
 
 def _start(world: str, number: int) -> Place | None:
-    """Return where the robot of a world begins in an exercise; UsageError KG003 for a world without exercises."""
+    """Return the start of the robot in an exercise; UsageError KG003 for a world without exercises."""
     from kg.evaluate.exercises import ROBOTS, exercises  # noqa: PLC0415 - start-up time
 
     robot = next((one for one in ROBOTS if one == world), None)
@@ -82,7 +82,7 @@ def _start(world: str, number: int) -> Place | None:
 
 
 async def simulated(choice: Choice, settings: Settings | None) -> None:
-    """Simulate a robot until it is enough, and say where it is; with `settings`, `kg serve` shows it meanwhile.
+    """Simulate a robot and report its address; with `settings`, also run `kg serve` for it.
 
     Raises as `kg.robot.simulation.running.simulate`.
     """
@@ -114,7 +114,7 @@ async def simulated(choice: Choice, settings: Settings | None) -> None:
 
 
 def _example(world: str) -> str:
-    """Return the path of a program to try, as short as it can be typed here."""
+    """Return the path of an example program, as short as it can be typed here."""
     from kg.resources import folder  # noqa: PLC0415 - start-up time
 
     path = next((folder("examples") / "programs").glob(f"{world}-1-*.kgp"))
@@ -122,9 +122,9 @@ def _example(world: str) -> str:
 
 
 async def _shown(address: str, settings: Settings) -> None:
-    """Let `kg serve` show the robot until this is cancelled; the token that is said allows to move it.
+    """Run `kg serve` for the robot until cancelled; the reported token allows moving it.
 
-    Where there is no store, a page needs one all the same: it gets one with the robot in it, for as long as it lasts.
+    Without a store, a temporary one with the robot is used.
     """
     from kg.store.opening import layout_of  # noqa: PLC0415 - start-up time
 
@@ -142,7 +142,7 @@ async def _shown(address: str, settings: Settings) -> None:
 
 
 async def _ran(token: str, *arguments: str) -> None:
-    """Run `kg` in another process until it ends, or until this is cancelled."""
+    """Run `kg` in another process until it exits, or until cancelled."""
     command = [sys.executable, "-m", "kg", *arguments]
     process = await asyncio.create_subprocess_exec(*command, stdout=DEVNULL, env=os.environ | {"KG_TOKEN": token})
     try:

@@ -1,7 +1,7 @@
-"""Limits of memory: the work runs in a child process, and what ends that process becomes an error with a code.
+"""Memory limits: the work runs in a child process, whose abnormal end becomes an error with a code.
 
-The database is written in C++ and Rust, which end their process where an allocation fails. Nothing inside that process
-can report it. A killed child leaves the store as it was.
+The database is written in C++ and Rust, which abort the process on a failed allocation. That cannot be reported from
+inside. A killed child leaves the store unchanged.
 """
 
 from __future__ import annotations
@@ -10,30 +10,27 @@ import errno
 import os
 import signal
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.errors import Exit, KgError
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-_SECONDS: Final = 0.1
-"""How often memory is measured."""
+_SECONDS: Final = 0.1  # seconds between measurements of memory
 _SIGNALS: Final = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGCHLD}
 _ALLOCATING: Final = {signal.SIGABRT, signal.SIGSEGV, signal.SIGBUS, signal.SIGILL, signal.SIGTRAP}
-"""What C++ and Rust end by where an allocation fails."""
+"""Signals by which C++ and Rust end on a failed allocation."""
 _WORDS: Final = ("failed to map segment", "can't start new thread", "Cannot allocate memory", "memory allocation of")
 
 
 class MemoryLimitError(KgError):
-    """A command needs more memory than it may use (KG004)."""
+    """A command exceeded its memory limit (KG004)."""
 
     exit_code = Exit.TIMEOUT
 
 
 def address_space() -> int:
-    """Return the bytes of address space that this process may use (`ulimit -v`), 0 without a limit."""
+    """Return the address space limit of this process in bytes (`ulimit -v`), 0 without one."""
     try:
         import resource  # noqa: PLC0415 - not on every system
     except ImportError:
@@ -43,11 +40,11 @@ def address_space() -> int:
 
 
 def is_out_of_memory(error: BaseException | None) -> bool:
-    """Tell whether an error, or one that it follows from, is that of an allocation that failed."""
+    """Return whether an error, or one of its causes, is a failed allocation."""
     while error is not None:
         if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
             return True
-        # A C extension that does not report why it failed: without a limit, that is a defect.
+        # A C extension failed without a reason: without a limit, that is a defect.
         if isinstance(error, SystemError) and address_space():
             return True
         if any(words in str(error) for words in _WORDS):
@@ -57,13 +54,13 @@ def is_out_of_memory(error: BaseException | None) -> bool:
 
 
 def supervise(most: int = 0) -> None:
-    """Return in a child process; in this one wait for its end, and exit as it did.
+    """Return in a child process; in the parent, wait for the child and exit like it.
 
-    With `most`, the child and all its processes may hold that many bytes together.
+    With `most`, the child and all its processes may use that many bytes together.
 
     Raises:
-        MemoryLimitError: KG004 when the child needed more, or ended by a failed allocation under `ulimit -v`.
-        SystemExit: with the exit code of the child.
+        MemoryLimitError: KG004 the child exceeded the limit, or failed an allocation under `ulimit -v`.
+        SystemExit: the exit code of the child.
     """
     if not hasattr(signal, "sigtimedwait") or not Path("/proc/self/smaps_rollup").exists():
         return
@@ -84,10 +81,10 @@ def supervise(most: int = 0) -> None:
 
 
 def _status(child: int, most: int) -> int | None:
-    """Return the status that a child ended with, None for one that was killed since it held too much."""
+    """Return the exit status of a child, None if it was killed for exceeding the limit."""
     while True:
         got = signal.sigtimedwait(_SIGNALS, _SECONDS)
-        # The terminal sends its signals to the child, too; what a process sends arrives here alone.
+        # The terminal signals the child too; signals from processes arrive here only.
         if got is not None and got.si_signo != signal.SIGCHLD and got.si_code <= 0:
             os.kill(child, got.si_signo)
         ended, status = os.waitpid(child, os.WNOHANG)
@@ -101,7 +98,7 @@ def _status(child: int, most: int) -> int | None:
 
 
 def _family(process: int) -> Iterator[int]:
-    """Yield a process and all that it has started."""
+    """Yield a process and its descendants."""
     yield process
     try:
         lists = [file.read_text() for file in Path(f"/proc/{process}/task").glob("*/children")]
@@ -112,7 +109,7 @@ def _family(process: int) -> Iterator[int]:
 
 
 def _resident(process: int) -> int:
-    """Return the bytes that a process holds, with its part of what it shares; 0 for one that has ended."""
+    """Return the memory of a process in bytes, with its share of shared pages; 0 if it has ended."""
     try:
         lines = Path(f"/proc/{process}/smaps_rollup").read_text().splitlines()
     except OSError:

@@ -1,4 +1,4 @@
-"""What commands about launch configurations share: their options, and the systems that these choose."""
+"""Shared parts of commands about launch configurations: options, and the systems that they select."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ Environment = Annotated[
 def named(
     words: Sequence[str] | None, launch: str | None, arguments: Sequence[str] | None
 ) -> tuple[str | None, list[str]]:
-    """Return the launch file and the arguments that words and options name; KG003 where both name a file."""
+    """Return the launch file and the arguments from words and options; KG003 if both name a file."""
     files = [word for word in words or () if ":=" not in word]
     if files and launch is not None:
         raise UsageError("KG003", f"`{' '.join(files)}` and --launch both name a launch file", hint="Leave out one.")
@@ -70,7 +70,7 @@ def named(
 def given(
     launch: str | None, arguments: Sequence[str] | None, environment: Sequence[str] | None
 ) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the arguments and the environment variables of the options; KG003 for those that cannot be used."""
+    """Return the arguments and environment variables of the options; KG003 for invalid ones."""
     from kg.pipeline.launch_names import assignments, check_given  # noqa: PLC0415 - start-up time
 
     found = assignments(arguments or ()), assignments(environment or (), "=")
@@ -81,7 +81,7 @@ def given(
 def chosen_systems(
     settings: Settings, launch: str | None, arguments: Sequence[str] | None, environment: Sequence[str] | None
 ) -> Sequence[System]:
-    """Return the systems that the options choose, all without `launch`; raises as `kg.pipeline.launching.chosen`."""
+    """Return the selected systems, all without `launch`; raises as `kg.pipeline.launching.chosen`."""
     values = given(launch, arguments, environment)
     from kg.pipeline.launching import chosen  # noqa: PLC0415 - start-up time
     from kg.store.opening import existing  # noqa: PLC0415 - start-up time
@@ -95,7 +95,7 @@ def chosen_systems(
 def with_variants(
     settings: Settings, launch: str | None, arguments: Sequence[str] | None, environment: Sequence[str] | None
 ) -> System:
-    """Return the system of a launch file with what only its variants have; raises as `chosen_systems`."""
+    """Return the system of a launch file including the content of its variants; raises as `chosen_systems`."""
     if launch is None:
         raise UsageError("KG003", "--variants needs a launch file", hint="Name it: `--launch FILE`.")
     values = given(launch, arguments, environment)
@@ -108,13 +108,13 @@ def with_variants(
 
 
 def tell_left_out(labels: Sequence[str]) -> None:
-    """Say which variants of a launch file were not evaluated."""
+    """Report variants of a launch file that were not evaluated."""
     if labels:
         note(f"{len(labels)} variants skipped: {', '.join(labels)}; choose them with --arg or --env")
 
 
 def tell_unread(settings: Settings, systems: Sequence[System], environment: Mapping[str, str]) -> None:
-    """Say which environment variables were given that no file of the systems reads."""
+    """Report given environment variables that no file of the systems reads."""
     from kg.pipeline.launching import unread  # noqa: PLC0415 - start-up time
 
     for name in unread(settings, systems, environment):
@@ -122,7 +122,7 @@ def tell_unread(settings: Settings, systems: Sequence[System], environment: Mapp
 
 
 def tell_malformed(settings: Settings, system: System) -> bool:
-    """Report each line of the files of a system that launch refuses, as KG415, and tell whether there is any."""
+    """Report each line of a system's files that launch refuses, as KG415; return whether there is any."""
     from kg.cli.build_view import near  # noqa: PLC0415 - start-up time
     from kg.facts import LaunchProblemKind  # noqa: PLC0415 - start-up time
     from kg.store.opening import reading  # noqa: PLC0415 - start-up time

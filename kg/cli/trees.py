@@ -1,4 +1,4 @@
-"""Explanations on a terminal: trees whose long lines stay inside their branches, with places as links."""
+"""Proofs on a terminal: trees with folded lines, and places as links."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ _NARROWEST: Final = 24
 
 
 def print_tree(lines: Iterable[Line], where: Places, iris: Iris | None = None) -> None:
-    """Write the lines of an explanation; `where` knows where the sources stand, and what stands in their lines.
+    """Write the lines of a proof; `where` finds sources and their lines.
 
-    With `iris`, those of the store, each line of code is below the first fact that was read from it.
+    With `iris`, those of the store, each line of code is shown below the first fact read from it.
     """
     links = Links(where)
     read: set[tuple[str, str, int | None]] = set()
@@ -52,7 +52,7 @@ def print_tree(lines: Iterable[Line], where: Places, iris: Iris | None = None) -
 
 
 def _code(line: Line, where: Places, iris: Iris) -> Text | None:
-    """Return the line of code that a fact was read from."""
+    """Return the line of code behind a fact."""
     thing = iris.parse((line.evidence.thing or "").partition("#")[0]) if line.evidence else None
     if line.evidence is None or line.evidence.line is None or thing is None:
         return None
@@ -67,7 +67,7 @@ def _code(line: Line, where: Places, iris: Iris) -> Text | None:
 
 
 def _folded(line: Line, links: Links) -> list[Text]:
-    """Return the rows of a line: what does not fit goes on below, inside the branches; places are never broken."""
+    """Return the rows of a line, folded inside its branch; places are never broken."""
     room = max(_NARROWEST, line_width() - len(line.branches))
     text, place = Text(line.text, style=_STYLES[line.kind]), _place(line, links)
     parts = [text] if text.cell_len <= room else list(text.wrap(console(), room - 2))

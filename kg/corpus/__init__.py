@@ -1,1 +1,1 @@
-"""Stage 1: which repositories, which packages, which files."""
+"""Stage 1: repositories, packages and files."""

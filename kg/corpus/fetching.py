@@ -1,9 +1,9 @@
-"""Fetching the repositories of a corpus: several at a time, each whole or not at all, pinned in a lock file.
+"""Fetching of a corpus: several repositories in parallel, each complete or not at all, pinned in a lock file.
 
     fetch(read_wanted(Path("robots.txt")), Path("robots"), Path("robots/corpus.lock.toml"), options)
 
-The lock file is written whenever a repository is done, so that what is done stays done however the work ends. What is
-under way stands in `.fetching` in the folder, which the next run empties.
+The lock file is written after each repository, so an interruption loses nothing that is finished. Unfinished work is in
+the folder `.fetching`, which the next run empties.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _TICK_SECONDS: Final = 0.2
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """How a corpus is fetched: `jobs` at a time; with `update` pinned commits are given up for those of today."""
+    """Options: `jobs` in parallel; with `update`, pinned commits are replaced by current ones."""
 
     ros: str = "any"
     jobs: int = 4
@@ -44,34 +44,34 @@ class Options:
 
 @dataclass(frozen=True, slots=True)
 class Fetched:
-    """What became of it: the lock file, and the entries that were asked for, in the order that they were done."""
+    """The result: the lock file, and the requested entries in the order of completion."""
 
     lock: Lock
     entries: tuple[Entry, ...]
 
     @property
     def failed(self) -> tuple[Entry, ...]:
-        """Those whose files are not there as asked for."""
+        """Entries whose files are not present as requested."""
         return tuple(entry for entry in self.entries if entry.state != FETCHED)
 
 
 class Told(Protocol):
-    """Who is told of the progress; from the thread that called `fetch`."""
+    """Receives progress, in the thread that called `fetch`."""
 
     def begin(self, repositories: int) -> None:
-        """So many are to be done."""
+        """The number of repositories."""
 
     def ended(self, entry: Entry) -> None:
-        """One is done."""
+        """One repository is finished."""
 
 
 def pinned(lock: Path) -> tuple[Wanted, ...]:
-    """Return the repositories that a lock file names. Raises SourceError (KG101, KG132) when it cannot be read."""
+    """Return the repositories in a lock file. Raises SourceError (KG101, KG132) if it is unreadable."""
     return tuple(_from_lock(entry) for entry in read_lock(lock).entries)
 
 
 def _from_lock(entry: Entry) -> Wanted:
-    """Return what an entry asks for. Lock files come from others too: what they name is checked as lists are."""
+    """Return the request of an entry. Lock files may come from others, so they are validated like lists."""
     found = wanted_among([entry.url])[0]
     if found.name == entry.name:
         return found
@@ -81,11 +81,11 @@ def _from_lock(entry: Entry) -> Wanted:
 def fetch(wanted: Sequence[Wanted], folder: Path, lock: Path, options: Options, told: Told) -> Fetched:
     """Fetch repositories into `folder`, those in the lock file at their commits, and write the lock file.
 
-    None stops the others. Entries of the lock file that are not wanted stay as they are.
+    A failure does not stop the others. Other entries of the lock file are unchanged.
 
     Raises:
-        SourceError: KG132 for a lock file that cannot be used, KG138 when another process fetches into the folder.
-        KeyboardInterrupt: after git was ended and the lock file written.
+        SourceError: KG132 an invalid lock file, KG138 another process fetches into the folder.
+        KeyboardInterrupt: after git was stopped and the lock file written.
     """
     entries = {entry.name: entry for entry in read_lock(lock).entries} if lock.exists() else {}
     told.begin(len(wanted))
@@ -103,7 +103,7 @@ def fetch(wanted: Sequence[Wanted], folder: Path, lock: Path, options: Options, 
 def _all(
     wanted: Sequence[Wanted], entries: dict[str, Entry], folder: Path, workspace: Path, options: Options
 ) -> Iterator[Entry]:
-    """Yield the entries as they are done; when the caller gives up, all work is ended before this ends."""
+    """Yield the entries as they finish; if the caller stops early, all work is stopped first."""
     stop = Event()
     choice = Choice(options.ros, options.submodules, options.limits)
     with ThreadPoolExecutor(options.jobs, thread_name_prefix="fetch") as pool:
@@ -135,14 +135,14 @@ def _all(
 
 
 def _pin(one: Wanted, entries: dict[str, Entry], *, update: bool) -> Entry | None:
-    """Return the entry that holds for a repository: a ref that is named now wins over what was pinned for another."""
+    """Return the pinned entry to use: a newly requested ref overrides the pin of another."""
     found = entries.get(one.name)
     return None if found is None or update or (one.ref and one.ref not in {found.branch, found.commit}) else found
 
 
 @contextmanager
 def _workspace(folder: Path) -> Iterator[Path]:
-    """Provide the empty folder for what is under way, held against other processes."""
+    """Yield an empty folder for unfinished work, locked against other processes."""
     workspace = folder / _WORKSPACE
     try:
         workspace.mkdir(parents=True, exist_ok=True)

@@ -1,15 +1,15 @@
-"""Which branch of a repository is for ROS 1 or for ROS 2, by the names of its branches.
+"""The branch of a repository for ROS 1 or ROS 2, by the names of its branches.
 
-A branch is marked by its name: `ros2`, `ros1-legacy`, `noetic-devel`, `humble`. Marks are certain, `main` and `master`
-say nothing: they were ROS 1 once and are ROS 2 in many repositories today. The order in which branches are tried is
+A name may mark the version: `ros2`, `ros1-legacy`, `noetic-devel`, `humble`. Marks are reliable; `main` and `master`
+are not, since many repositories moved from ROS 1 to ROS 2 on them. Branches are tried in this order:
 
-* for `any`: the default branch, and no other;
-* for one version: the default branch if it is marked so; where any branch is marked for the other version, or none is
-  the default one, the branches marked for this one, the newest distribution first; the default branch if it is
-  not marked at all; `main`, `master`, `devel` and the like; last, marked branches that were passed over.
+* for `any`: only the default branch;
+* for one version: the default branch if it is marked so; if any branch is marked for the other version, or there is no
+  default, the branches marked for this one, the newest distribution first; an unmarked default branch; `main`,
+  `master`, `devel` and the like; finally, marked branches that were skipped.
 
-What the manifests in a branch say decides in the end (`kg.corpus.fetching_one`): a branch that turns out to be for the
-other version is given up for the next one.
+The manifests in a branch decide in the end (`kg.corpus.fetching_one`): a branch for the other version is rejected for
+the next one.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ _RANK: Final = {
 }
 _PLAIN: Final = ("main", "master", "devel", "develop", "development", "dev")
 _BESIDE: Final = frozenset({*_PLAIN, "ros", "branch", "stable", "legacy", "release", "catkin"})
-"""Words that may stand beside a mark; a branch with any other (`fix-noetic-build`) is somebody's work."""
+"""Words allowed next to a mark; a branch with any other (`fix-noetic-build`) is a topic branch."""
 
 
 def branches_to_try(default: str | None, branches: Iterable[str], version: str) -> tuple[str, ...]:
-    """Return the branches to try for a version of ROS (`VERSIONS`), best first; empty when none can be for it.
+    """Return the branches to try for a version of ROS (`VERSIONS`), best first; empty if none is suitable.
 
-    `default` is the branch that the server names as its own, None where it names none.
+    `default` is the server's default branch, None without one.
     """
     names = sorted(set(branches))
     if version == "any":
@@ -60,17 +60,16 @@ def branches_to_try(default: str | None, branches: Iterable[str], version: str) 
 
 
 def marked(branch: str, *, free: bool = False) -> str | None:
-    """Return the version of ROS that the name of a branch says, None where it says none or both.
+    """Return the version of ROS in the name of a branch, None if it has none or both.
 
-    Names with words that are no usual part of such a name say nothing, unless `free`: the default branch may be
-    called what it likes.
+    Names with unusual words are ignored, unless `free`: the default branch may have any name.
     """
     found = _mark(branch, free=free)
     return found[0] if found else None
 
 
 def _mark(branch: str, *, free: bool = False) -> tuple[str, int] | None:
-    """Return the version and how far down its distribution stands; `ros1` and `ros2` stand before all."""
+    """Return the version, and the rank of its distribution; `ros1` and `ros2` rank first."""
     words = [word for word in re.split(r"[^a-z0-9]+", branch.lower()) if word and not word.isdigit()]
     marks: dict[str, int] = {}
     for word in words:

@@ -1,6 +1,6 @@
-"""`git` under watch: what it writes is weighed while it runs; it is killed when that is too much, late, or unwanted.
+"""`git` with limits: disk usage and time are watched while it runs, and it is killed when a limit is exceeded.
 
-Git runs as a process group of its own, so that its helpers die with it, and Ctrl-C in a terminal reaches `kg` alone.
+Git runs in a process group of its own, so its helpers are killed with it, and Ctrl-C in a terminal reaches only `kg`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.git import command, environment
+from kg.corpus.git import command, environment, without_password
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,7 +31,7 @@ _NETWORK: Final = (
     *("-c", "core.autocrlf=false"),
     *("-c", "transfer.fsckObjects=true"),
 )
-# Slips of old tools that harm nobody: repositories that have them are common.
+# Harmless errors of old tools, which are common in repositories.
 _SLIPS: Final = (
     *("badTimezone", "badDate", "badEmail", "badName", "badFilemode", "nullSha1", "extraHeaderEntry"),
     *("missingSpaceBeforeDate", "missingSpaceBeforeEmail", "missingNameBeforeEmail", "missingEmail"),
@@ -57,18 +57,18 @@ _PASSING: Final = re.compile(
     re.IGNORECASE,
 )
 _IDLE: Final = ("warning:", "Could not read from remote", "Please make sure", "and the repository exists")
-"""Beginnings of lines in which git says nothing about the cause."""
+"""Prefixes of lines of git that do not contain the cause."""
 _MOST_OUTPUT: Final = 64 << 20
 _MOST_WORDS: Final = 8192
 _FIRST_PAUSE: Final = 0.01
 _LONGEST_PAUSE: Final = 0.25
 _WEIGHING_SHARE: Final = 10
-"""Weighing a folder may take a tenth of the time at most."""
+"""Measuring a folder may take a tenth of the time."""
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What one repository may cost: bytes on disk, seconds in all, how often to try again and the first pause."""
+    """Limits of one repository: bytes on disk, total seconds, number of retries and the first pause."""
 
     bytes: int = 500 << 20
     seconds: float = 600.0
@@ -77,7 +77,7 @@ class Limits:
 
 
 class FetchingError(Exception):
-    """A repository was not fetched; `state` is the word for it, `passing` tells whether trying again may help."""
+    """A repository was not fetched; `state` is the keyword of the reason, `passing` whether a retry might help."""
 
     def __init__(self, state: str, reason: str, *, passing: bool = False) -> None:
         super().__init__(reason)
@@ -87,14 +87,14 @@ class FetchingError(Exception):
 
 
 class StoppedError(Exception):
-    """The work was given up: Ctrl-C."""
+    """The work was cancelled: Ctrl-C."""
 
 
 class Watch:
-    """Runs `git` for one repository in the temporary folder `folder`, up to the limits, until `stop` is set."""
+    """Runs `git` for one repository in the temporary folder `folder`, within limits, until `stop` is set."""
 
     def __init__(self, folder: Path, limits: Limits, stop: Event) -> None:
-        """Begin to count the seconds."""
+        """Start the clock."""
         self.folder = folder
         self.words = ""
         self._limits = limits
@@ -102,20 +102,20 @@ class Watch:
         self._deadline = time.monotonic() + limits.seconds
 
     def wait(self, seconds: float) -> None:
-        """Let time pass before trying again; StoppedError when the work is given up meanwhile, FetchingError late."""
+        """Wait before a retry; StoppedError on cancellation, FetchingError after the time limit."""
         if time.monotonic() + seconds > self._deadline:
             raise self._late()
         if self._stop.wait(seconds):
             raise StoppedError
 
     def git(self, *arguments: str, within: Path, protocols: str = "none", given: bytes = b"") -> bytes:
-        """Return what `git` prints, run in the folder `within` with `given` as its input.
+        """Return the output of `git`, run in the folder `within` with `given` as its input.
 
-        Afterwards `words` holds what it said on standard error.
+        Afterwards `words` has its standard error.
 
         Raises:
-            FetchingError: git failed, or came to a limit.
-            StoppedError: the work was given up.
+            FetchingError: git failed, or exceeded a limit.
+            StoppedError: the work was cancelled.
         """
         out, err, into = (self.folder / name for name in ("out", "err", "in"))
         into.write_bytes(given)
@@ -139,19 +139,19 @@ class Watch:
         return out.read_bytes()
 
     def weigh(self) -> int:
-        """Return the bytes in the folder; FetchingError when they are more than the limit."""
+        """Return the size of the folder in bytes; FetchingError above the limit."""
         size = folder_bytes(self.folder)
         if size > self._limits.bytes:
             raise self.large()
         return size
 
     def large(self) -> FetchingError:
-        """Return the error of a repository that is larger than the limit."""
+        """Return the error for a repository above the size limit."""
         return FetchingError("too large", f"it is larger than {_megabytes(self._limits.bytes)}")
 
     @property
     def room(self) -> int:
-        """The bytes that a repository may have."""
+        """The size limit in bytes."""
         return self._limits.bytes
 
     def _late(self) -> FetchingError:
@@ -175,7 +175,7 @@ class Watch:
 
 
 def folder_bytes(folder: Path) -> int:
-    """Return the sizes of all files below a folder, added up; links count as what they are."""
+    """Return the total size of all files below a folder; links are not followed."""
     size = 0
     pending = [str(folder)]
     while pending:
@@ -190,7 +190,7 @@ def folder_bytes(folder: Path) -> int:
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:
-    """End git and all that it started, if it has not ended."""
+    """Kill git and its children, unless they have exited."""
     if process.poll() is None:
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signal.SIGKILL)
@@ -200,7 +200,7 @@ def _kill(process: subprocess.Popen[bytes]) -> None:
 def _failure(words: str, code: int) -> FetchingError:
     lines = [re.sub(r"^(?:fatal|error|remote|ERROR): ", "", line.strip("\0 \t")) for line in words.splitlines()]
     telling = [line for line in lines if line and not line.startswith(_IDLE)]
-    reason = re.sub(r"(?<=://)[^@/\s]*@", "", "; ".join(telling[:3])) or f"git ended with {code}"
+    reason = without_password("; ".join(telling[:3])) or f"git ended with {code}"
     if "repository corruption" in words:
         return FetchingError("damaged", reason)
     if _REFUSED.search(words):

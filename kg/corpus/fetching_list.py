@@ -1,4 +1,4 @@
-"""What is to be fetched: addresses from a list, each checked before git sees it, and where its files will stand."""
+"""Repositories to fetch: addresses from a list, validated before git gets them, and their folders."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ _SCP: Final = re.compile(
     r"^[A-Za-z0-9_.][A-Za-z0-9_.-]*@(?P<authority>[A-Za-z0-9_.][A-Za-z0-9_.-]*):(?!/?/)(?P<path>[^\s:]+)$"
 )
 _SCHEMES: Final = {"https": "https", "http": "http:https", "ssh": "ssh", "git": "git", "file": "file"}
-"""Schemes of addresses, and the protocols that git may use for one: no server can lead it to another."""
+"""Schemes of addresses, and the protocols allowed for each: a server cannot redirect to others."""
 _REF: Final = re.compile(r"(?!-)[^\s:^~?*\[\\\x00-\x20\x7f]+")
 _PART: Final = re.compile(r"(?!-)[A-Za-z0-9._+~-]+")
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """A repository to fetch: its `name` (host/owner/name, its folder too), address, and the ref if one is named.
+    """A repository to fetch: its `name` (host/owner/name, also its folder), address, and optional ref.
 
-    `problem` says why it is refused; it is empty for what may be fetched.
+    `problem` is why it is refused; empty if it may be fetched.
     """
 
     name: str
@@ -38,10 +38,10 @@ class Wanted:
 
 
 def read_wanted(path: Path) -> tuple[Wanted, ...]:
-    """Return what a list names: one address a line, `URL` or `URL@REF`, `#` before comments.
+    """Return the repositories in a list: one address per line, `URL` or `URL@REF`, comments after `#`.
 
     Raises:
-        SourceError: KG101 when the file cannot be read.
+        SourceError: KG101 an unreadable file.
     """
     try:
         text = path.read_text("utf-8")
@@ -52,10 +52,10 @@ def read_wanted(path: Path) -> tuple[Wanted, ...]:
 
 
 def wanted_among(addresses: Iterable[str]) -> tuple[Wanted, ...]:
-    """Return the repositories of some addresses, each once.
+    """Return the repositories of some addresses without duplicates.
 
-    Refused are those whose folder is that of another repository or of another ref of the same one, differs from
-    another's by case only, or lies in another's.
+    Refused are those whose folder belongs to another repository or another ref, differs from another only in case, or
+    is inside another.
     """
     found: dict[str, Wanted] = {}
     for one in map(_wanted, addresses):
@@ -74,7 +74,7 @@ def wanted_among(addresses: Iterable[str]) -> tuple[Wanted, ...]:
 
 
 def _differs(one: Wanted, other: Wanted) -> bool:
-    """Tell whether two of one name are not the same files; names of hosts say which repository, others do not."""
+    """Return whether two requests of one name differ: by ref, or by address, which names with a host determine."""
     urls = {each.url.rstrip("/").removesuffix(".git") for each in (one, other)}
     return one.ref != other.ref or (one.name.startswith("local/") and len(urls) > 1)
 
@@ -98,7 +98,7 @@ def _wanted(address: str) -> Wanted:
 
 
 def address_problem(url: str) -> str:
-    """Return why an address is refused; empty for one that git may be given."""
+    """Return why an address is refused; empty if git may use it."""
     if re.search(r"[\s\x00-\x1f\x7f]", url):
         return "the address holds blanks or control characters"
     if url.startswith("-"):
@@ -119,6 +119,6 @@ def address_problem(url: str) -> str:
 
 
 def protocols(url: str) -> str:
-    """Return the protocols that git may use for an address, as `GIT_ALLOW_PROTOCOL` wants them."""
+    """Return the protocols that git may use for an address, as `GIT_ALLOW_PROTOCOL`."""
     match = _URL.match(url)
     return _SCHEMES[match["scheme"].lower()] if match else "ssh"

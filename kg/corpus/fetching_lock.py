@@ -1,4 +1,4 @@
-"""The lock file of a corpus: which repositories at which commits, and what became of those that were not fetched.
+"""The lock file of a corpus: repositories with their commits, and the reasons of those not fetched.
 
     version = 1
 
@@ -14,7 +14,7 @@
     state = "fetched"
     reason = ""
 
-Entries are sorted by name and have all keys, so that a change of one repository changes its lines only.
+Entries are sorted by name and have all keys, so a change of one repository changes only its lines.
 """
 
 from __future__ import annotations
@@ -30,13 +30,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.corpus.git import describe
 from kg.errors import Place, SourceError
+from kg.settings import toml_place
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
 VERSION: Final = 1
 FETCHED: Final = "fetched"
-"""The state of a repository whose files are there; any other state says in a word or two why they are not."""
+"""The state of a fetched repository; other states are keywords of the reason."""
 _HEAD: Final = """\
 # The repositories of a corpus, written by `kg corpus fetch`, which fetches these commits again where this file is.
 # `kg build --corpus` builds them. Folders are relative to the folder of this file.
@@ -49,9 +50,9 @@ _COMMIT: Final = re.compile(r"(?:[0-9a-f]{40}|[0-9a-f]{64})?")
 class Entry:
     """A repository of a corpus.
 
-    `name` is host/owner/name, `moved` the address that the server led to, `folder` where the files are, relative to
-    the lock file, `branch` and `commit` what was fetched (empty while nothing was), `ros` the versions that its
-    packages are for (`1`, `2`, `1 2`), `bytes` the size of the files of that commit, `reason` words about the state.
+    `name` is host/owner/name, `moved` the address that the server redirected to, `folder` the place of the files,
+    relative to the lock file, `branch` and `commit` the fetched ones (empty before), `ros` the versions of its packages
+    (`1`, `2`, `1 2`), `bytes` the size of the files of that commit, `reason` an explanation of the state.
     """
 
     name: str
@@ -80,7 +81,10 @@ class Lock:
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """What stands in the folder of a lock: `present`, `missing`, and `drifted` with what is different (present too)."""
+    """The state of a corpus folder: `present`, `missing` and `drifted` repositories.
+
+    Those that drifted are also present, and have a description of their difference.
+    """
 
     present: tuple[Entry, ...]
     missing: tuple[Entry, ...]
@@ -91,7 +95,7 @@ def read_lock(path: Path) -> Lock:
     """Return a lock file.
 
     Raises:
-        SourceError: KG101 when the file cannot be read, KG132 with the line when it is no lock file.
+        SourceError: KG101 an unreadable file, KG132 an invalid one, with the line.
     """
     try:
         text = path.read_text("utf-8")
@@ -99,9 +103,8 @@ def read_lock(path: Path) -> Lock:
     except OSError as error:
         raise SourceError("KG101", f"the lock file {path} cannot be read: {error.strerror}") from error
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
-        place = Place(str(path), int(found[1]), int(found[2])) if found else Place(str(path))
-        raise SourceError("KG132", f"this is not TOML: {error}", place=place) from error
+        message, line, column = toml_place(str(error))
+        raise SourceError("KG132", f"this is not TOML: {message}", place=Place(str(path), line, column)) from error
     if content.get("version") != VERSION:
         message = f"its version is {content.get('version')!r}, this `kg` reads {VERSION}"
         raise SourceError("KG132", message, place=Place(str(path)))
@@ -133,10 +136,10 @@ def _entry(table: Any, place: Place) -> Entry:
 
 
 def write_lock(path: Path, entries: Iterable[Entry]) -> Lock:
-    """Write a lock file in one step: readers see the old or the new one.
+    """Write a lock file atomically: readers see the old or the new one.
 
     Raises:
-        SourceError: KG132 when it cannot be written.
+        SourceError: KG132 it cannot be written.
     """
     ordered = tuple(sorted(entries, key=lambda entry: entry.name))
     text = _HEAD + f"version = {VERSION}\n" + "".join(map(_table, ordered))
@@ -164,14 +167,14 @@ def _table(entry: Entry) -> str:
 
 
 def _value(value: str | int) -> str:
-    """Return a value as TOML; its strings are those of JSON, but for DEL, which it wants escaped."""
+    """Return a value as TOML; strings are those of JSON, except that DEL must be escaped."""
     if isinstance(value, str):
         value = value.encode("utf-8", "backslashreplace").decode("utf-8")
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def standing(lock: Lock) -> Standing:
-    """Compare a lock with what stands in its folder; entries that were never fetched are missing."""
+    """Compare a lock with its folder; entries that were never fetched are missing."""
     present, missing, drifted = [], [], []
     for entry in lock.entries:
         folder = lock.folder(entry)
@@ -188,10 +191,10 @@ def standing(lock: Lock) -> Standing:
 
 
 def checkouts(lock: Lock, found: Standing) -> tuple[Path, ...]:
-    """Return the folders of the checkouts that are there.
+    """Return the folders of the present checkouts.
 
     Raises:
-        SourceError: KG136 when there is none.
+        SourceError: KG136 there is none.
     """
     if not found.present:
         message = f"none of the {len(found.missing)} repositories of the lock file is checked out"

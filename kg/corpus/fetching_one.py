@@ -1,8 +1,8 @@
-"""One repository: which commit it is to stand at, fetched beside its place and put there whole by one renaming.
+"""Fetching of one repository: into a temporary folder, then into its place by one rename.
 
-Nothing of it runs: no hooks, no filters, no Git LFS. Git checks what comes before it keeps it (`transfer.fsckObjects`),
-so that trees with `..` or `.git` and submodules with addresses that are options are refused. The sizes of the files
-are added up before any is written. Links that lead out of the checkout are left out of it.
+Nothing in it is run: no hooks, no filters, no Git LFS. Git validates objects before storing them
+(`transfer.fsckObjects`), which refuses trees with `..` or `.git`, and submodules with addresses that are options. The
+sizes of the files are checked before they are written. Links that lead out of the checkout are removed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from kg.corpus.fetching_branches import branches_to_try
 from kg.corpus.fetching_git import FetchingError, Limits, Watch, folder_bytes
 from kg.corpus.fetching_list import Wanted, protocols
 from kg.corpus.fetching_lock import FETCHED, Entry
-from kg.corpus.git import run_git
+from kg.corpus.git import run_git, without_password
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -38,13 +38,13 @@ _ROS2: Final = re.compile(
     rb"<build_type[^>]*>\s*ament_|<buildtool_depend[^>]*>\s*ament_|<depend[^>]*>\s*rcl(?:cpp|py)\s*<"
 )
 _MANIFESTS: Final = {"package.xml": None, "manifest.xml": "1", "stack.xml": "1"}
-"""Names of manifests, and the version that the name alone says."""
+"""Names of manifests, and the version that the name implies."""
 _MOST_BYTES: Final = 1 << 16
 _ENTRY: Final = re.compile(rb"\d+ (?P<kind>\w+) [0-9a-f]+ +(?P<size>-|\d+)\t")
 
 
 def content_bytes(listing: bytes) -> int:
-    """Return the sizes of all files in what `git ls-tree -r -l -z` prints, added up."""
+    """Return the total size of all files in the output of `git ls-tree -r -l -z`."""
     sizes = (match["size"] for line in listing.split(b"\0") if (match := _ENTRY.match(line)))
     return sum(int(size) for size in sizes if size != b"-")
 
@@ -52,7 +52,7 @@ def content_bytes(listing: bytes) -> int:
 def outward_links(top: Path) -> tuple[str, ...]:
     """Return the links in a checkout that lead out of it or into its `.git`, relative to it.
 
-    A link with an absolute path always does: the checkout may be moved.
+    Absolute links always do: the checkout may be moved.
     """
     real = os.path.realpath(top)
     found = []
@@ -67,7 +67,7 @@ def outward_links(top: Path) -> tuple[str, ...]:
 
 
 def ros_versions(top: Path) -> str:
-    """Return the versions of ROS that the manifests in a checkout are for: `1`, `2`, `1 2`, or nothing."""
+    """Return the versions of ROS of the manifests in a checkout: `1`, `2`, `1 2`, or empty."""
     found: set[str] = set()
     for entry in _entries(top):
         if entry.name in _MANIFESTS and entry.is_file(follow_symlinks=False):
@@ -90,7 +90,7 @@ def _versions(manifest: Path) -> set[str]:
 
 
 def _entries(top: Path) -> Iterator[os.DirEntry[str]]:
-    """Yield every file, link and folder below `top` but `.git`; links are not followed."""
+    """Yield every file, link and folder below `top` except `.git`; links are not followed."""
     pending = [str(top)]
     while pending:
         with os.scandir(pending.pop()) as entries:
@@ -104,7 +104,7 @@ def _entries(top: Path) -> Iterator[os.DirEntry[str]]:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """How repositories are fetched: the version of ROS, whether submodules come too, and the limits of each."""
+    """Options: the version of ROS, whether to fetch submodules, and the limits of each repository."""
 
     ros: str
     submodules: bool
@@ -112,7 +112,7 @@ class Choice:
 
 
 def stands_at(folder: Path, commit: str) -> bool:
-    """Tell whether a checkout stands at a commit, by its `.git` alone."""
+    """Return whether a checkout is at a commit, judging by its `.git` only."""
     try:
         return bool(commit) and (folder / ".git" / "HEAD").read_text("ascii", "replace").strip() == commit
     except OSError:
@@ -120,13 +120,13 @@ def stands_at(folder: Path, commit: str) -> bool:
 
 
 def fetch_one(one: Wanted, pin: Entry | None, place: Path, workspace: Path, choice: Choice, stop: Event) -> Entry:  # noqa: PLR0913, PLR0917 - what one repository needs
-    """Fetch a repository to the folder `place`, by way of the empty folder `workspace`, and return its entry.
+    """Fetch a repository to the folder `place`, using the empty folder `workspace`, and return its entry.
 
-    With a `pin` that has a commit it is that commit. Nothing is done when it stands there already. What may pass is
-    tried again. A repository that is not fetched is an entry with another state, and its pin is kept.
+    A `pin` determines the commit. Nothing is done if the checkout is already there. Temporary failures are retried. A
+    failed repository has an entry with another state, and keeps its pin.
 
     Raises:
-        StoppedError: `stop` was set; `place` is as it was.
+        StoppedError: `stop` was set; `place` is unchanged.
     """
     known = pin or Entry(one.name, one.url)
     if one.problem:
@@ -150,7 +150,7 @@ def fetch_one(one: Wanted, pin: Entry | None, place: Path, workspace: Path, choi
 
 
 class _Fetching:
-    """One repository under way."""
+    """A repository being fetched."""
 
     def __init__(self, one: Wanted, place: Path, workspace: Path, choice: Choice, stop: Event) -> None:
         self.watch = Watch(workspace, choice.limits, stop)
@@ -163,7 +163,7 @@ class _Fetching:
         self._bytes = 0
 
     def run(self, commit: str, known: Entry) -> Entry:
-        """Fetch it once: the commit, the ref that was named, or the branches that may be for the version of ROS."""
+        """Fetch once: the commit, the requested ref, or the candidate branches for the version of ROS."""
         self._check_place()
         if commit:
             return self._finish(known, known.branch, self._fetch(commit, commit))
@@ -182,7 +182,7 @@ class _Fetching:
         raise FetchingError("other ros", f"no branch is for ROS {self._choice.ros}{tried}")
 
     def _check_place(self) -> None:
-        """Leave alone what stands in the place and is no clean checkout."""
+        """Refuse to replace anything but a clean checkout."""
         if not self._place.exists():
             return
         if not (self._place / ".git").is_dir():
@@ -208,7 +208,7 @@ class _Fetching:
         return default["name"] if default and default["name"] in branches else None, branches
 
     def _fetch(self, ref: str, commit: str = "") -> str:
-        """Fetch and check out what `ref` names, and return its commit."""
+        """Fetch and check out a `ref`, and return its commit."""
         self._empty()
         options = ("--quiet", "--depth=1", "--no-tags", "--no-recurse-submodules", "--no-auto-maintenance")
         self._network("fetch", *options, "--", self._one.url, ref)
@@ -223,17 +223,17 @@ class _Fetching:
         return found
 
     def _empty(self) -> None:
-        """Begin anew with a repository that has nothing."""
+        """Start with an empty repository."""
         shutil.rmtree(self._tree, ignore_errors=True)
         self._tree.mkdir(parents=True)
         self._git("init", "--quiet", "--template=")
 
     def _suits(self) -> bool:
-        """Tell whether the packages are for the version of ROS; a checkout without any might be."""
+        """Return whether the packages are for the version of ROS; a checkout without packages might be."""
         return self._choice.ros == "any" or self._choice.ros in (ros_versions(self._tree) or self._choice.ros)
 
     def _finish(self, known: Entry, branch: str, commit: str) -> Entry:
-        """Put the checkout in its place."""
+        """Move the checkout into place."""
         remarks = self._submodules() if self._choice.submodules else []
         links = outward_links(self._tree)
         if links:
@@ -247,14 +247,14 @@ class _Fetching:
             for link in links:
                 (self._tree / link).unlink()
             remarks.append(f"left out {len(links)} link{'s' * (len(links) > 1)} that lead out, as {links[0]}")
-        self._git("config", "remote.origin.url", _without_password(self._one.url))
+        self._git("config", "remote.origin.url", without_password(self._one.url))
         self.watch.weigh()
         entry = self._entry(known, branch, commit, self._tree)
         self._put()
         return replace(entry, reason="; ".join(remarks))
 
     def _present(self, known: Entry, branch: str, commit: str) -> Entry:
-        """Return the entry of a checkout that is there and whole."""
+        """Return the entry of a checkout that is already complete."""
         try:
             listing = run_git(("ls-tree", "-r", "-l", "-z", "--full-tree", commit), folder=self._place, timeout=None)
         except subprocess.SubprocessError:
@@ -301,12 +301,8 @@ class _Fetching:
         found = self.watch.git(*arguments, within=self._tree, protocols=self._protocols)
         moved = _MOVED.search(self.watch.words)
         if moved:
-            self._moved = _without_password(moved[1]).removesuffix("/").removesuffix("/info/refs")
+            self._moved = without_password(moved[1]).removesuffix("/").removesuffix("/info/refs")
         return found
 
     def _git(self, *arguments: str, given: bytes = b"") -> bytes:
         return self.watch.git(*arguments, within=self._tree, given=given)
-
-
-def _without_password(url: str) -> str:
-    return re.sub(r"(?<=://)[^@/\s]*@", "", url)

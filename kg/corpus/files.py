@@ -1,13 +1,13 @@
-"""The files of a source: what they are, which package owns them, and how a file of the build is named.
+"""The files of a source: their kinds, owning packages, and names in the build.
 
-The sorting is that of RNKG section 3.2.1: code by the folder or ending that ROS gives it, and text.
-Files of no kind (pictures, meshes, bags) are not listed at all.
+Kinds are those of RNKG section 3.2.1: code by the folder or suffix that ROS defines, and text. Other files (pictures,
+meshes, bags) are not listed.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path  # noqa: TC003 - what is written for workers of a cluster is read by these annotations
+from pathlib import Path
 from typing import Final, NamedTuple
 
 from kg.facts import FileKind, Problem, Repository
@@ -61,7 +61,7 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class FileEntry:
-    """A file as the walk over its source saw it; `path` is relative to the root of the source."""
+    """A file found in its source; `path` is relative to the root of the source."""
 
     path: str
     kind: FileKind
@@ -72,9 +72,9 @@ class FileEntry:
 
 @dataclass(frozen=True, slots=True)
 class PackageFolder:
-    """A folder with a manifest and the files it owns: those below it that no nested package owns.
+    """A folder with a manifest and its files: those below it that no nested package owns.
 
-    `path` is `.` for the root of the source; `manifest` is None for loose code treated as one package.
+    `path` is `.` for the root of the source; `manifest` is None for loose code treated as a package.
     """
 
     name: str
@@ -89,9 +89,9 @@ class PackageFolder:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """One repository or folder of the build; `loose` are files that no package owns.
+    """A repository or folder of the build; `loose` are files outside of packages.
 
-    `links` maps folders that are links to the folder of the same source they lead to.
+    `links` maps folders that are links to their targets in the same source.
     """
 
     repository: Repository
@@ -103,9 +103,9 @@ class Source:
 
 
 def sort_file(name: str, folder: str, *, in_module: bool = False) -> FileKind | None:
-    """Return the kind of the file `name` in a folder called `folder`; None for files nothing is read from.
+    """Return the kind of the file `name` in a folder called `folder`; None for ignored files.
 
-    `in_module` tells that the folder is a Python package, whose modules are code even in a folder `launch`.
+    `in_module`: the folder is a Python package, whose modules are code even in a folder `launch`.
     """
     named = _NAMES.get(name)
     if named is not None:
@@ -128,7 +128,7 @@ def sort_file(name: str, folder: str, *, in_module: bool = False) -> FileKind | 
 
 
 def _template(stem: str) -> FileKind | None:
-    """Return the kind of a template by what it becomes: CMake and C++ are worth reading before that."""
+    """Return the kind of a template by its output: CMake and C++ can be read as they are."""
     ending = stem.rpartition(".")[2]
     if ending == "cmake":
         return FileKind.BUILD

@@ -1,7 +1,7 @@
-"""What git knows of a folder: the name of the repository, commit, branch, remote, and whether it was changed.
+"""Information from git about a folder: name of the repository, commit, branch, remote, and whether it has changes.
 
-`git` is run without hooks, monitors, prompts or the caller's `GIT_*` variables; where it is missing, the
-files in `.git` are read instead (then changes on top of the commit are not seen).
+`git` is run without hooks, monitors, prompts or the caller's `GIT_*` variables. If it is missing, the files in `.git`
+are read instead, which does not detect changes.
 """
 
 from __future__ import annotations
@@ -17,16 +17,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _SAFE: Final = (
-    "-c",
-    "core.fsmonitor=false",
-    "-c",
-    "core.hooksPath=/dev/null",
-    "-c",
-    "safe.directory=*",
-    "-c",
-    "protocol.ext.allow=never",
-    "-c",
-    "gc.auto=0",
+    *("-c", "core.fsmonitor=false"),
+    *("-c", "core.hooksPath=/dev/null"),
+    *("-c", "safe.directory=*"),
+    *("-c", "protocol.ext.allow=never"),
+    *("-c", "gc.auto=0"),
 )
 _PROTOCOLS: Final = "https:ssh:git:file"
 _ENVIRONMENT: Final = {
@@ -44,7 +39,7 @@ _URL: Final = re.compile(
 
 
 def describe(folder: Path) -> Repository:
-    """Return the repository that `folder` is the root of or a committed part of, else `local/NAME`."""
+    """Return the repository whose root or committed folder is `folder`, else `local/NAME`."""
     top = _toplevel(folder)
     if top is None:
         return Repository(f"local/{folder.name or 'root'}", str(folder))
@@ -61,9 +56,9 @@ def run_git(
     timeout: float | None = _QUICK_SECONDS,
     network: bool = False,
 ) -> str:
-    """Return what `git` prints; raises `OSError` when it is missing and `SubprocessError` when it fails or is late.
+    """Return the output of `git`; raises `OSError` if it is missing and `SubprocessError` if it fails or times out.
 
-    Without `network` no protocol is allowed at all, so that a partial clone cannot fetch what it lacks.
+    Without `network` no protocol is allowed, so a partial clone cannot fetch missing objects.
     """
     done = subprocess.run(  # noqa: S603  (fixed program; addresses and paths stand behind `--`)
         command(arguments, folder=folder),
@@ -77,12 +72,12 @@ def run_git(
 
 
 def command(arguments: tuple[str, ...], *, folder: Path | None = None) -> tuple[str, ...]:
-    """Return the command line of `git` with what keeps it from running programs that a repository names."""
+    """Return the command line of `git` with settings that prevent running programs named in a repository."""
     return ("git", *_SAFE, *(("-C", str(folder)) if folder else ()), *arguments)
 
 
 def environment(protocols: str) -> dict[str, str]:
-    """Return the environment for `git`: the caller's without its `GIT_*`, and only these protocols (`https:ssh`)."""
+    """Return the environment of `git`: the caller's without `GIT_*`, and with only these protocols (`https:ssh`)."""
     kept = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
     return kept | _ENVIRONMENT | {"GIT_ALLOW_PROTOCOL": protocols}
 
@@ -98,8 +93,13 @@ def repository_name(remote: str) -> str | None:
     return f"{match['host'].lower()}/{path}" if path else None
 
 
+def without_password(text: str) -> str:
+    """Return a text without the user and password of addresses in it."""
+    return re.sub(r"(?<=://)[^@/\s]*@", "", text)
+
+
 def _toplevel(folder: Path) -> Path | None:
-    """Return the root of the checkout: the folder itself, or one above it when the folder is committed there."""
+    """Return the root of the checkout: the folder, or one above it if the folder is committed there."""
     if (folder / ".git").exists():
         return folder
     above = next((parent for parent in folder.parents if (parent / ".git").exists()), None)
@@ -130,7 +130,7 @@ def _ask_git(top: Path) -> Repository:
 
 
 def _configuration(top: Path) -> list[tuple[str, str]]:
-    """Return the settings of the repository itself, in the order given."""
+    """Return the settings of the repository itself, in their order."""
     try:
         listed = run_git(("config", "--local", "--includes", "--null", "--list"), folder=top)
     except subprocess.CalledProcessError:
@@ -139,9 +139,9 @@ def _configuration(top: Path) -> list[tuple[str, str]]:
 
 
 def _changed(top: Path, keys: set[str]) -> bool:
-    """Tell whether files that git follows differ from the commit.
+    """Return whether tracked files differ from the commit.
 
-    Comparing runs the programs that the repository's own settings name as filters; they are switched off first.
+    Comparing would run the filter programs in the repository's settings, so these are disabled first.
     """
     filters = sorted(key for key in keys if key.startswith("filter.") and key.endswith((".clean", ".process")))
     off = tuple(word for key in filters for word in ("-c", f"{key}="))
@@ -152,7 +152,7 @@ def _changed(top: Path, keys: set[str]) -> bool:
 
 def _pick_remote(remotes: dict[str, str]) -> str | None:
     chosen = remotes.get("origin") or next((remotes[name] for name in sorted(remotes)), None)
-    return re.sub(r"(?<=://)[^@/\s]*@", "", chosen) if chosen else None
+    return without_password(chosen) if chosen else None
 
 
 def _name(top: Path, remote: str | None) -> str:
@@ -169,7 +169,7 @@ def _read_git_files(top: Path) -> Repository:
 
 
 def _git_folder(top: Path) -> Path:
-    """Return the folder that `.git` is or, in a worktree or submodule, names."""
+    """Return the folder of `.git`, which a worktree or submodule names in a file."""
     marker = top / ".git"
     text = _read(marker) if marker.is_file() else ""
     return (top / text.removeprefix("gitdir: ")) if text.startswith("gitdir: ") else marker

@@ -1,6 +1,6 @@
-"""How a package's extraction reads files: once, within limits, as UTF-8, and on record.
+"""Reading of files during a package's extraction: once, with limits, as UTF-8, and recorded.
 
-Nothing else in extraction opens files. A result depends on `Reader.inputs` and the look-ups in the workspace alone.
+All file access of extraction is here. A result depends only on `Reader.inputs` and the look-ups in the workspace.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from kg.errors import CATALOGUE
 from kg.facts import Problem
 
 DEFAULT_LIMIT_BYTES: Final = 4 << 20
-"""Larger than any file that people wrote and smaller than what would stop a build."""
+"""Default size limit: larger than any hand-written file, and small enough not to stop a build."""
 
 _BINARY_SAMPLE: Final = 8192
 _DIGEST_BYTES: Final = 20
@@ -24,12 +24,12 @@ _LATIN1: Final = {0xDC00 + byte: byte for byte in range(0x80, 0x100)}
 
 
 def digest(data: bytes) -> str:
-    """Return the BLAKE2b digest of the bytes of a file, as hexadecimal."""
+    """Return the hexadecimal BLAKE2b digest of the bytes of a file."""
     return hashlib.blake2b(data, digest_size=_DIGEST_BYTES).hexdigest()
 
 
 def load(workspace: Workspace, file: FilePath, limit_bytes: int) -> bytes | Problem:
-    """Return the bytes of a file of the build, or the problem that keeps it from being read.
+    """Return the bytes of a file of the build, or the problem that prevents reading it.
 
     Files outside of the root of their source are never read.
     """
@@ -40,7 +40,7 @@ def load(workspace: Workspace, file: FilePath, limit_bytes: int) -> bytes | Prob
         path = f"/{file.path}" if workspace.is_file(file) else None
     elif workspace.entry(file) is not None:
         path = f"{source.root}/{file.path}"
-    else:  # the scan checked only those that it lists for leaving the root
+    else:  # the scan only checks listed files for leaving the root
         path = real_inside(source.root, source.root / file.path)
     if path is None:
         return Problem("KG110", "the file is not inside of its source", file.path)
@@ -63,12 +63,12 @@ def _read_regular(path: str, file: FilePath, limit_bytes: int) -> bytes | Proble
 
 
 def mark(loaded: bytes | Problem) -> str:
-    """Return the mark of a file: the digest of its bytes, or the problem that keeps it from being read."""
+    """Return the mark of a file: the digest of its bytes, or the problem that prevents reading it."""
     return digest(loaded) if isinstance(loaded, bytes) else f"{loaded.code} {loaded.message}"
 
 
 class Reader:
-    """Reads files for the extraction of one package; `problems` and `inputs` tell what happened."""
+    """Reads files for the extraction of one package, and records `problems` and `inputs`."""
 
     def __init__(
         self,
@@ -86,9 +86,15 @@ class Reader:
         self._marks: dict[FilePath, str] = {}
         self._problems: dict[Problem, None] = {}
 
+    def beside(self, place: Place) -> Reader:
+        """Return a reader for another package, with the same record of files, whose problems are not those of this."""
+        other = Reader(self.workspace, *self.workspace.folder(place), self.limit_bytes)
+        other._texts, other._marks = self._texts, self._marks
+        return other
+
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """What could not be read as it should, in the order found, each once."""
+        """Reading problems without duplicates, in the order found."""
         return tuple(self._problems)
 
     def sorted_problems(self) -> tuple[Problem, ...]:
@@ -97,7 +103,7 @@ class Reader:
 
     @property
     def inputs(self) -> tuple[tuple[str, str], ...]:
-        """Pairs of `repository:path` and `mark` of every file that was to be read, sorted."""
+        """Sorted pairs of `repository:path` and `mark` of every requested file."""
         return tuple(sorted((f"{file.repository}:{file.path}", value) for file, value in self._marks.items()))
 
     def file(self, path: str) -> FilePath:
@@ -107,8 +113,8 @@ class Reader:
     def read(self, file: FilePath | str) -> bytes | None:
         """Return the text of a file as UTF-8, without a byte order mark; a string is a path of this source.
 
-        None, and a problem, for a file that is unreadable, larger than the limit or binary; bytes that are not
-        UTF-8 are read as Latin-1, with a problem.
+        None, and a problem, for a file that is unreadable, above the limit or binary; invalid UTF-8 is read as Latin-1,
+        with a problem.
         """
         key = self.file(file) if isinstance(file, str) else file
         if key not in self._texts:
@@ -120,11 +126,11 @@ class Reader:
         return self._texts[key]
 
     def known(self, file: FilePath) -> bytes | None:
-        """Return the text of a file that `read` has read; None for others, which are not read for it."""
+        """Return the text of a file that `read` has read; None for others."""
         return self._texts.get(file)
 
     def problem(self, code: str, message: str, path: str, line: int | None = None) -> None:
-        """Note that something in the file at `path` could not be read as it should; `code` is in the catalogue."""
+        """Record a problem in the file at `path`; `code` is in the catalogue."""
         if code not in CATALOGUE:
             raise LookupError(code)
         self._problems.setdefault(Problem(code, message, path, line))

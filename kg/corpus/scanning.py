@@ -1,7 +1,7 @@
-"""The walk over a source: every folder is listed once and every file looked at once.
+"""Scanning of a source: every folder is listed once, and every file examined once.
 
-Skipped are hidden folders, folders with an ignore marker of catkin, colcon or ament, what builds leave
-behind, nested checkouts (sources of their own), and links that lead out of the root or in a loop.
+Skipped are hidden folders, folders with an ignore marker of catkin, colcon or ament, build artifacts, nested checkouts
+(sources of their own), and links that lead out of the root or in a loop.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _MANIFEST_BYTES: Final = 1 << 20
 
 @dataclass(slots=True)
 class _Folder:
-    """A package while its files are being collected."""
+    """A package whose files are being collected."""
 
     path: str
     manifest: str | None
@@ -38,7 +38,7 @@ class _Folder:
 
 @dataclass(slots=True)
 class _Walk:
-    """The state of one walk: what is left to list and what was found."""
+    """The state of a scan: pending folders and results."""
 
     root: str
     real_root: str
@@ -50,22 +50,22 @@ class _Walk:
     nested: list[str] = field(default_factory=list)
 
     def problem(self, path: str, message: str, code: str = "KG110") -> None:
-        """Note that something at `path` was not read."""
+        """Record that something at `path` was not read."""
         printable = os.fsencode(path).decode("utf-8", "backslashreplace")
         self.problems.append(Problem(code, message, printable))
 
 
 def scan(root: Path, repository: Repository | None = None) -> Source:
-    """Walk one source; `repository` overrides what git says of the folder.
+    """Scan one source; `repository` overrides git's information about the folder.
 
-    A folder inside a checkout is read as that part of the checkout, paths relative to the checkout's root.
-    Raises `SourceError` (KG101) when the folder cannot be listed; everything else is a problem in the source.
+    A folder inside a checkout is read as that part of the checkout, with paths relative to its root. Raises
+    `SourceError` (KG101) if the folder cannot be listed; other failures are problems of the source.
     """
     return _scan(root, repository)[0]
 
 
 def scan_tree(root: Path) -> tuple[Source, ...]:
-    """Walk a folder and the checkouts nested in it (repositories of a workspace, submodules), each a source."""
+    """Scan a folder and its nested checkouts (repositories of a workspace, submodules), each as a source."""
     source, nested = _scan(root, None)
     inner = tuple(found for path in nested for found in scan_tree(Path(path)))
     return (source, *inner) if source.packages or not inner else inner
@@ -162,7 +162,7 @@ def _is_text(name: str) -> bool:
 
 
 def _follow(walk: _Walk, entry: os.DirEntry[str], path: str) -> bool:
-    """Tell whether a link is to be taken as a file; links to folders are noted, the folder is read where it stands."""
+    """Return whether a link is read as a file; links to folders are recorded, but not followed."""
     try:
         target = os.path.realpath(entry.path, strict=True)
     except OSError as error:
@@ -180,7 +180,7 @@ def _follow(walk: _Walk, entry: os.DirEntry[str], path: str) -> bool:
 
 
 def _kind_by_shebang(path: str) -> FileKind | None:
-    """Return `PYTHON` for a program without an ending whose first line names python."""
+    """Return `PYTHON` for a program without a suffix whose first line names python."""
     try:
         with open(path, "rb") as file:  # noqa: PTH123  (a Path for each file would cost more than the reading)
             first = file.read(_SHEBANG_BYTES)
@@ -194,7 +194,7 @@ def _by_path(files: list[FileEntry]) -> list[FileEntry]:
 
 
 def _name_packages(walk: _Walk, folder_name: str) -> tuple[PackageFolder, ...]:
-    """Return the packages with their names, sorted by path; a name that is taken gives way to the folder."""
+    """Return the packages with their names, sorted by path; duplicates are named by their folder."""
     if not walk.packages:
         return _whole_root(walk, folder_name)
     taken: dict[str, str] = {}
@@ -223,7 +223,7 @@ def _whole_root(walk: _Walk, name: str) -> tuple[PackageFolder, ...]:
 
 
 def _manifest_name(walk: _Walk, folder: _Folder) -> str | None:
-    """Return the name in a package.xml; None for a rosbuild manifest, which has none, and where it is missing."""
+    """Return the name in a package.xml; None for a rosbuild manifest, which has none, or a missing one."""
     if folder.manifest is None or folder.manifest.endswith("manifest.xml"):
         return None
     try:

@@ -1,4 +1,4 @@
-"""Which projects of a table are taken, and how many each criterion removes (RNKG, section 3.1 and Table 1)."""
+"""Selection of projects in a table, and the number removed by each criterion (RNKG, section 3.1 and Table 1)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A criterion that applied: what it removed of what the criteria before it had left."""
+    """The effect of a criterion: what it removed of the remaining projects."""
 
     criterion: Criterion
     removed: tuple[Project, ...]
@@ -27,7 +27,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """What is left of a table, what removed the rest, and the figures of what is left by name."""
+    """The remaining projects of a table, the steps that removed others, and figures of the remaining ones by name."""
 
     dataset: Dataset
     criteria: Criteria
@@ -36,7 +36,7 @@ class Selection:
     figures: Mapping[str, Figures]
 
     def addresses(self) -> tuple[str, ...]:
-        """Return the addresses of the projects that are left, in the order of the table."""
+        """Return the addresses of the remaining projects, in the order of the table."""
         return tuple(project.cells[self.criteria.address] for project in self.kept)
 
 
@@ -44,7 +44,7 @@ def select(dataset: Dataset, criteria: Criteria) -> Selection:
     """Apply the criteria in their order.
 
     Raises:
-        SourceError: KG131 for a column that is missing, a number that is none, a value that no criterion names.
+        SourceError: KG131 a missing column, an invalid number, a value that no criterion names.
     """
     _check(dataset, criteria)
     left, steps = dataset.projects, []
@@ -70,7 +70,7 @@ def _check(dataset: Dataset, criteria: Criteria) -> None:
 
 
 def _check_values(dataset: Dataset, criteria: Criteria, column: str) -> None:
-    """Refuse a value of a closed column that no criterion names: a typing error would select silently."""
+    """Refuse a value of a closed column that no criterion names, since a typo would select silently."""
     about = [criterion for criterion in criteria.criteria if criterion.column == column]
     known = sorted({value for one in about for values in (one.equal, one.unequal) for value in values or ()})
     for project in dataset.projects:
@@ -82,6 +82,6 @@ def _check_values(dataset: Dataset, criteria: Criteria, column: str) -> None:
 
 
 def _values(dataset: Dataset, projects: Sequence[Project], columns: tuple[str, ...]) -> list[int]:
-    """Return the sum of the columns for each project that all of them are known of."""
+    """Return the sum of the columns for each project that has all of them."""
     rows = ([dataset.number(project, column) for column in columns] for project in projects)
     return [sum(known) for row in rows if len(known := [value for value in row if value is not None]) == len(row)]

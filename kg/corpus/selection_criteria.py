@@ -1,4 +1,4 @@
-"""Criteria as data: a TOML file that says which projects of a table are taken (`corpus/criteria.toml`)."""
+"""Selection criteria as data: a TOML file with the projects of a table to remove (`corpus/criteria.toml`)."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import Place, UsageError
 from kg.resources import folder
+from kg.settings import toml_place
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -24,7 +25,10 @@ _TESTS: Final = ("is", "is_not", "least", "most")
 
 @dataclass(frozen=True, slots=True)
 class Criterion:
-    """What removes a project by one cell of it: its text, or a number out of bounds. `line` is where it is written."""
+    """A condition that removes a project by one cell: its text, or a number out of bounds.
+
+    `line` is its place in the file.
+    """
 
     name: str
     column: str
@@ -37,7 +41,7 @@ class Criterion:
     most: int | None = None
 
     def removes(self, project: Project, dataset: Dataset) -> bool:
-        """Tell whether the project is removed; a number that is not known removes nothing."""
+        """Return whether the project is removed; an unknown number removes nothing."""
         cell = project.cells[self.column]
         if self.equal is not None and cell in self.equal:
             return True
@@ -53,10 +57,10 @@ class Criterion:
 
 @dataclass(frozen=True, slots=True)
 class Criteria:
-    """A file of criteria: which columns name a project and its address, what is counted, what removes a project.
+    """A file of criteria: the columns of name and address, the columns to count, and the conditions.
 
     Each cell of the columns `closed` has to be empty or a value that a criterion names. `figures` maps the name of a
-    figure to the columns that are added up for it.
+    figure to the columns added up for it.
     """
 
     path: Path
@@ -76,7 +80,7 @@ def read_criteria(path: Path) -> Criteria:
     """Return the criteria in a file.
 
     Raises:
-        UsageError: KG130 with the line when the file cannot be read or says what it cannot.
+        UsageError: KG130 the file is unreadable or invalid, with the line.
     """
     try:
         text = path.read_text("utf-8")
@@ -84,14 +88,13 @@ def read_criteria(path: Path) -> Criteria:
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError("KG130", f"the file cannot be read: {error}", place=Place(str(path))) from None
     except tomllib.TOMLDecodeError as error:
-        found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
-        place = Place(str(path), int(found[1]), int(found[2])) if found else Place(str(path))
-        raise UsageError("KG130", f"this is not TOML: {error}", place=place) from None
+        message, line, column = toml_place(str(error))
+        raise UsageError("KG130", f"this is not TOML: {message}", place=Place(str(path), line, column)) from None
     return _Reader(path, text).criteria(content)
 
 
 class _Reader:
-    """Reads one file, and knows where what it reads is written."""
+    """Reads one file, keeping track of lines."""
 
     def __init__(self, path: Path, text: str) -> None:
         self.path = path
@@ -180,7 +183,7 @@ class _Reader:
         return value
 
     def _line(self, key: str, start: int | None = None) -> int | None:
-        """Return the first line, from `start` on, that gives `key` a value or is the head of its table."""
+        """Return the first line, from `start` on, that sets `key` or begins its table."""
         pattern = re.compile(rf"""\s*\[*\s*["']?{re.escape(key)}["']?\s*[\]=]""")
         numbered = enumerate(self._lines[(start or 1) - 1 :], start or 1)
         return next((number for number, line in numbered if pattern.match(line)), start)

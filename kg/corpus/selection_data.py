@@ -1,4 +1,4 @@
-"""Tables of projects, as CSV: rows that know their line, cells that are read as numbers when they are asked for."""
+"""Tables of projects as CSV: rows with their lines, and cells parsed as numbers on demand."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _UNKNOWN: Final = frozenset({"", "NA", "N/A", "-", "?"})
-"""What stands in a cell that nobody knows the number of."""
+"""Texts of cells with an unknown number."""
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
 _LARGEST_CELL: Final = 1 << 20
 
 
 @dataclass(frozen=True, slots=True)
 class Project:
-    """A row: `cells` maps each column to its text without blanks around it, `line` is where the row begins."""
+    """A row: `cells` maps each column to its stripped text, `line` is the first line of the row."""
 
     cells: Mapping[str, str]
     line: int
@@ -30,7 +30,7 @@ class Project:
 
 @dataclass(frozen=True, slots=True)
 class Dataset:
-    """A table of projects; no two rows have the same text in the column `key`, the first one."""
+    """A table of projects; the first column, `key`, has no duplicates."""
 
     path: Path
     columns: tuple[str, ...]
@@ -38,11 +38,11 @@ class Dataset:
 
     @property
     def key(self) -> str:
-        """The column that names the projects."""
+        """The column with the names of the projects."""
         return self.columns[0]
 
     def need(self, columns: Iterable[str], place: Place | None = None) -> None:
-        """Raise SourceError KG131 when one of the columns is missing; `place` is where it is asked for."""
+        """Raise SourceError KG131 if one of the columns is missing; `place` is where it is required."""
         for column in columns:
             if column not in self.columns:
                 hint = did_you_mean(column, self.columns) or f"Its columns are {', '.join(self.columns)}."
@@ -54,10 +54,10 @@ class Dataset:
                 )
 
     def number(self, project: Project, column: str) -> int | None:
-        """Return the number in a cell, None where it is not known (empty, NA).
+        """Return the number in a cell, None if it is unknown (empty, NA).
 
         Raises:
-            SourceError: KG131 for a cell that holds something else.
+            SourceError: KG131 an invalid number.
         """
         text = project.cells[column]
         if text in _UNKNOWN:
@@ -73,10 +73,10 @@ class Dataset:
 
 
 def read_dataset(path: Path) -> Dataset:
-    """Return the table in a CSV file (RFC 4180, UTF-8, with a head).
+    """Return the table in a CSV file (RFC 4180, UTF-8, with a header).
 
     Raises:
-        SourceError: KG101 when the file cannot be read, KG131 with the line when it is no such table.
+        SourceError: KG101 an unreadable file, KG131 an invalid table, with the line.
     """
     try:
         with path.open(encoding="utf-8-sig", newline="") as stream:
@@ -96,7 +96,7 @@ def read_dataset(path: Path) -> Dataset:
 
 
 def _rows(stream: Iterable[str], path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield the rows that are not blank, each with the line that it begins on: cells may hold line breaks."""
+    """Yield the non-blank rows, each with its first line: cells may contain line breaks."""
     csv.field_size_limit(_LARGEST_CELL)
     reader = csv.reader(stream, strict=True)
     line = 1

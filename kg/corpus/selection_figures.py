@@ -1,4 +1,4 @@
-"""Figures of a column of numbers, as Table 2 of RNKG has them, and those that the paper prints."""
+"""Statistics of a column of numbers, as in Table 2 of RNKG, and the paper's own."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 STATISTICS: Final = ("min", "max", "median", "mean", "sd", "cv")
-"""Minimum, maximum, median, mean, standard deviation of the sample (n - 1), and that by the mean."""
+"""Minimum, maximum, median, mean, standard deviation of the sample (n - 1), and coefficient of variation."""
 
 Figures = dict[str, float]
-"""A statistic of `STATISTICS` to its value; what cannot be worked out, or the paper does not print, is missing."""
+"""Statistics by name; those that are undefined, or not printed in the paper, are missing."""
 
 
 @dataclass(frozen=True, slots=True)
 class PaperFigures:
-    """What RNKG prints: `projects` selected, `table` by the name of the figure, and the figures of its `graph`."""
+    """Figures of RNKG: the number of selected `projects`, `table` by figure, and the figures of its `graph`."""
 
     source: str
     projects: int
@@ -31,7 +31,7 @@ class PaperFigures:
 
 
 def figures(values: Sequence[int]) -> Figures:
-    """Return the figures of some numbers; none has a deviation when there are fewer than two."""
+    """Return the statistics of some numbers; the deviation needs at least two."""
     if not values:
         return {}
     found: Figures = {

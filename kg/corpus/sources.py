@@ -1,4 +1,4 @@
-"""Where sources come from: addresses of git repositories, fetched into a cache, and files that list sources."""
+"""Sources of a build: git repositories fetched into a cache, folders, and files that list sources."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import subprocess
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.git import run_git
+from kg.corpus.git import run_git, without_password
 from kg.errors import Place, SourceError
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ _FETCH_SECONDS: Final = 3600.0
 
 @dataclass(frozen=True, slots=True)
 class ListedSource:
-    """A source as someone named it: an address of a repository with an optional ref, or a folder (ref None)."""
+    """A source as named by a user: the address of a repository with an optional ref, or a folder (ref None)."""
 
     address: str
     ref: str | None = None
@@ -30,12 +30,12 @@ class ListedSource:
 
 
 def is_address(text: str) -> bool:
-    """Tell whether `text` is the address of a git repository rather than a folder."""
+    """Return whether `text` is the address of a git repository rather than a folder."""
     return bool(_SCHEME.match(text) or _SCP.match(text))
 
 
 def parse_source(text: str, line: int | None = None) -> ListedSource:
-    """Split `URL[@ref]`; a folder keeps every `@` in its name."""
+    """Split `URL[@ref]`; in a folder, `@` is part of the name."""
     match = _SCHEME.match(text) or _SCP.match(text)
     if match is None or not match["path"]:
         return ListedSource(text, None, line)
@@ -44,9 +44,9 @@ def parse_source(text: str, line: int | None = None) -> ListedSource:
 
 
 def read_list(path: Path) -> tuple[ListedSource, ...]:
-    """Return the sources that a file lists, one a line, `#` before comments; folders are relative to the file's own.
+    """Return the sources listed in a file, one per line, comments after `#`; folders are relative to the file.
 
-    Raises `SourceError` (KG101) when the file cannot be read.
+    Raises `SourceError` (KG101) for an unreadable file.
     """
     try:
         text = path.read_text("utf-8")
@@ -65,32 +65,32 @@ def read_list(path: Path) -> tuple[ListedSource, ...]:
 def fetch_source(url: str, ref: str | None, target: Path, progress: Callable[[str], None] = lambda _: None) -> Path:
     """Fetch one commit of the repository at `url` (a branch, tag or commit `ref`) into the folder `target`.
 
-    Only the files of that commit are fetched, no history and no submodules; a target that exists is brought up
-    to date. `progress` is told what happens. Raises `SourceError` (KG103) with git's message.
+    Only the files of that commit are fetched, without history and submodules; an existing target is updated. `progress`
+    receives status messages. Raises `SourceError` (KG103) with git's message.
     """
     _check(url, ref)
     try:
         if not (target / ".git").exists():
             target.mkdir(parents=True, exist_ok=True)
             run_git(("init", "--quiet"), folder=target)
-        progress(f"fetching {_without_password(url)}")
+        progress(f"fetching {without_password(url)}")
         wanted = ("fetch", "--quiet", "--depth=1", "--no-tags", "--no-recurse-submodules", "--", url, ref or "HEAD")
         run_git(wanted, folder=target, timeout=_FETCH_SECONDS, network=True)
         progress(f"checking out {ref or 'the default branch'}")
-        run_git(("config", "remote.origin.url", _without_password(url)), folder=target)
+        run_git(("config", "remote.origin.url", without_password(url)), folder=target)
         run_git(("checkout", "--quiet", "--force", "--detach", "FETCH_HEAD"), folder=target, timeout=_FETCH_SECONDS)
     except FileNotFoundError as error:
         raise SourceError("KG103", "git is not installed", hint="Install git, or give a folder.") from error
     except OSError as error:
         raise SourceError("KG103", f"the cache {target} cannot be written: {error.strerror}") from error
     except subprocess.SubprocessError as error:
-        raise SourceError("KG103", f"{_without_password(url)} was not fetched: {_words(error)}") from error
+        raise SourceError("KG103", f"{without_password(url)} was not fetched: {_words(error)}") from error
     return target
 
 
 def _check(url: str, ref: str | None) -> None:
     match = _SCHEME.match(url)
-    place = Place(_without_password(url))
+    place = Place(without_password(url))
     if match and match["scheme"].lower() not in _SCHEMES:
         raise SourceError("KG103", f"addresses of the scheme {match['scheme']} are not fetched", place=place)
     if not match and not _SCP.match(url):
@@ -99,12 +99,8 @@ def _check(url: str, ref: str | None) -> None:
         raise SourceError("KG103", f"{ref!r} is not a branch, tag or commit", place=place)
 
 
-def _without_password(url: str) -> str:
-    return re.sub(r"(?<=://)[^@/\s]*@", "", url)
-
-
 def _words(error: subprocess.SubprocessError) -> str:
-    """Return what git said, on one line and without its `fatal:`."""
+    """Return git's error message on one line, without `fatal:`."""
     if not isinstance(error, subprocess.CalledProcessError):
         return "git did not answer in time"
     said = (error.stderr or b"").decode("utf-8", "replace").splitlines()

@@ -1,8 +1,8 @@
-"""All sources of a build, and the look-ups that readers of code make in them.
+"""The sources of a build, with the look-ups of code readers in them.
 
-Every index is made when it is first needed, so that a worker pays only for what it uses. Extraction reaches other
-packages through the public look-ups alone, which `kg.pipeline.recording` records; no look-up is built on another public
-one, so the record does not depend on what is indexed already.
+Indexes are built on first use, so workers pay only for what they use. Extraction accesses other packages only through
+the public look-ups, which `kg.pipeline.recording` records. No public look-up uses another, so the record does not
+depend on the state of the indexes.
 
 `Documents` finds the pages of documentation in a package or around it.
 """
@@ -39,12 +39,12 @@ __all__ = [
 
 
 INSTALLED: Final = "installed"
-"""Stands for the repository of files of installed packages; their paths are absolute ones without the first slash."""
+"""The repository name for files of installed packages, with absolute paths without the first slash."""
 
 _MODULE_ROOTS: Final = ("", "src/", "scripts/", "nodes/", "python/", "script/")
 _INCLUDE_ROOTS: Final = ("include/", "src/", "")
 _MESSAGES: Final = ("_msgs", "_srvs", "_interfaces")
-"""How names of packages end that have messages only, whose headers are generated."""
+"""Suffixes of packages that only contain messages, whose headers are generated."""
 _STANDARD: Final = frozenset(
     f"{name}.h"
     for name in (
@@ -53,7 +53,7 @@ _STANDARD: Final = frozenset(
         "wchar",
     )
 )  # fmt: skip
-"""Headers of C and POSIX; one of another package is not meant by such a name."""
+"""Headers of C and POSIX, which are never those of another package."""
 
 _README: Final = re.compile(r"readme\b|readme_|mainpage|wiki", re.IGNORECASE)
 _ENDINGS: Final = (".md", ".rst", ".dox", ".adoc", ".markdown", ".wiki")
@@ -63,11 +63,11 @@ _OTHER: Final = re.compile(
     r"|pull_request|issue_template|todo|migration",
     re.IGNORECASE,
 )
-"""Names of pages that say nothing about what something is for."""
+"""Names of pages without information about purpose."""
 
 
 class Documents:
-    """The pages of a source by the folder that they are about: the one they stand in, or that of their folder `doc`."""
+    """The pages of a source by the folder that they are about: their own, or the parent of their folder `doc`."""
 
     def __init__(self, source: Source) -> None:
         self._repository = source.repository.name
@@ -83,7 +83,7 @@ class Documents:
                 self._around.setdefault(folder, []).append(path)
 
     def of(self, package: str) -> tuple[FilePath, ...]:
-        """Return the pages in the folder of a package, then those around it that are in no folder of another."""
+        """Return the pages in the folder of a package, then those around it outside of other packages."""
         own = self._own.get(package, [])
         name = self._packages.get(package, "")
         others = self._names - {name}
@@ -99,7 +99,7 @@ class Documents:
 
 
 def _pages(entries: Iterable[FileEntry]) -> list[str]:
-    """Return the pages among files: READMEs, and those in formats of documentation."""
+    """Return the pages among files: READMEs, and those in documentation formats."""
     return sorted(
         (e.path for e in entries if e.kind is FileKind.TEXT and _is_page(posixpath.basename(e.path))), key=_order
     )
@@ -114,7 +114,7 @@ def _order(path: str) -> tuple[int, bool, str]:
 
 
 def _folder_of(path: str) -> str | None:
-    """Return the folder that a page is about beyond its package; None unless it is a README or stands in `doc`."""
+    """Return the subfolder that a page is about; None unless it is a README or in `doc`."""
     parts = path.split("/")[:-1]
     inner = next((number for number, part in enumerate(parts) if part.lower() in _FOLDERS), None)
     if inner is not None:
@@ -123,7 +123,7 @@ def _folder_of(path: str) -> str | None:
 
 
 def _outward(package: str) -> Iterator[str]:
-    """Yield the folders around a package, its own first, to the root of the source."""
+    """Yield the folders around a package, its own first, up to the root of the source."""
     folder = package
     while folder not in {"", "."}:
         yield folder
@@ -135,7 +135,7 @@ class Workspace:
     """The sources of a build with their packages, headers, modules and interface definitions."""
 
     def __init__(self, sources: Iterable[Source], installed: Iterable[Path] = ()) -> None:
-        """Take the sources, and the folders `installed` (`/opt/ros/jazzy/share`) that hold one folder a package."""
+        """Index the sources, and the folders `installed` (`/opt/ros/jazzy/share`) with one folder per package."""
         self.sources = tuple(sources)
         self.installed = tuple(installed)
         self._includes: dict[tuple[str, str, Place | None, str], FilePath | None] = {}
@@ -143,11 +143,11 @@ class Workspace:
         self._documents: dict[str, Documents] = {}
 
     def source(self, repository: str) -> Source | None:
-        """Return the source of that repository name."""
+        """Return the source of a repository name."""
         return self._by_name.get(repository)
 
     def package(self, name: str, near: str = "") -> Place | None:
-        """Return the package of that name: of several that of the repository `near`, else the first."""
+        """Return the package of a name: of several that of the repository `near`, else the first."""
         return self._own_packages.get((near, name)) or self._packages.get(name)
 
     def folder(self, place: Place) -> tuple[Source, PackageFolder]:
@@ -159,20 +159,20 @@ class Workspace:
         return tuple(entry for entry in self._folders[place].files if entry.kind is kind)
 
     def links(self, repository: str) -> tuple[tuple[str, str], ...]:
-        """Return the folders of a source that are links, with the folders that they lead to."""
+        """Return the folders of a source that are links, with their targets."""
         source = self._by_name.get(repository)
         return source.links if source else ()
 
     def is_package(self, repository: str, name: str) -> bool:
-        """Tell whether a source has a package whose name has the same `kg.names.key`."""
+        """Return whether a source has a package whose name has the same `kg.names.key`."""
         return key(name) in self._package_keys.get(repository, ())
 
     def is_alone(self, place: Place) -> bool:
-        """Tell whether a package is the only one of its source."""
+        """Return whether a package is the only one of its source."""
         return len(self._by_name[place.repository].packages) == 1
 
     def installed_package(self, name: str) -> FilePath | None:
-        """Return the folder of an installed package; None when it is not installed."""
+        """Return the folder of an installed package; None if it is not installed."""
         if not name or "/" in name or name.startswith("."):
             return None
         folders = (root / name for root in self.installed)
@@ -181,7 +181,7 @@ class Workspace:
         )
 
     def is_file(self, file: FilePath) -> bool:
-        """Tell whether there is such a file, listed by the scan or not, inside the root of its source."""
+        """Return whether a file exists inside the root of its source, even if it is not listed."""
         source = self._by_name.get(file.repository)
         if source is not None:
             return file in self._owners or _is_file_inside(source.root, source.root / file.path)
@@ -189,7 +189,7 @@ class Workspace:
         return file.repository == INSTALLED and any(_is_file_inside(root, path) for root in self.installed)
 
     def entry(self, file: FilePath) -> FileEntry | None:
-        """Return the entry of a file of the build; None when it is not in the build."""
+        """Return the entry of a file of the build; None for others."""
         owned = self._owners.get(file)
         return owned[0] if owned else None
 
@@ -198,10 +198,10 @@ class Workspace:
         return self._home(file)
 
     def include(self, path: str, *, near: FilePath) -> FilePath | None:
-        """Return the file that `#include "path"` in the file `near` means; None when it is not in the build.
+        """Return the file that `#include "path"` in the file `near` refers to; None if it is not in the build.
 
-        Searched are the folder of `near`, `include/` and `src/` of its package and anything else in it that
-        ends in the path, then the other packages of the build (of the same source first).
+        The search covers the folder of `near`, `include/` and `src/` of its package and other paths in it with this
+        ending, then the other packages of the build (of the same source first).
         """
         folder, home = posixpath.dirname(near.path), self._home(near)
         request = (near.repository, folder, home, path)
@@ -283,7 +283,7 @@ class Workspace:
 
     @cached_property
     def _headers(self) -> dict[str, list[FilePath]]:
-        """The files of C++ by their name, and by that of their folder and theirs."""
+        """The C++ files by their name, and by the name of their folder and theirs."""
         found: dict[str, list[FilePath]] = {}
         for file, (entry, _) in self._owners.items():
             if entry.kind is FileKind.CPP:
@@ -293,7 +293,7 @@ class Workspace:
 
     @cached_property
     def _python(self) -> dict[str, list[FilePath]]:
-        """The files of Python by the name of their module, that of its folder for a package."""
+        """The Python files by the name of their module, packages by that of their folder."""
         found: dict[str, list[FilePath]] = {}
         for file, (entry, _) in self._owners.items():
             if entry.kind is FileKind.PYTHON:
@@ -322,10 +322,10 @@ class Workspace:
         return min(fits, key=lambda file: self._distance(file, near, home, "include/" + wanted), default=None)
 
     def _is_reachable(self, file: FilePath, wanted: str, near: FilePath, home: Place | None) -> bool:
-        """Return whether a package can see a header of another one.
+        """Return whether a package can include a header of another one.
 
-        A name without a folder is seen in a folder for public headers. A package of another source exports what its
-        include roots hold, and what is in folders of its own name: not the copies that it has of ROS and its messages.
+        A name without a folder must be in a public header folder. A package of another source exports its include roots
+        and folders of its own name, but not its copies of ROS and its messages.
         """
         owner = self._home(file)
         if owner is None or owner == home:
@@ -342,7 +342,7 @@ class Workspace:
         return public or any(file.path == self._folders[owner].join(root + wanted) for root in _INCLUDE_ROOTS)
 
     def _distance(self, file: FilePath, near: FilePath, home: Place | None, tail: str) -> tuple[object, ...]:
-        """Order candidates: own package, own source, public headers, short paths, then by name."""
+        """Return the sort key of candidates: own package, own source, public headers, short paths, then by name."""
         own = home is not None and self._home(file) == home
         public = file.path.endswith(tail)
         return (not own, not public, file.repository != near.repository, len(file.path), file)
@@ -372,9 +372,9 @@ class Workspace:
         return None
 
     def _module_anywhere(self, parts: str, near: FilePath, home: Place | None) -> FilePath | None:
-        """Return a module whose folder is a possible root of imports, that is, no Python package itself.
+        """Return a module whose folder may be an import root, that is, not a Python package itself.
 
-        The name of a ROS package means its Python package, with its messages, and not a program of the same name.
+        The name of a ROS package refers to its Python package, with its messages, not to a program of the same name.
         """
         fits = []
         for file in self._python[parts.rpartition("/")[2]]:
@@ -389,7 +389,7 @@ class Workspace:
 
 
 def real_inside(root: Path, path: Path) -> str | None:
-    """Return where `path` stands when links are followed; None where that is not in the folder `root`."""
+    """Return `path` with links resolved; None if that is outside of the folder `root`."""
     real = os.path.realpath(path)
     return real if real.startswith(os.path.realpath(root).rstrip("/") + "/") else None
 

@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from lsprotocol import types
 
-from kg import resources
+from kg.codes import CATALOGUE, PAGE
 from kg.editors.texts import Text, diagnostic, read, uri_of
 from kg.lint.lines import Lines
 from kg.lint.repairs import Repair, places, repairs, written
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from pygls.workspace import Workspace
 
     from kg.lint.finding import Evidence, Finding
@@ -89,14 +87,12 @@ def _fix(
 
 def page_of(code: str) -> str | None:
     """Return the address of the documentation of a code, with its line in the form that editors open."""
-    path, lines = _documentation()
-    return f"{path.as_uri()}#L{lines[code]}" if code in lines else None
+    line = _lines_of_codes().get(code)
+    return f"{PAGE.as_uri()}#L{line}" if line else None
 
 
 @lru_cache(maxsize=1)
-def _documentation() -> tuple[Path, dict[str, int]]:
-    """Return the page of error codes of this installation, and the lines of their headings."""
-    path = resources.folder("docs") / "errors.md"
-    text = path.read_text("utf-8").splitlines() if path.is_file() else []
-    heads = ((line.removeprefix("### ").partition(":")[0], number) for number, line in enumerate(text, 1))
-    return path, {code: number for code, number in heads if code.startswith("KG")}
+def _lines_of_codes() -> dict[str, int]:
+    lines = PAGE.read_text("utf-8").splitlines()
+    heads = ((line.removeprefix("### ").partition(":")[0], number) for number, line in enumerate(lines, 1))
+    return {code: number for code, number in heads if code in CATALOGUE}

@@ -1,3 +1,3 @@
-"""How good the graph is: completeness, correctness and retrieval, as section 4 of RNKG measures them."""
+"""Evaluation of the graph: completeness, correctness and retrieval, as in section 4 of RNKG."""
 
 from __future__ import annotations

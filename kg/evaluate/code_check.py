@@ -1,15 +1,11 @@
-"""Table 9: the graph against the code. Are calls in the code in the graph, and do lines hold what facts say of them?
+"""Table 9: comparison of the graph with the code, by samples of calls and of facts.
 
-Calls come from a reader of their own (`sites`), facts from the graph. Both are sampled by kind, each
-kind as often as any other, and the last row weighs kinds with how many there are.
+Are calls in the code in the graph, and do the lines of facts contain them? Calls come from an independent reader
+(`sites`): regular expressions over text without comments and strings. It knows nothing of types, templates or
+reachability. So some of its calls are not of ROS, and it misses interfaces that only types reveal, such as members
+created in a constructor's initialiser list.
 
-Calls of ROS's interfaces in C++ and Python, found by words alone.
-
-This is a second, independent reader, against which the graph is counted: regular expressions over text without
-comments and strings, which know nothing of types, templates, reachability or what a receiver is. So some of what it
-finds is no call of ROS, and what only types tell (members that a constructor's list makes) it does not find.
-
-Where the graph has ends and parameters: by file and line, and where they call the framework.
+Both samples are stratified by kind; the last row weighs kinds by their number.
 """
 
 from __future__ import annotations
@@ -26,10 +22,9 @@ from typing import TYPE_CHECKING, Final
 from kg.corpus.reading import digest
 from kg.evaluate.completeness import share
 from kg.evaluate.facts import STATED, Fact, Facts
-from kg.evaluate.paper import beside
+from kg.evaluate.intervals import shares_of, weighed
 from kg.evaluate.sheet import drawn
-from kg.evaluate.strata import shares_of, weighed
-from kg.evaluate.tables import Cell, Share, Table
+from kg.evaluate.tables import Cell, Share, Table, beside
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.iris import is_source_graph
@@ -48,7 +43,7 @@ _LARGEST: Final = 4_000_000
 _TEST: Final = re.compile(
     r"(?:^|/)(?:[gm]?tests?|[^/]*_tests?|gtest[^/]*)/|(?:^|/)(?:test_[^/]*|[^/]*_?[tT]ests?)\.\w+$"
 )
-"""Paths of files of tests."""
+"""Paths of test files."""
 
 _REPOSITORY: Final = "SELECT ?name { GRAPH %s { ?repository a rnkg:Repository ; rnkg:name ?name } }"
 _LINES: Final = "SELECT ?part ?class ?path ?line { GRAPH %s { ?part a ?class ; rnkg:path ?path ; rnkg:line ?line } }"
@@ -87,7 +82,7 @@ _CPP_CALLS: Final = {
         r"\bros::param::(?:get|getCached|param|has|set)",
     ),
 }
-"""For each kind the names of members, of functions that may be called without a receiver, and whole expressions."""
+"""For each kind, the names of methods, of functions without a receiver, and whole expressions."""
 _PYTHON_CALLS: Final = {
     "publishes": r"\brospy\.Publisher|\.create_publisher",
     "subscribes": r"\b(?:rospy|message_filters)\.Subscriber|\.create_subscription",
@@ -99,7 +94,7 @@ _PYTHON_CALLS: Final = {
     r"|\.(?:declare_parameter|get_parameter|get_parameter_or|has_parameter)",
 }
 KINDS: Final = tuple(_CPP_CALLS)
-"""The relations whose calls are looked for."""
+"""The relations whose calls are searched for."""
 _WHOLE, _IS_MEMBER, _IS_FREE = "whole", "member", "free"
 _QUALIFIED: Final = re.compile(r"(?:rclcpp|image_transport)::$")
 _BEFORE_FREE: Final = tuple("=([{},;&|?:!")
@@ -117,12 +112,12 @@ _PATTERNS: Final = {
 _MENTIONS: Final = re.compile(
     r"advertise|ubscri|erviceClient|create_|ros::|rospy\.|Action(?:Server|Client)|[pP]aram\b|Param|parameter"
 )
-"""What a file must have anywhere to have a call."""
+"""Words that every file with a call contains."""
 
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """A call: its kind, the line of the name that is called, and the first and the last line of its statement."""
+    """A call: its kind, the line of the called name, and the first and the last line of its statement."""
 
     kind: str
     line: int
@@ -131,7 +126,7 @@ class Site:
 
 
 def without_words(text: str, language: str) -> str:
-    """Return a text of C++ or Python with blanks for comments, strings and directives; places stay as they are."""
+    """Return C++ or Python with comments, strings and directives replaced by spaces; positions are unchanged."""
     pattern = _CPP_WORDS if language == "cpp" else _PYTHON_WORDS
     text = pattern.sub(lambda match: _KEPT.sub(" ", match[0]), text)
     return _DEFINE.sub(lambda match: _KEPT.sub(" ", match[0]), text) if language == "cpp" else text
@@ -154,7 +149,7 @@ def sites(text: str, language: str) -> Iterator[Site]:
 
 
 def _is_call(code: str, at: int, how: str | None) -> bool:
-    """Tell by what stands before a name of C++ whether it is called there, or declared."""
+    """Return whether a C++ name is called, rather than declared, judging by the text before it."""
     if how == _WHOLE:
         return True
     before = code[max(0, at - _FURTHEST // 10) : at].rstrip()
@@ -167,11 +162,11 @@ def _is_call(code: str, at: int, how: str | None) -> bool:
 
 
 _FURTHEST: Final = 4_000
-"""Characters of the longest statement that is looked at."""
+"""Maximum length of a statement in characters."""
 
 
 def _statement_start(code: str, at: int, language: str) -> int:
-    """Return where the statement around a place begins, as far as marks tell."""
+    """Return the approximate start of the statement around a position."""
     begin = max(0, at - _FURTHEST)
     before = code[begin:at]
     if language == "cpp":
@@ -185,7 +180,7 @@ def _statement_start(code: str, at: int, language: str) -> int:
 
 
 def statement_end(code: str, at: int) -> int:
-    """Return where the brackets that are open from a place on are closed, or where the statement ends."""
+    """Return the end of the brackets that are open at a position, or of the statement."""
     depth = 0
     for place in range(at, min(len(code), at + _FURTHEST)):
         sign = code[place]
@@ -201,7 +196,7 @@ def statement_end(code: str, at: int) -> int:
 
 
 def line_end(code: str) -> int:
-    """Return where the first line ends, or the one on which all brackets are closed that the first one opens."""
+    """Return the end of the first line, or of the line that closes all its brackets."""
     depth = 0
     for place, sign in enumerate(code):
         if sign in "([{":
@@ -240,11 +235,11 @@ class Places:
         self._folders[repository].update(folder or "." for (folder,) in rows(self._snapshot, _FOLDERS % graph))
 
     def has(self, relation: str, file: tuple[str, str], first: int, last: int) -> bool:
-        """Tell whether an end or parameter of a relation was read on one of some lines of a file of a source."""
+        """Return whether the graph has an end or parameter of a relation on some lines of a file of a source."""
         return any(first <= line <= last for line in self._lines.get((relation, *file), ()))
 
     def digest(self, repository: str, path: str) -> str | None:
-        """Return the digest of a file as it was read; None for one that is in no package."""
+        """Return the digest of a file when it was read; None for a file outside of packages."""
         return self._digests.get((repository, path))
 
     def folders(self, repository: str) -> set[str]:
@@ -254,7 +249,7 @@ class Places:
 
 @dataclass(frozen=True, slots=True)
 class Miss:
-    """A call that the graph has not, or a fact whose line does not hold it."""
+    """A call missing from the graph, or a fact whose line does not contain it."""
 
     measure: str
     kind: str
@@ -264,7 +259,7 @@ class Miss:
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """The table, and what was missed."""
+    """The table, and the misses."""
 
     table: Table
     missed: tuple[Miss, ...]
@@ -272,7 +267,7 @@ class Checked:
 
 @dataclass(slots=True)
 class _Found:
-    """The calls of all files by kind, as pairs of a file and a call, and files that could not be compared."""
+    """The calls of all files by kind, as pairs of file and call, and the files that could not be compared."""
 
     calls: defaultdict[str, list[tuple[tuple[str, str], Site]]] = field(default_factory=lambda: defaultdict(list))
     left_out: Counter[str] = field(default_factory=Counter)
@@ -280,9 +275,9 @@ class _Found:
 
 
 def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int, *, tests: bool = False) -> Checked:
-    """Return how a sample of `size` calls and one of `size` facts fare; the same for the same store, code and seed.
+    """Check samples of `size` calls and `size` facts; deterministic for the same store, code and seed.
 
-    Files of tests are searched for calls with `tests` alone: a test's body is mostly no part of a node.
+    Test files are searched for calls only with `tests`: most of their code is not part of a node.
     """
     places = Places(snapshot)
     found = _calls(places, lines, tests=tests)
@@ -298,7 +293,8 @@ def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int, *, 
             missed.append(_miss(_CALLS, kind, lines, (*file, site.line)))
     facts = Facts(snapshot)
     judged, absent = _facts(facts, lines, size, seed)
-    rows += _rows(_FACTS, [(fact.relation, right) for fact, right in judged], _sizes(facts))
+    sizes = {relation: len(facts.listed.get(relation, ())) for relation in STATED}
+    rows += _rows(_FACTS, [(fact.relation, right) for fact, right in judged], sizes)
     missed += (
         _miss(_FACTS, fact.relation, lines, (fact.file_repository, fact.path, fact.line))
         for fact, right in judged
@@ -307,10 +303,6 @@ def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int, *, 
     notes = _notes(found, absent)
     table = Table("code", "The graph against the code", ("measure", "kind", "share", "number"), tuple(rows), notes)
     return Checked(beside(table, ("measure", "kind")), tuple(missed))
-
-
-def _sizes(facts: Facts) -> dict[str, int]:
-    return {relation: len(facts.listed.get(relation, ())) for relation in STATED}
 
 
 def _rows(measure: str, judged: Iterable[tuple[str, bool]], sizes: Mapping[str, int]) -> Iterator[tuple[Cell, ...]]:
@@ -339,7 +331,7 @@ def _notes(found: _Found, absent: int) -> tuple[str, ...]:
 
 
 def _calls(places: Places, lines: SourceLines, *, tests: bool) -> _Found:
-    """Search the files of C++ and Python in the packages of the store, where they stand as they were read."""
+    """Search the C++ and Python files in the packages of the store, if they are unchanged on this machine."""
     found = _Found()
     for repository in sorted(lines.states):
         root = lines.root(repository)
@@ -376,7 +368,7 @@ def _language(path: str) -> str:
 
 
 def _files(root: Path) -> Iterator[str]:
-    """Yield the paths of the files of C++ and Python below a folder, sorted; folders with a dot are left out."""
+    """Yield the sorted paths of C++ and Python files below a folder, without hidden folders."""
     for folder, inner, names in os.walk(root):
         inner[:] = sorted(name for name in inner if not name.startswith("."))
         for name in sorted(names):
@@ -386,7 +378,7 @@ def _files(root: Path) -> Iterator[str]:
 
 
 def _facts(facts: Facts, lines: SourceLines, size: int, seed: int) -> tuple[list[tuple[Fact, bool]], int]:
-    """Return sampled facts with whether their lines hold them, and how many of the sample have no line here."""
+    """Return sampled facts with whether their lines contain them, and the number of those without a line here."""
     judged, absent = [], 0
     for relation, pair in drawn(facts, tuple(STATED), size, seed):
         fact = _at_call(facts.told(relation, pair))
@@ -399,7 +391,7 @@ def _facts(facts: Facts, lines: SourceLines, size: int, seed: int) -> tuple[list
 
 
 def _at_call(fact: Fact) -> Fact:
-    """Return a fact at the line that calls the framework, where that is in another package than the node."""
+    """Return a fact at the line that calls the framework, if that is in another package than the node."""
     if fact.call is None:
         return fact
     source = fact.call.repository or fact.repository
@@ -416,16 +408,16 @@ _WORDS: Final = {
     "has parameter": r"",
 }
 _MOST: Final = 12
-"""Lines of the longest statement."""
+"""Maximum number of lines of a statement."""
 _BLANKS: Final = re.compile(r"\s+")
 _SEGMENTS: Final = re.compile(r"[/.~]|\{[^}]*\}")
 
 
 def holds(fact: Fact, lines: list[str]) -> bool:
-    """Tell whether the statement that begins on a fact's line has its call, and its name or written expression.
+    """Return whether the statement at a fact's line contains its call, and its name or written expression.
 
-    Of a name the last part counts, for namespaces and prefixes stand elsewhere. Files that are no code (of
-    parameters, of dynamic reconfigure) need to have the name alone.
+    Only the last part of a name counts, since namespaces and prefixes are written elsewhere. Parameter files only need
+    to contain the name.
     """
     text = "\n".join(lines[fact.line - 1 : fact.line - 1 + _MOST])
     statement = text[: line_end(text) + 1]

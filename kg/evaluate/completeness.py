@@ -1,4 +1,4 @@
-"""Table 8: what references name, and how much of it the graph knows."""
+"""Table 8: the share of the references' entries that the graph contains."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.evaluate.gathering import Choice, Gathered, gather
 from kg.evaluate.intervals import wilson
 from kg.evaluate.linking import Ground, Linker
-from kg.evaluate.paper import beside
-from kg.evaluate.tables import Cell, Share, Table
+from kg.evaluate.tables import Cell, Share, Table, beside
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -33,10 +32,10 @@ _ALL: Final = "all"
 
 
 def completeness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> tuple[Table, Ground]:
-    """Return the table of a store and references, and what was linked of all of them together.
+    """Return the table for a store and references, and the links of all references together.
 
     Raises:
-        UsageError: KG721 for a file that cannot be read, KG723 for a page whose package is not known.
+        UsageError: KG721 an unreadable file, KG723 a page of an unknown package.
     """
     gathered, linked = grounds(snapshot, paths, choice)
     rows = [
@@ -57,7 +56,7 @@ def completeness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> t
 def grounds(
     snapshot: Snapshot, paths: Sequence[Path], choice: Choice
 ) -> tuple[tuple[Gathered, ...], list[tuple[str, Ground]]]:
-    """Return what was gathered of each path, and what was linked: of each, then, when they are several, of all."""
+    """Return the gathered references of each path, and the links of each; for several paths also of all together."""
     gathered = gather(snapshot, paths, choice)
     linker = Linker(snapshot)
     linked = [(one.path.name, linker.link(one.references)) for one in gathered if len(gathered) > 1]
@@ -78,7 +77,7 @@ def _rows(reference: str, counts: dict[str, tuple[int, int]]) -> Iterator[tuple[
 
 
 def remarks(gathered: Iterable[Gathered], ground: Ground) -> Iterator[str]:
-    """Yield how much was compared, and how much was left out of it and why."""
+    """Yield remarks on what was compared, and what was left out with reasons."""
     repositories = {one.reference.repository for one in ground.linked}
     nodes = count(len(ground.linked), "documented node")
     yield f"{nodes} of {count(len(repositories), 'repository', 'repositories')} compared."

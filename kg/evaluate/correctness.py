@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.evaluate.completeness import grounds, remarks, share
-from kg.evaluate.paper import beside
-from kg.evaluate.tables import Cell, Share, Table
+from kg.evaluate.tables import Cell, Share, Table, beside
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -28,7 +27,7 @@ _RELATIONS: Final = {
     "calls action": "action_clients",
     "has parameter": "parameters",
 }
-"""The relations of RNKG, by the roles that references have."""
+"""The relations of RNKG by the roles of references."""
 _OPEN: Final = (
     "No precision without references that name all that a node has (`closed_world` in the file, or --closed): what "
     "they do not name may still be right."
@@ -37,10 +36,10 @@ _TYPED: Final = "`has type`: recall of names with their types; precision of the 
 
 
 def correctness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> tuple[Table, Ground]:
-    """Return the table of a store and references, and what was linked of all of them together.
+    """Return the table for a store and references, and the links of all references together.
 
     Raises:
-        UsageError: KG721 for a file that cannot be read, KG723 for a page whose package is not known.
+        UsageError: KG721 an unreadable file, KG723 a page of an unknown package.
     """
     gathered, linked = grounds(snapshot, paths, choice)
     rows = tuple(row for name, ground in linked for row in _rows(name, ground))
@@ -67,7 +66,7 @@ def _rows(reference: str, ground: Ground) -> Iterator[tuple[Cell, ...]]:
 
 
 def _share(counts: Mapping[str, Mapping[str, int]], roles: Iterable[str], part: str, whole: str) -> Share | None:
-    """Return the share of all these roles together; None when there is nothing to be right about."""
+    """Return the share of all these roles together; None without any entries."""
     found = [counts[role] for role in roles if role in counts]
     number = sum(one[whole] for one in found)
     return share(sum(one[part] for one in found), number) if number else None

@@ -1,16 +1,16 @@
-"""Pages of documentation as references: the ROS wiki's markup, and tables and lists of READMEs.
+"""Pages of documentation as references: markup of the ROS wiki, and tables and lists of READMEs.
 
-A page speaks of the package in whose folder it stands, in a source of the store, or of the one that is named with it.
+A page is about the package whose folder contains it, in a source of the store, or about a given package.
 
-Interfaces that READMEs document: tables and lists under headings such as Input, Subscribed topics, Parameters.
+In READMEs, tables and lists under headings such as Input, Subscribed topics or Parameters are read:
 
     ### Input
     | Name           | Type                         | Description |
     | -------------- | ---------------------------- | ----------- |
     | `~/input/scan` | `sensor_msgs::msg::LaserScan`| ...         |
 
-Lists say the same as `* **/scan** ([sensor_msgs/LaserScan])`. What is returned has the shape of what wiki pages give.
-Under a heading for both directions a name that has `input` or `output` in it tells which; others are passed over.
+Lists have the form `* **/scan** ([sensor_msgs/LaserScan])`. Under a heading for both directions, a name that contains
+`input` or `output` determines the direction; others are skipped.
 """
 
 from __future__ import annotations
@@ -21,21 +21,11 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, UsageError
-from kg.evaluate.references import (
-    PARAMETERS,
-    ROLES,
-    Entry,
-    Reference,
-    owner_and_name,
-    plain_name,
-    plain_type,
-    short_name,
-    text_of,
-)
+from kg.evaluate import references
+from kg.evaluate.references import ROLES, Reference
 from kg.extract.texts.pages import WikiEntry, WikiNode, is_wiki, wiki_nodes
 from kg.graph.source_states import sources
-from kg.query.core import run
-from kg.query.result import Solutions
+from kg.query.rows import rows
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -44,14 +34,14 @@ if TYPE_CHECKING:
     from kg.store.interface import Snapshot
 
 PAGES: Final = frozenset({".md", ".txt", ".wiki", ".moin"})
-"""Endings of files that are read as pages."""
+"""Suffixes of documentation pages."""
 _PACKAGES: Final = """
 SELECT ?repository ?package ?folder WHERE {
   ?repository_ a rnkg:Repository ; rnkg:name ?repository ; rnkg:contains ?package_ .
   ?package_ rnkg:name ?package ; rnkg:folder ?folder .
 }"""
 _LARGEST: Final = 2_000_000
-"""Bytes of a page below a folder; larger files are no pages."""
+"""Maximum size in bytes of a page below a folder."""
 
 _MOST_LINES: Final = 20_000
 _LONGEST_LINE: Final = 4_000
@@ -86,7 +76,7 @@ _GENERAL: Final = re.compile(
 
 @dataclass(slots=True)
 class _Page:
-    """A page as far as it was read: its headings by level, and what was found by the name of a node."""
+    """A partly read page: its headings by level, and its entries by the name of a node."""
 
     headings: dict[int, str] = field(default_factory=dict)
     columns: tuple[int, int | None] | None = None
@@ -94,7 +84,7 @@ class _Page:
     lines: dict[str | None, int] = field(default_factory=dict)
 
     def role(self) -> str | None:
-        """Return the role that the nearest heading speaks of, if any does."""
+        """Return the role of the nearest heading that has one."""
         for level in sorted(self.headings, reverse=True):
             role = _role(self.headings[level])
             if role:
@@ -102,7 +92,7 @@ class _Page:
         return None
 
     def node(self) -> str | None:
-        """Return the name that a heading above those of roles gives; None where none looks like a name."""
+        """Return the node name in a heading above those of roles; None without one."""
         for level in sorted(self.headings, reverse=True):
             text = self.headings[level]
             if not _role(text) and not _GENERAL.search(text):
@@ -112,7 +102,7 @@ class _Page:
         return None
 
     def add(self, name: str, kind: str | None, line: int) -> None:
-        """Take an entry; a name that is none is passed over, and a direction that is not known."""
+        """Add an entry; invalid names and unknown directions are skipped."""
         role, node = self.role(), self.node()
         if role == _BOTH:
             role = "subscribes" if "input" in name else "publishes" if "output" in name else None
@@ -123,9 +113,9 @@ class _Page:
 
 
 def readme_nodes(text: str) -> tuple[WikiNode, ...]:
-    """Return the nodes that a page of Markdown documents, by the headings above; the name is None for the page's own.
+    """Return the nodes documented in a Markdown page, by the headings above; the name is None for the page's own.
 
-    Malformed tables are passed over.
+    Malformed tables are skipped.
     """
     page, fenced = _Page(), False
     lines = text.split("\n", _MOST_LINES)[:_MOST_LINES]
@@ -166,7 +156,7 @@ def _row(page: _Page, line: str, following: str, number: int) -> None:
 
 
 def _columns(head: list[str]) -> tuple[int, int | None] | None:
-    """Return where names and types stand in a table; None for a table of other things."""
+    """Return the columns of names and types in a table; None for other tables."""
     name = next((at for at, cell in enumerate(head) if cell in _NAME_HEADS or cell.startswith("topic")), None)
     kind = next((at for at, cell in enumerate(head) if cell in _TYPE_HEADS and at != name), None)
     return None if name is None else (name, kind)
@@ -181,13 +171,13 @@ def _plain(line: str) -> str:
 
 
 def _bare(cell: str) -> str:
-    """Return a cell without marks of Markdown."""
+    """Return a cell without Markdown formatting."""
     return _plain(cell).replace("\\_", "_").replace("\\", "").strip(" \t`*\"'")
 
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """The package that a page speaks of; `repository` is as the store calls it, `commit` the one that was read."""
+    """The package that a page is about; `repository` is its name in the store, `commit` the one that was read."""
 
     repository: str
     package: str
@@ -202,22 +192,21 @@ class Packages:
         self.commits = {name: state.commit for name, state in states.items()}
         self._folders: dict[Path, Spot] = {}
         self._spots: list[Spot] = []
-        answer = run(snapshot, _PACKAGES)
-        for repository, package, folder in answer.rows if isinstance(answer, Solutions) else ():
-            state = states.get(_value(repository))
+        for repository, package, folder in rows(snapshot, _PACKAGES, union=True):
+            state = states.get(repository)
             if state is None:
                 continue
-            spot = Spot(state.name, _value(package), state.commit)
+            spot = Spot(state.name, package, state.commit)
             self._spots.append(spot)
             if state.root:
-                self._folders[(Path(state.root) / PurePosixPath(_value(folder))).resolve()] = spot
+                self._folders[(Path(state.root) / PurePosixPath(folder)).resolve()] = spot
 
     def around(self, path: Path) -> Spot | None:
-        """Return the package in whose folder a file stands, the innermost; None outside of all."""
+        """Return the innermost package whose folder contains a file; None without one."""
         return next((self._folders[one] for one in path.resolve().parents if one in self._folders), None)
 
     def called(self, name: str) -> Spot:
-        """Return the package called `name` or `repository:name`; UsageError KG723 when there is none, or several."""
+        """Return the package `name` or `repository:name`; UsageError KG723 if it is unknown or ambiguous."""
         repository, _, package = name.rpartition(":")
         found = [one for one in self._spots if one.package == package and one.repository.endswith(repository)]
         if len(found) == 1:
@@ -230,7 +219,7 @@ class Packages:
 
 
 def pages_below(folder: Path) -> Iterator[Path]:
-    """Yield the files below a folder that may be pages, sorted; folders with a dot are left out."""
+    """Yield the sorted files below a folder that may be pages, without hidden folders."""
     for path in sorted(folder.rglob("*")):
         hidden = any(part.startswith(".") for part in path.relative_to(folder).parts)
         if not hidden and path.suffix.lower() in PAGES and path.is_file() and path.stat().st_size <= _LARGEST:
@@ -238,34 +227,26 @@ def pages_below(folder: Path) -> Iterator[Path]:
 
 
 def read_page(path: Path, spot: Spot, *, closed: bool = False) -> tuple[Reference, ...]:
-    """Return the nodes that a page documents; with `closed` it is taken to name all that they have.
+    """Return the nodes that a page documents; with `closed` it is assumed to be complete.
 
     Raises:
-        UsageError: KG721 when the page cannot be read.
+        UsageError: KG721 the page is unreadable.
     """
-    text = text_of(path)
+    text = references.text_of(path)
     nodes = wiki_nodes(text) if is_wiki(text) else readme_nodes(text) if path.suffix.lower() == ".md" else ()
     found = (_reference(node, path, spot, closed=closed) for node in nodes)
     return tuple(one for one in found if one.entries)
 
 
 def _reference(node: WikiNode, path: Path, spot: Spot, *, closed: bool) -> Reference:
-    entries = dict.fromkeys(
-        Entry(one.kind, plain_name(one.name), None if one.kind == PARAMETERS else plain_type(one.type))
-        for one in node.entries
-        if one.kind in ROLES
-    )
+    entries = dict.fromkeys(references.entry(one.kind, one.name, one.type) for one in node.entries if one.kind in ROLES)
     return Reference(
-        repository=owner_and_name(spot.repository),
+        repository=references.owner_and_name(spot.repository),
         commit=spot.commit,
         package=spot.package,
-        names=frozenset({short_name(node.name)} if node.name else ()),
+        names=frozenset({references.short_name(node.name)} if node.name else ()),
         entries=tuple(entries),
         place=Place(str(path), node.line),
         closed=frozenset(ROLES if closed else ()),
         sole=True,
     )
-
-
-def _value(term: object) -> str:
-    return str(getattr(term, "value", ""))

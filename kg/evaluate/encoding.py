@@ -1,6 +1,6 @@
-"""Models of sentence embeddings: folders that sentence-transformers loads, never names that it would download.
+"""Sentence embedding models from folders, for sentence-transformers; nothing is downloaded.
 
-The library is that of the extra `semantic`; it takes seconds to load, and is loaded by the first text.
+The library, of the extra `semantic`, takes seconds to load, so it is loaded for the first text.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["FolderModel"]
 
 _MARKS: Final = ("modules.json", "config.json")
-"""Files of which a folder with a model has one: that of sentence-transformers, or that of a bare transformer."""
+"""Marker files of a model folder: of sentence-transformers, or of a bare transformer."""
 _SWITCHES: Final = {
     "HF_HUB_OFFLINE": "1",
     "TRANSFORMERS_OFFLINE": "1",
@@ -38,7 +38,7 @@ class FolderModel:
     """A model in a folder.
 
     Raises:
-        UsageError: KG704 if the folder is missing, or has no model.
+        UsageError: KG704 the folder is missing, or has no model.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -55,7 +55,7 @@ class FolderModel:
         """Return a vector of length 1 for each text.
 
         Raises:
-            UsageError: KG704 when the library is not installed, or cannot load or run the model.
+            UsageError: KG704 the library is not installed, or cannot load or run the model.
         """
         try:
             if self._model is None:
@@ -65,7 +65,7 @@ class FolderModel:
             )
         except UsageError:
             raise
-        except Exception as problem:  # the library does not declare what it raises for damaged files
+        except Exception as problem:  # the library does not declare its exceptions for damaged files
             cause = f"{type(problem).__name__}: {' '.join(str(problem).split())[:_LONGEST_CAUSE]}"
             raise self._broken(cause) from problem
         vectors = np.asarray(found, np.float32)
@@ -79,7 +79,7 @@ class FolderModel:
 
 
 def _loaded(folder: Path) -> Any:
-    # The libraries read these once, when they are imported.
+    # The libraries read these variables once, on import.
     os.environ.update(_SWITCHES)
     try:
         library = import_module("sentence_transformers")

@@ -1,6 +1,6 @@
-"""Tables 1 and 2 of the onto-ros paper (section 4) for our robots and exercises, beside what is known of the paper's.
+"""Tables 1 and 2 of the onto-ros paper (section 4) for our robots and exercises, with the paper's figures.
 
-The paper's rows and figures stand in `corpus/onto-ros.toml`, which has those that are known.
+The known rows and figures of the paper are in `corpus/onto-ros.toml`.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _FIGURES: Final = ("blocks", "capabilities", "lines", "components", "message typ
 
 
 async def capabilities_of_robots(settings: Settings) -> dict[str, Capabilities]:
-    """Return what rules infer for each simulated robot by its computation graph.
+    """Return the inferred capabilities of each simulated robot.
 
     Raises:
-        RobotError: KG840 when pybullet or OpenCV is not installed.
+        RobotError: KG840 pybullet or OpenCV is not installed.
     """
     found: dict[str, Capabilities] = {}
     for robot in ROBOTS:
@@ -43,17 +43,16 @@ async def capabilities_of_robots(settings: Settings) -> dict[str, Capabilities]:
 
 
 def capabilities_table(of: Mapping[str, Capabilities], paper: Mapping[str, list[str]] | None = None) -> Table:
-    """Return Table 1: the capabilities that a robot can be reached by, and whether each robot has them.
+    """Return Table 1: the capabilities with interfaces, and which robot has them.
 
-    With `paper`, the capabilities by robot that the paper has, there is a column for each robot of it, and a row for
-    each capability that only it has; by default these are those of the file.
+    `paper` has the capabilities in the paper by robot, by default those of the file. It adds a column for each of its
+    robots, and rows for capabilities that only it has.
     """
     paper = paper_figures("capabilities") if paper is None else paper
     reached = {robot: {one.name for one in known.capabilities if one.ways} for robot, known in of.items()}
     kinds = {one.name: (one.kinds[0], one.label) for known in of.values() for one in known.capabilities}
-    names = sorted(
-        {*set().union(*reached.values()), *(name for some in paper.values() for name in some)}, key=_order(kinds)
-    )
+    every = set().union(*reached.values(), *paper.values())
+    names = sorted(every, key=lambda name: (*kinds.get(name, ("~", name)), name))
     rows = [
         (
             *reversed(kinds.get(name, ("", name))),
@@ -66,19 +65,15 @@ def capabilities_table(of: Mapping[str, Capabilities], paper: Mapping[str, list[
     return Table("capabilities", "Capabilities inferred (onto-ros, Table 1)", columns, tuple(rows), _notes(paper))
 
 
-def _order(kinds: Mapping[str, tuple[str, str]]) -> Any:
-    return lambda name: (*kinds.get(name, ("~", name)), name)
-
-
 def _mark(has: bool) -> str:  # noqa: FBT001 - what it marks
     return "yes" if has else ""
 
 
 def exercises_table(of: Mapping[str, Capabilities], paper: Mapping[str, Mapping[str, float]] | None = None) -> Table:
-    """Return Table 2: what each exercise takes as a program, and as the code of an expert that does the same.
+    """Return Table 2: the size of each exercise as a program, and as equivalent expert code.
 
-    The code is the one that `kg robot convert --to rospy` writes for the robot. With `paper`, figures by exercise and
-    robot (`1 office`), there is a column for each that is known; by default these are those of the file.
+    The code is the output of `kg robot convert --to rospy`. `paper` has figures by exercise and robot (`1 office`), by
+    default those of the file; known ones are columns.
     """
     paper = paper_figures("exercises") if paper is None else paper
     known = [name for name in _FIGURES if any(name in figures for figures in paper.values())]
@@ -99,7 +94,7 @@ def _notes(paper: Mapping[str, object]) -> tuple[str, ...]:
 
 
 def runs_table(outcomes: Iterable[Outcome]) -> Table:
-    """Return how the exercises went in the simulation."""
+    """Return the results of the exercises in the simulation."""
     titles = {one.number: one.title for one in exercises()}
     rows = tuple(
         (

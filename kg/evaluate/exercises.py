@@ -1,7 +1,7 @@
-"""The exercises of the onto-ros paper (section 4.2), as it words them: programs, and what the world says of them.
+"""The exercises of the onto-ros paper (section 4.2) in its words: programs, and checks of the resulting world.
 
-They stand in `examples/programs/`; `exercises.toml` there says what each has to reach. What was reached is read off the
-simulated world itself, not off what the robot believes.
+They are in `examples/programs/`; `exercises.toml` there has the goals. They are checked in the simulated world itself,
+not by the robot's measurements.
 """
 
 from __future__ import annotations
@@ -41,13 +41,13 @@ Robot = Literal["office", "drone"]
 ROBOTS: Final[tuple[Robot, ...]] = ("office", "drone")
 
 _VIEW: Final = (12.0, math.radians(35))
-"""How far a tag is, and how far it is from where the robot looks, for the robot to face it."""
+"""Maximum distance and bearing of a tag that the robot faces."""
 
 
 class Variant(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """An exercise for one robot: what is asked for, the program, and what is true in the world when it has ended.
+    """An exercise for one robot: the task, the program, and the conditions on the world at the end.
 
-    `start` is where the robot begins, by default where the plan says; lengths are in metres, angles in degrees.
+    `start` is the initial pose, by default that of the plan; lengths are in metres, angles in degrees.
     """
 
     task: str
@@ -71,7 +71,7 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     drone: Variant
 
     def of(self, robot: Robot) -> Variant:
-        """Return what it is for a robot."""
+        """Return the variant for a robot."""
         return self.office if robot == "office" else self.drone
 
 
@@ -81,7 +81,7 @@ class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How an exercise went: what was not reached, in words; seconds of the world and of the wall."""
+    """The result of an exercise: missed goals, in words; seconds of the world and of the wall clock."""
 
     number: int
     robot: Robot
@@ -91,7 +91,7 @@ class Outcome:
 
 
 _PLACES: Final = "office-places.toml"
-"""The places that the programs of the office name, which the simulated robot tells too."""
+"""The places named in the programs of the office, which the simulated robot also publishes."""
 
 
 def _home() -> Path:
@@ -109,10 +109,10 @@ def program_of(variant: Variant) -> Program:
 
 
 async def perform(exercise: Exercise, robot: Robot, settings: Settings) -> Outcome:
-    """Carry an exercise out in a simulation of its own, as fast as can be; what it fails of is in the outcome.
+    """Run an exercise in a simulation of its own, as fast as possible; missed goals are in the outcome.
 
     Raises:
-        RobotError: KG840 when pybullet or OpenCV is not installed.
+        RobotError: KG840 pybullet or OpenCV is not installed.
     """
     began = time.monotonic()
     async with hosted_in_memory(robot, start=exercise.of(robot).start) as (simulation, address):
@@ -126,12 +126,12 @@ async def perform(exercise: Exercise, robot: Robot, settings: Settings) -> Outco
 
 
 async def perform_all(settings: Settings) -> list[Outcome]:
-    """Carry all exercises out, for both robots; raises as `perform`."""
+    """Run all exercises for both robots; raises as `perform`."""
     return [await perform(exercise, robot, settings) for exercise in exercises() for robot in ROBOTS]
 
 
 async def carry_out(program: Program, address: str, settings: Settings) -> list[str]:
-    """Run a program on the robot at an address, as `kg robot run` does; return what went wrong."""
+    """Run a program on the robot at an address, as `kg robot run` does; return the failures."""
     connection = await connect(address, name="/kg_exercise")
     try:
         capabilities: Capabilities = infer(await connection.graph(), settings, address=address)
@@ -146,7 +146,7 @@ async def carry_out(program: Program, address: str, settings: Settings) -> list[
 
 
 def missed(variant: Variant, world: World) -> list[str]:
-    """Return what the world does not have that it should have, in words."""
+    """Return the missed goals, in words."""
     pose, robot, start = world.robot.pose, world.robot, world.start
     wrong: list[str] = []
     if not _in_order(variant.visits, world.visited):
@@ -169,13 +169,13 @@ def missed(variant: Variant, world: World) -> list[str]:
 
 
 def _faces(pose: Pose, tag: TagPlace) -> bool:
-    """Tell whether a robot looks at a tag."""
+    """Return whether a robot faces a tag."""
     far, beside = _VIEW
     bearing = math.atan2(tag.y - pose.y, tag.x - pose.x) - pose.heading
     return pose.distance(tag.x, tag.y) <= far and abs(math.remainder(bearing, math.tau)) <= beside
 
 
 def _in_order(wanted: Iterable[str], visited: Iterable[str]) -> bool:
-    """Tell whether all that is wanted comes among what was visited, in this order."""
+    """Return whether the visited places contain the wanted ones in order."""
     rest = iter(visited)
     return all(one in rest for one in wanted)

@@ -1,7 +1,7 @@
-"""What the graph states of nodes, as facts that can be looked up in the code: what to sample from.
+"""Facts of the graph about nodes, as a population for samples.
 
-A fact is a relation of a node to an end, a parameter, a function, a hardware or a capability. Listing them reads IRIs
-alone; what is told of one is read when it was drawn.
+A fact is a relation of a node to an end, a parameter, a function, hardware or a capability. Listing reads only IRIs;
+the details of a fact are read when it is drawn.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ STATED: Final = {
     "calls action": v.ACTION_CLIENT,
     "has parameter": v.PARAMETER,
 }
-"""Relations that were read from code, by the class of what they lead to."""
+"""Relations read from code, by the class of their objects."""
 INFERRED: Final = {
     "has function": v.rnkg("hasFunction"),
     "uses hardware": v.rnkg("usesHardware"),
     "has capability": v.rnkg("hasCapability"),
 }
-"""Relations that rules inferred."""
+"""Inferred relations."""
 RELATIONS: Final = (*STATED, *INFERRED)
 _PARTS: Final = """
 SELECT ?node ?part ?class { GRAPH %s {
@@ -54,10 +54,10 @@ _TYPE_OF: Final = (v.bare(v.ROS_HAS_MESSAGE), v.bare(v.HAS_SERVICE_TYPE), v.bare
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One statement about a node, and where it was read; an inferred one stands where its node does.
+    """A statement about a node, with its place; an inferred one has the place of its node.
 
-    `repository` is the node's source, `file_repository` the one that has the file. `value` is the name of the end or
-    parameter, None where it is not known, or the label of what was inferred; `written` the expression in the code.
+    `repository` is the node's source, `file_repository` that of the file. `value` is the name of the end or parameter,
+    None if it is unknown, or the label of the inferred class; `written` is the expression in the code.
     """
 
     relation: str
@@ -71,7 +71,7 @@ class Fact:
     path: str
     line: int
     call: Location | None = None
-    """The call of the framework, where it is in a wrapper or base class of another package."""
+    """The call of the framework, if it is in a wrapper or base class of another package."""
 
 
 class Facts:
@@ -80,7 +80,7 @@ class Facts:
     def __init__(self, snapshot: Snapshot) -> None:
         self._snapshot = snapshot
         self.listed: dict[str, list[tuple[str, str]]] = {}
-        """For each relation pairs of IRIs, sorted: of a node, and of what it leads to."""
+        """For each relation, sorted pairs of IRIs: the node and the object."""
         found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
         relations = {v.bare(kind): relation for relation, kind in STATED.items()}
         for graph in snapshot.graphs():
@@ -93,7 +93,7 @@ class Facts:
         self.listed = {relation: sorted(found[relation]) for relation in RELATIONS if found[relation]}
 
     def told(self, relation: str, pair: tuple[str, str]) -> Fact:
-        """Return what is told of a fact that is listed."""
+        """Return the details of a listed fact."""
         node, part = pair
         repository, package, name, path, line = min(rows(self._snapshot, _OWNER % {"node": f"<{node}>"}, union=True))
         if relation in INFERRED:

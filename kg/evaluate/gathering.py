@@ -1,4 +1,4 @@
-"""From files of any kind to references that can be compared with a store, and why others cannot."""
+"""Gathering of references from files, and reasons why some cannot be compared."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _NO_PACKAGE: Final = "page in no package of the store"
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """What is taken: `closed` references name all that a node has, `package` is the one that pages speak of."""
+    """Options: `closed` references are complete, `package` is the one that pages are about."""
 
     closed: bool = False
     any_commit: bool = False
@@ -33,7 +33,7 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class Gathered:
-    """The references of a file or folder that are compared, and how many are not, by reason."""
+    """The comparable references of a file or folder, and the numbers of others by reason."""
 
     path: Path
     references: tuple[Reference, ...]
@@ -41,10 +41,10 @@ class Gathered:
 
 
 def gather(snapshot: Snapshot, paths: Iterable[Path], choice: Choice) -> tuple[Gathered, ...]:
-    """Return the references of files (JSON lines, pages) and of folders of pages.
+    """Return the references in files (JSON lines, pages) and in folders of pages.
 
     Raises:
-        UsageError: KG721 for what cannot be read, KG723 for a page whose package is not known.
+        UsageError: KG721 an unreadable file, KG723 a page of an unknown package.
     """
     packages = Packages(snapshot)
     commits = {references.owner_and_name(name): commit for name, commit in packages.commits.items()}
@@ -64,7 +64,7 @@ def _chosen(path: Path, reading: references.Reading, commits: Mapping[str, str |
 
 
 def _same(said: str | None, read: str | None) -> bool:
-    """Tell whether a reference speaks of the commit that was read; one that names none is believed to."""
+    """Return whether a reference is about the commit that was read; one without a commit is assumed to be."""
     return not said or not read or read.startswith(said) or said.startswith(read)
 
 
@@ -81,7 +81,7 @@ def _read(path: Path, packages: Packages, choice: Choice) -> references.Reading:
 
 
 def _folder(path: Path, packages: Packages, choice: Choice) -> references.Reading:
-    """Read the pages below a folder, each for the package around it."""
+    """Read the pages below a folder, each for its package."""
     found: list[Reference] = []
     left_out: Counter[str] = Counter()
     for page in pages_below(path):

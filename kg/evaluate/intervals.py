@@ -1,4 +1,4 @@
-"""Intervals for figures that come from samples."""
+"""Figures that come from samples: their intervals, how many to take of each group, and what these tell of all."""
 
 from __future__ import annotations
 
@@ -6,29 +6,31 @@ import math
 import random
 from typing import TYPE_CHECKING, Final
 
+from kg.evaluate.tables import Score
+
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
 Z95: Final = 1.959963984540054
-"""The quantile of the normal distribution that bounds 95 % on both sides."""
+"""Quantile of the normal distribution for a two-sided 95 % interval."""
 
 
-def wilson(right: int, number: int, z: float = Z95) -> tuple[float, float]:
-    """Return the interval of the share `right` of `number` (Wilson 1927); (0, 1) when nothing was counted.
+def wilson(right: int, number: int) -> tuple[float, float]:
+    """Return the interval of the share `right` of `number` (Wilson 1927); (0, 1) for an empty sample.
 
-    It holds for small numbers and for shares near 0 and 1, where the simple normal interval does not.
+    It holds for small numbers and for shares near 0 and 1, unlike the normal approximation.
     """
     if number == 0:
         return 0.0, 1.0
-    share, spread = right / number, z * z / number
+    share, spread = right / number, Z95 * Z95 / number
     middle = (share + spread / 2) / (1 + spread)
-    half = z * math.sqrt(share * (1 - share) / number + spread / (4 * number)) / (1 + spread)
+    half = Z95 * math.sqrt(share * (1 - share) / number + spread / (4 * number)) / (1 + spread)
     low = 0.0 if right == 0 else max(0.0, middle - half)
     return low, 1.0 if right == number else min(1.0, middle + half)
 
 
 def bootstrap(values: Sequence[float], *, rounds: int = 2000, seed: int = 0) -> tuple[float, float]:
-    """Return the 95 % percentile interval of the mean (Efron 1979), the same for the same values and seed."""
+    """Return the 95 % percentile interval of the mean (Efron 1979), deterministic for the same values and seed."""
     if not values:
         return 0.0, 0.0
     chance = random.Random(seed)  # noqa: S311 - no secret
@@ -36,7 +38,37 @@ def bootstrap(values: Sequence[float], *, rounds: int = 2000, seed: int = 0) -> 
 
 
 def bounds(drawn: Iterable[float]) -> tuple[float, float]:
-    """Return the values that bound the middle 95 % of what was drawn, at least one value."""
+    """Return the bounds of the middle 95 % of one or more values."""
     ordered = sorted(drawn)
     number = len(ordered)
     return ordered[int(0.025 * number)], ordered[min(number - 1, int(0.975 * number))]
+
+
+def shares_of(sizes: Mapping[str, int], size: int) -> dict[str, int]:
+    """Return the sample size of each group: equal, with the remainder of small groups given to others."""
+    found = dict.fromkeys(sizes, 0)
+    left = min(size, sum(sizes.values()))
+    while left:
+        open_ = [name for name, number in sizes.items() if found[name] < number]
+        for name in open_[:left]:
+            found[name] += 1
+        left -= len(open_[:left])
+    return found
+
+
+def weighed(groups: Iterable[tuple[int, int, int]]) -> Score | None:
+    """Return the share over all groups with its 95 % interval (Cochran 1977, section 5.6).
+
+    A group has its size, the size of its sample, and the number that is right in it. None if a group has no sample.
+    """
+    known = [group for group in groups if group[0]]
+    every = sum(size for size, _, _ in known)
+    if not every or any(not looked for _, looked, _ in known):
+        return None
+    value = variance = 0.0
+    for size, looked, right in known:
+        weight, part = size / every, right / looked
+        value += weight * part
+        variance += weight**2 * part * (1 - part) / looked * (1 - looked / size if looked <= size else 0)
+    half = Z95 * math.sqrt(variance)
+    return Score(value, (max(0.0, value - half), min(1.0, value + half)))

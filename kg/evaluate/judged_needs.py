@@ -1,4 +1,4 @@
-"""Needs of developers with the nodes that meet them, and how good a ranking is for one: NDCG.
+"""Search needs with judged nodes, and the quality of a ranking: NDCG.
 
 A line of a file of needs is an object: `id`, `query` (words), `constraints` (types that the node `subscribes` and
 `publishes`, service types that it `provides` and `calls`), and `relevant`, the judged nodes: `repo` (owner/name),
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _HIGHEST: Final = 30
-"""Grades above this make gains that are no figures any more."""
+"""Maximum grade: higher gains exceed the range of floats."""
 
 
 class Constraints(msgspec.Struct, frozen=True):
-    """What the interface of a node has to be, `package/Type` each."""
+    """Required types of a node's interface, each `package/Type`."""
 
     subscribes: tuple[str, ...] = ()
     publishes: tuple[str, ...] = ()
@@ -43,7 +43,7 @@ class Judged(msgspec.Struct, frozen=True):
 
 
 class Need(msgspec.Struct, frozen=True):
-    """What a developer asked for."""
+    """A query of a developer with its judgements."""
 
     id: str
     query: str
@@ -52,7 +52,7 @@ class Need(msgspec.Struct, frozen=True):
 
 
 class Ranked(msgspec.Struct, frozen=True):
-    """A node that was found."""
+    """A result of a search."""
 
     repository: str
     package: str
@@ -60,10 +60,10 @@ class Ranked(msgspec.Struct, frozen=True):
 
 
 def read_needs(path: Path) -> tuple[Need, ...]:
-    """Return the needs of a file.
+    """Return the needs in a file.
 
     Raises:
-        UsageError: KG725 when it cannot be read, has a line that is no need, or none at all.
+        UsageError: KG725 the file is unreadable, empty, or has an invalid line.
     """
     try:
         lines = path.read_bytes().split(b"\n")

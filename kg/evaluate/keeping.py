@@ -1,4 +1,4 @@
-"""References in the store, so that the stored queries run over the endpoint too: the graph `reference`."""
+"""References stored in the graph `reference`, so the stored queries also run over the endpoint."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _NAME: Final = "reference"
 
 
 def keep(settings: Settings, triples: bytes) -> None:
-    """Make these the references of the store in force, in place of those that were kept before.
+    """Replace the references in the current store.
 
     Raises:
-        StoreError: KG301 when there is no store, KG302 while another process writes, KG304 when the disk is full.
+        StoreError: KG301 no store, KG302 another process is writing, KG304 the disk is full.
     """
     graph = NamedNode(Iris(settings.base).graph(_NAME))
     with writable(settings, create=False) as target:
@@ -32,10 +32,10 @@ def keep(settings: Settings, triples: bytes) -> None:
 
 
 def forget(settings: Settings) -> bool:
-    """Take the references out of the store in force; tell whether there were any.
+    """Remove the references from the current store; return whether there were any.
 
     Raises:
-        StoreError: KG301 when there is no store, KG302 while another process writes.
+        StoreError: KG301 no store, KG302 another process is writing.
     """
     graph = NamedNode(Iris(settings.base).graph(_NAME))
     with writable(settings, create=False) as target:

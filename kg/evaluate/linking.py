@@ -1,8 +1,8 @@
-"""References are linked with the graph, and both stand in one store, where the stored queries count.
+"""Linking of references with the graph, in one store for the stored queries that count.
 
-Linking says which node a reference describes, and as which end or parameter an entry of it was found: the same role in
-the same package, and the same name (as written, but for a leading `~` or `/`; `*` stands for one unknown part). A topic
-of a ROS 1 action (`move/goal`) is found as the action.
+A reference is linked to the nodes it describes, and its entries to ends or parameters: of the same role in the same
+package, with the same name (as written, except for a leading `~` or `/`; `*` matches one unknown part). A topic of a
+ROS 1 action (`move/goal`) is linked to the action.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from kg.graph.ntriples import Writer, integer
 from kg.query import stored
 from kg.query.core import run
 from kg.query.result import Solutions
+from kg.query.rows import rows
 from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ _PROPERTIES: Final = {
         (v.PARAMETER, None),
     )
 }
-"""How a node has an end or parameter of a class, and how that has its type."""
+"""Properties from a node to an end or parameter of a class, and to its type."""
 _CONTAINS, _TYPE, _NODE_TYPE, _NAME, _IMPLICIT, _LABEL = (
     NamedNode(v.bare(term)) for term in (v.CONTAINS, v.TYPE, v.NODE_TYPE, v.NAME, v.IMPLICIT, v.LABEL)
 )
@@ -66,7 +67,7 @@ SELECT ?package ?part ?class ?name WHERE {
 
 @dataclass(frozen=True, slots=True)
 class Linked:
-    """A reference, the IRI of its package (None when the graph does not know it), and those of its nodes."""
+    """A reference, the IRI of its package (None if the graph lacks it), and those of its nodes."""
 
     reference: Reference
     package: str | None
@@ -74,9 +75,9 @@ class Linked:
 
 
 class Ground:
-    """What stored queries count on: the interfaces of the repositories that references speak of, and the references.
+    """The data of the stored queries: the interfaces of the references' repositories, and the references.
 
-    `triples` are the references as N-Triples; `linked` are those of repositories that the store has.
+    `triples` are the references as N-Triples; `linked` are those of repositories in the store.
     """
 
     def __init__(self, store: Store, triples: bytes, linked: Sequence[Linked]) -> None:
@@ -85,18 +86,18 @@ class Ground:
         self.linked = tuple(linked)
 
     def counts(self, query: str) -> dict[str, dict[str, int]]:
-        """Return what a stored query counts: the numbers of each row by name, under its first column."""
+        """Return the counts of a stored query: the numbers of each row by name, under its first column."""
         answer = run(self._snapshot, stored.find(query).text)
-        rows = answer.rows if isinstance(answer, Solutions) else ()
-        names = answer.variables[1:] if isinstance(answer, Solutions) else ()
+        if not isinstance(answer, Solutions):
+            raise TypeError(query)
         return {
-            _value(first): {name: int(_value(term)) for name, term in zip(names, rest, strict=True)}
-            for first, *rest in rows
+            _value(first): {name: int(_value(term)) for name, term in zip(answer.variables[1:], rest, strict=True)}
+            for first, *rest in answer.rows
         }
 
 
 class Linker:
-    """Links references with a snapshot; what it read of a repository is kept for the next ones."""
+    """Links references with a snapshot, caching repositories."""
 
     def __init__(self, snapshot: Snapshot) -> None:
         self._snapshot = snapshot
@@ -104,7 +105,7 @@ class Linker:
         self._read: dict[str, tuple[Quad, ...]] = {}
 
     def link(self, references: Iterable[Reference]) -> Ground:
-        """Return the ground on which the references of repositories that the store has are compared with it."""
+        """Return the data for comparing references of repositories in the store."""
         known = self._names.repositories
         linked = [self._names.linked(one) for one in references if one.repository in known]
         store = Store()
@@ -122,20 +123,18 @@ class Linker:
 
 
 class _Names:
-    """The packages and nodes of a store by the names under which references speak of them."""
+    """The packages and nodes of a store by the names that references use."""
 
     def __init__(self, snapshot: Snapshot) -> None:
         self.repositories: dict[str, str] = {}
         self._packages: dict[tuple[str, str], str] = {}
         self._nodes: dict[tuple[str, str], dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
-        answer = run(snapshot, stored.internal("node-names"))
-        for repository, package, package_iri, node, name in answer.rows if isinstance(answer, Solutions) else ():
-            owner = owner_and_name(_value(repository))
-            key = owner, _value(package)
-            self.repositories[owner] = _value(repository)
-            self._packages[key] = _value(package_iri)
+        for repository, package, package_iri, node, name in rows(snapshot, stored.internal("node-names"), union=True):
+            owner = owner_and_name(repository)
+            self.repositories[owner] = repository
+            self._packages[owner, package] = package_iri
             if node is not None:
-                self._nodes[key][short_name(_value(name))].add(_value(node))
+                self._nodes[owner, package][short_name(name)].add(node)
 
     def linked(self, reference: Reference) -> Linked:
         key = reference.repository, reference.package
@@ -148,7 +147,7 @@ class _Names:
 
 
 def _interfaces(snapshot: Snapshot, repository: str) -> Iterator[Quad]:
-    """Yield the interfaces of a repository; a CONSTRUCT of them takes the engine a hundred times as long."""
+    """Yield the interfaces of a repository; a CONSTRUCT query would be a hundred times as slow."""
     query = stored.internal("interfaces-of-repository")
     answer = run(snapshot, query, parameters={"repository": Literal(repository)})
     for row in answer.rows if isinstance(answer, Solutions) else ():
@@ -166,12 +165,10 @@ def _interfaces(snapshot: Snapshot, repository: str) -> Iterator[Quad]:
 def _parts(store: Store) -> dict[str, dict[str, dict[str, list[str]]]]:
     """Return the ends and parameters of each package by role and plain name."""
     found: dict[str, dict[str, dict[str, list[str]]]] = {}
-    answer = run(MemorySnapshot(store), _PARTS)
-    for package, part, kind, name in answer.rows if isinstance(answer, Solutions) else ():
-        role = _CLASSES.get(f"<{_value(kind)}>")
-        plain = plain_name(_value(name))
+    for package, part, kind, name in rows(MemorySnapshot(store), _PARTS, union=True):
+        role, plain = _CLASSES.get(f"<{kind}>"), plain_name(name)
         if role and plain:
-            found.setdefault(_value(package), {}).setdefault(role, {}).setdefault(plain, []).append(_value(part))
+            found.setdefault(package, {}).setdefault(role, {}).setdefault(plain, []).append(part)
     return found
 
 
@@ -200,7 +197,7 @@ def _write(writer: Writer, number: int, linked: Linked, parts: dict[str, dict[st
 
 
 def _found(entry: Entry, parts: dict[str, dict[str, list[str]]]) -> list[str]:
-    """Return the IRIs of the ends or parameters that an entry was found as."""
+    """Return the IRIs of the ends or parameters that match an entry."""
     if entry.name is None:
         return []
     found = list(_named(entry.name, parts.get(entry.role, {})))

@@ -1,10 +1,10 @@
-"""What references say of nodes: the truth files and documentation that the graph is compared with.
+"""References about nodes: truth files and documentation that the graph is compared with.
 
-A file of references has one JSON object a line, in one of two shapes. The first is that of `kg nodes --json`
-(`publishes`, `subscribes`, ... hold objects with `name` and `type`), with `closed_world`, the roles of which it says
-that it names all. The second is that of documentation: pairs of name and type, `called_services`, `actions`,
-`actions_called` and `params` for the roles. Both name `repo`, `package` and `node`, and may name the `commit`.
-Pages of documentation themselves are read by `kg.evaluate.documents`.
+A file of references has one JSON object per line, in one of two shapes. The first is that of `kg nodes --json`
+(`publishes`, `subscribes`, ... hold objects with `name` and `type`), with `closed_world`, the roles that are complete.
+The second is that of documentation: pairs of name and type, with the roles `called_services`, `actions`,
+`actions_called` and `params`. Both have `repo`, `package` and `node`, and optionally `commit`. `kg.evaluate.documents`
+reads pages of documentation.
 """
 
 from __future__ import annotations
@@ -40,10 +40,9 @@ _HINT: Final = "docs/evaluation.md shows what a file of references looks like."
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One interface or parameter that a reference names.
+    """An interface or parameter in a reference.
 
-    `name` has no leading `~` or `/`, and `*` for parts that are not known; None where the reference has none. `type` is
-    `package/Type`.
+    `name` has no leading `~` or `/`, and `*` for unknown parts; None if it is missing. `type` is `package/Type`.
     """
 
     role: str
@@ -55,9 +54,8 @@ class Entry:
 class Reference:
     """A node as a reference describes it.
 
-    `repository` is `owner/name` in lower case, `names` are short names in lower case by which the node goes, `closed`
-    the roles of which the reference names all; `place` is where it was read. A `sole` one speaks of the one node of
-    its package where none goes by its names.
+    `repository` is `owner/name` in lower case, `names` are the node's short names in lower case, `closed` the complete
+    roles; `place` is the origin. A `sole` one describes the only node of its package, if none has its names.
     """
 
     repository: str
@@ -72,7 +70,7 @@ class Reference:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What was read: each node once, and how many records were left out, by reason."""
+    """The result of reading: each node once, and the numbers of skipped records by reason."""
 
     references: tuple[Reference, ...]
     left_out: Mapping[str, int] = field(default_factory=dict)
@@ -89,7 +87,7 @@ _Said = list[_Named | list[str | float | bool | None]] | None
 
 
 class _Record(msgspec.Struct, frozen=True):
-    """A line, whatever of its two shapes it has; what is not named here is passed over."""
+    """A line of either shape; other keys are ignored."""
 
     repo: str | None = None
     repository: str | None = None
@@ -119,7 +117,7 @@ class _Record(msgspec.Struct, frozen=True):
 
 
 def text_of(path: Path) -> str:
-    """Return the text of a file of references; UsageError KG721 when it cannot be read."""
+    """Return the text of a file of references; UsageError KG721 if it is unreadable."""
     try:
         return path.read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -128,10 +126,10 @@ def text_of(path: Path) -> str:
 
 
 def read(path: Path, *, closed: bool = False) -> Reading:
-    """Return the references of a file of JSON lines; with `closed` each is taken to name all that its node has.
+    """Return the references in a file of JSON lines; with `closed`, each is assumed to be complete.
 
     Raises:
-        UsageError: KG721 when the file cannot be read, or a line is no reference.
+        UsageError: KG721 the file is unreadable, or a line is invalid.
     """
     left_out: Counter[str] = Counter()
     merged: dict[tuple[str | None, ...], Reference] = {}
@@ -183,8 +181,12 @@ def _entries(record: _Record) -> Iterator[Entry]:
         for one in getattr(record, key) or ():
             given = _pair(one) if isinstance(one, list) else one
             if not given.implicit:
-                name = plain_name(given.before_remap or given.name)
-                yield Entry(role, name, None if role == PARAMETERS else plain_type(given.type))
+                yield entry(role, given.before_remap or given.name, given.type)
+
+
+def entry(role: str, name: str | None, kind: str | None) -> Entry:
+    """Return what a reference names, its name and type in any spelling; parameters have no type."""
+    return Entry(role, plain_name(name), None if role == PARAMETERS else plain_type(kind))
 
 
 def _pair(said: list[Any]) -> _Named:
@@ -193,7 +195,7 @@ def _pair(said: list[Any]) -> _Named:
 
 
 def _joined(one: Reference, other: Reference) -> Reference:
-    """Return what two lines say of a node (one for each launch file, or page), together."""
+    """Return the union of two records of a node (one for each launch file, or page)."""
     entries: Iterable[Entry] = (*one.entries, *other.entries)
     return replace(
         one,
@@ -204,14 +206,14 @@ def _joined(one: Reference, other: Reference) -> Reference:
 
 
 def plain_name(name: str | None) -> str | None:
-    """Return a name without its leading `~`, `~/` or `/`, with `*` for holes; None for one that says nothing."""
+    """Return a name without its leading `~`, `~/` or `/`, with `*` for holes; None if nothing is left."""
     if not name or "?" in name:
         return None
     return _HOLE.sub("*", name).lstrip("~").strip("/") or None
 
 
 def plain_type(name: str | None) -> str | None:
-    """Return `package/Type` of a type in any spelling (`pkg/msg/Type`, `pkg::msg::Type`, `pkg.msg.Type`)."""
+    """Return `package/Type` for any spelling of a type (`pkg/msg/Type`, `pkg::msg::Type`, `pkg.msg.Type`)."""
     parts = [part for part in _TYPE_SPLIT.split(name or "") if part and part not in {"msg", "srv", "action"}]
     return "/".join(parts[-2:]) if len(parts) > 1 else None
 

@@ -1,16 +1,12 @@
-"""Table 11: how well nodes are found for needs, by the search of `kg` and by other ways to rank them.
+"""Table 11: retrieval quality of the search of `kg`, compared with other rankings of the same nodes.
 
-What the search is compared with: well-known ways to rank nodes for a need, untuned, over the same nodes.
+The baselines are well known and untuned. Each scores every document of the search; nodes without a score are not found.
+The libraries are those of the extra `evaluate`, loaded on demand.
 
-Each takes the documents that the search knows and gives a score for every node; nodes with none are not found. The
-libraries are those of the extra `evaluate`, loaded when they are needed.
-
-Nodes whose interface contains the one that is asked for, by subgraph monomorphism.
-
-The pattern of a need is a graph: the node, a vertex for each end that it must have, labelled with its role, and a
-vertex for the type of that end. A node's own graph has the same shape for all its ends. A node matches when the
-pattern occurs in its graph (a monomorphism: the graph may have more edges). networkx does that with VF2
-(`GraphMatcher`); its VF2++ tests only whether two graphs as wholes are isomorphic.
+One of them matches interfaces by subgraph monomorphism. The pattern of a need is a graph: the node, a vertex for each
+required end, labelled with its role, and a vertex for the type of that end. A node's graph has the same shape for all
+its ends, and matches if it contains the pattern. networkx implements that by VF2 (`GraphMatcher`); its VF2++ only tests
+isomorphism of whole graphs.
 """
 
 from __future__ import annotations
@@ -19,7 +15,7 @@ import random
 import re
 from collections import Counter
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
@@ -27,13 +23,12 @@ from kg.errors import UsageError
 from kg.evaluate.encoding import FolderModel
 from kg.evaluate.intervals import bootstrap, bounds
 from kg.evaluate.judged_needs import Constraints, Need, Ranked, ndcg
-from kg.evaluate.paper import beside
-from kg.evaluate.tables import Cell, Score, Table
+from kg.evaluate.tables import Cell, Score, Table, beside
 from kg.render.text import count
 from kg.search.searching import Hit, Search
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
     from pathlib import Path
 
     from kg.search.documents import Document, PackageDocument
@@ -44,7 +39,6 @@ _OURS: Final = "kg search"
 _ROUNDS: Final = 2000
 
 _PART: Final = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
-_EXTRA: Final = "evaluate"
 
 _ROLES: Final = {
     "subscribes": ("subscribes",),
@@ -52,12 +46,12 @@ _ROLES: Final = {
     "provides": ("services", "action_servers"),
     "calls": ("clients", "action_clients"),
 }
-"""Kinds of constraints by the roles of ends that meet them."""
+"""Kinds of constraints by the roles of matching ends."""
 _KINDS: Final = {role: kind for kind, roles in _ROLES.items() for role in roles}
 
 
 class Patterns:
-    """The interfaces of nodes, in which patterns are looked for."""
+    """The interfaces of nodes as graphs."""
 
     def __init__(self, nodes: Sequence[Document]) -> None:
         self._ends = [
@@ -67,7 +61,7 @@ class Patterns:
         self._graphs: dict[int, Any] = {}
 
     def scores(self, constraints: Constraints | None) -> list[float]:
-        """Return for each node one by the number of its ends when it matches, else 0; no constraints, no match."""
+        """Return a score for each node by its number of ends if it matches, else 0; no constraints, no match."""
         wanted = [(kind, type_) for kind in _ROLES for type_ in getattr(constraints, kind, ())]
         if not wanted:
             return [0.0] * len(self._ends)
@@ -75,7 +69,7 @@ class Patterns:
         return [self._score(place, pattern, counts) for place in range(len(self._ends))]
 
     def _score(self, place: int, pattern: Any, wanted: Counter[tuple[str, str]]) -> float:
-        # Most nodes lack an end of the pattern, which counting tells without a search.
+        # Counting excludes most nodes without a search.
         if any(self._counts[place][end] < number for end, number in wanted.items()):
             return 0.0
         from networkx.algorithms.isomorphism import (  # noqa: PLC0415 - an extra
@@ -102,27 +96,21 @@ def _graph(ends: Iterable[tuple[str, str]]) -> Any:
     return graph
 
 
-class Ranker(Protocol):
-    """A way to rank nodes."""
-
-    name: str
-
-    def scores(self, need: Need) -> Sequence[float]:
-        """Return a score for each node, in the order of the documents; 0 and less is not found."""
-        ...
+Ranker: TypeAlias = "Callable[[Need], Sequence[float]]"
+"""A way to rank nodes: a score for each, in the order of the documents; 0 and less is not found."""
 
 
 def library(name: str, package: str) -> Any:
-    """Return a library that not every installation has; UsageError KG724 with how to get it."""
+    """Return an optional library; UsageError KG724 with how to install it."""
     try:
         return import_module(name)
     except ImportError:
-        hint = f"pip install 'kg-ros[{_EXTRA}]'"
+        hint = "pip install 'kg-ros[evaluate]'"
         raise UsageError("KG724", f"{package} is not installed, which this comparison needs", hint=hint) from None
 
 
 def text_of_node(node: Document, package: PackageDocument) -> str:
-    """Return all that is known of a node in words: names, descriptions, interfaces, of its package too."""
+    """Return all texts about a node: names, descriptions and interfaces, including those of its package."""
     names = [node.name, node.executable, node.plugin, node.node_name, *node.aliases, package.name]
     ends = [text for end in node.ends for text in (end.name, end.type)]
     texts = [package.description, *(text.text for text in (*node.texts, *package.texts))]
@@ -138,81 +126,52 @@ def _texts(index: Index) -> list[str]:
     return [text_of_node(node, index.packages[node.package]) for node in nodes]
 
 
-class TfIdf:
-    """Cosine of vectors weighted by term and inverse document frequency, as scikit-learn makes them unless told."""
-
-    name = "TF-IDF"
-
-    def __init__(self, index: Index) -> None:
-        feature_extraction = library("sklearn.feature_extraction.text", "scikit-learn")
-        self._vectorizer = feature_extraction.TfidfVectorizer(stop_words="english")
-        self._vectors = self._vectorizer.fit_transform(_texts(index))
-
-    def scores(self, need: Need) -> Sequence[float]:
-        """Return the cosines."""
-        query = self._vectorizer.transform([_split(need.query)])
-        found: list[float] = (self._vectors @ query.T).toarray().ravel().tolist()
-        return found
+def _tf_idf(index: Index) -> Ranker:
+    """Rank by the cosine of vectors weighted by term and inverse document frequency, as scikit-learn makes them."""
+    vectorizer = library("sklearn.feature_extraction.text", "scikit-learn").TfidfVectorizer(stop_words="english")
+    vectors = vectorizer.fit_transform(_texts(index))
+    return lambda need: (vectors @ vectorizer.transform([_split(need.query)]).T).toarray().ravel().tolist()
 
 
-class FuzzyNames:
-    """How alike the words of the need and those of the names of node and package are: rapidfuzz's token_set_ratio."""
-
-    name = "fuzzy names"
-
-    def __init__(self, index: Index) -> None:
-        self._ratio = library("rapidfuzz.fuzz", "rapidfuzz").token_set_ratio
-        nodes = (index.nodes[place] for place in range(index.size))
-        self._names = [f"{_split(index.packages[node.package].name)} {_split(node.name)}" for node in nodes]
-
-    def scores(self, need: Need) -> Sequence[float]:
-        """Return the ratios from 0 to 100."""
-        query = _split(need.query)
-        return [self._ratio(query, name) for name in self._names]
+def _fuzzy_names(index: Index) -> Ranker:
+    """Rank by how alike the words of the need and those of node and package are: rapidfuzz's token_set_ratio."""
+    ratio = library("rapidfuzz.fuzz", "rapidfuzz").token_set_ratio
+    nodes = (index.nodes[place] for place in range(index.size))
+    names = [f"{_split(index.packages[node.package].name)} {_split(node.name)}" for node in nodes]
+    return lambda need: [ratio(_split(need.query), name) for name in names]
 
 
-class Subgraphs:
-    """Nodes whose interface holds the one that is asked for (`kg.evaluate.retrieval`); the smallest interface first."""
-
-    name = "subgraph matching"
-
-    def __init__(self, index: Index) -> None:
-        library("networkx", "networkx")
-        self._patterns = Patterns([index.nodes[place] for place in range(index.size)])
-
-    def scores(self, need: Need) -> Sequence[float]:
-        """Return one by the size of the interface for each node that matches."""
-        return self._patterns.scores(need.constraints)
+def _subgraphs(index: Index) -> Ranker:
+    """Rank the nodes whose interface holds the one that is asked for; the smallest interface first."""
+    library("networkx", "networkx")
+    patterns = Patterns([index.nodes[place] for place in range(index.size)])
+    return lambda need: patterns.scores(need.constraints)
 
 
-class Embeddings:
-    """Cosine of sentence embeddings by a model in a folder (`kg.evaluate.encoding`)."""
-
-    name = "sentence embeddings"
-
-    def __init__(self, index: Index, model: Path) -> None:
-        self._model = FolderModel(model)
-        self._vectors = self._model.encode(_texts(index))
-
-    def scores(self, need: Need) -> Sequence[float]:
-        """Return the cosines."""
-        query = self._model.encode([need.query])[0]
-        return [float(one) for one in self._vectors @ query]
+def embeddings(index: Index, model: Path) -> Ranker:
+    """Rank by the cosine of sentence embeddings by a model in a folder (`kg.evaluate.encoding`)."""
+    encode = FolderModel(model).encode
+    vectors = encode(_texts(index))
+    return lambda need: [float(one) for one in vectors @ encode([need.query])[0]]
 
 
 def retrieval(search: Search, needs: Sequence[Need], model: Path | None = None) -> Table:
-    """Return the table: NDCG of each way, and by how much ours is above it, with 95 % bootstrap intervals.
+    """Return the table: NDCG of each ranking, and the gain of ours over it, with 95 % bootstrap intervals.
 
-    The difference is of pairs: both ways answer the needs of a round. The relative one is the difference of the means
-    by the mean of the other way.
+    Differences are paired: both rankings answer the same resampled needs. The relative one is the difference of the
+    means divided by the mean of the other ranking.
 
     Raises:
-        UsageError: KG724 when a library of the extra `evaluate` is missing, KG704 for a model that cannot be used.
+        UsageError: KG724 a library of the extra `evaluate` is missing, KG704 an unusable model.
     """
-    rankers: list[Ranker] = [TfIdf(search.index), FuzzyNames(search.index), Subgraphs(search.index)]
-    if model is not None:
-        rankers.append(Embeddings(search.index, model))
-    ranked = {one.name: [_ranked(search, one, need) for need in needs] for one in rankers}
+    index = search.index
+    rankers = {
+        "TF-IDF": _tf_idf(index),
+        "fuzzy names": _fuzzy_names(index),
+        "subgraph matching": _subgraphs(index),
+        **({} if model is None else {"sentence embeddings": embeddings(index, model)}),
+    }
+    ranked = {name: [_ranked(search, ranker, need) for need in needs] for name, ranker in rankers.items()}
     ranked[_OURS] = [_found(search, need) for need in needs]
     rows = tuple(
         row
@@ -239,19 +198,17 @@ def _found(search: Search, need: Need) -> list[Ranked]:
 
 
 def _ranked(search: Search, ranker: Ranker, need: Need) -> list[Ranked]:
-    """Return the best nodes by scores, of copies and variants the best; those of one score in the index's order."""
+    """Return the best nodes by score, the best of copies and variants; ties in the index's order."""
     index = search.index
-    scores = np.asarray(ranker.scores(need))
+    scores = np.asarray(ranker(need))
     chosen: dict[int, int] = {}
     for place in np.lexsort((index.order, -scores)).tolist():
         if scores[place] <= 0 or len(chosen) == max(_DEPTHS):
             break
         chosen.setdefault(int(index.group[place]), place)
-    found = (
-        Hit(0, 0.0, node, index.packages[node.package], (), ())
-        for node in map(index.nodes.__getitem__, chosen.values())
-    )
-    return [Ranked(hit.package.repository, hit.package.name, hit.name) for hit in found]
+    nodes = [index.nodes[place] for place in chosen.values()]
+    hits = (Hit(0, 0.0, node, index.packages[node.package], (), ()) for node in nodes)
+    return [Ranked(hit.package.repository, hit.package.name, hit.name) for hit in hits]
 
 
 def _rows(depth: int, values: dict[str, list[float]]) -> list[tuple[Cell, ...]]:
@@ -269,7 +226,7 @@ def _mean(values: Sequence[float]) -> float:
 
 
 def _compared(ours: Sequence[float], theirs: Sequence[float]) -> tuple[Cell, Cell]:
-    """Return the difference of the means and the relative one; None for that to a mean of zero."""
+    """Return the difference of the means and the relative one; None relative to zero."""
     differences = [one - other for one, other in zip(ours, theirs, strict=True)]
     difference = Score(_mean(differences), bootstrap(differences), signed=True)
     if not _mean(theirs):

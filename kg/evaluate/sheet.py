@@ -1,7 +1,7 @@
-"""A sheet of sampled facts for a person to judge, and what such a sheet tells when it comes back.
+"""A sheet of sampled facts for a person to judge, and the precision in a judged sheet.
 
-The sample is stratified: every relation gets as many rows as any other, as far as it has facts. So a sheet gives the
-precision of each relation, and that of all facts by weighing relations with how many facts they have.
+The sample is stratified: every relation gets the same number of rows, as far as it has facts. So a sheet gives the
+precision of each relation, and that of all facts by weighing relations by their size.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, UsageError
 from kg.evaluate.completeness import share
-from kg.evaluate.strata import shares_of, weighed
+from kg.evaluate.intervals import shares_of, weighed
 from kg.evaluate.tables import Cell, Table, safe_cell
 from kg.render.text import count
 
@@ -44,7 +44,7 @@ _HINT: Final = "Write yes, no or unsure into the column `right`, or leave it emp
 
 
 def drawn(facts: Facts, relations: Sequence[str], size: int, seed: int) -> list[tuple[str, tuple[str, str]]]:
-    """Return a stratified random sample, the same for the same store and seed."""
+    """Return a stratified random sample, deterministic for the same store and seed."""
     chance = random.Random(seed)  # noqa: S311 - no secret
     listed = {relation: facts.listed[relation] for relation in relations if relation in facts.listed}
     rows = shares_of({relation: len(pairs) for relation, pairs in listed.items()}, size)
@@ -52,7 +52,7 @@ def drawn(facts: Facts, relations: Sequence[str], size: int, seed: int) -> list[
 
 
 def as_sheet(facts: Facts, sample: Sequence[tuple[str, tuple[str, str]]], lines: SourceLines) -> str:
-    """Return a sample as CSV, each fact with the text of its line and where to look at it."""
+    """Return a sample as CSV, each fact with the text of its line and its address."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -79,13 +79,13 @@ class _Stratum:
 
 
 def score_sheet(path: Path) -> Table:
-    """Return the precision of each relation that a judged sheet gives, with Wilson intervals.
+    """Return the precision of each relation in a judged sheet, with Wilson intervals.
 
-    Facts that a person is unsure of, and those not judged, do not count. The last row weighs relations by how many
-    facts they have (stratified estimate, Cochran 1977, section 5.6).
+    Unsure and unjudged facts do not count. The last row weighs relations by their number of facts (stratified estimate,
+    Cochran 1977, section 5.6).
 
     Raises:
-        UsageError: KG722 with the line, for what is no sheet or no answer.
+        UsageError: KG722 an invalid sheet or answer, with its line.
     """
     strata: defaultdict[str, _Stratum] = defaultdict(_Stratum)
     for line, row in _rows(path):

@@ -1,4 +1,4 @@
-"""Lines of the sources of a store, where they stand on this machine as they were read."""
+"""Lines of a store's sources, as far as their files are on this machine."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from kg.store.interface import Snapshot
 
 _LARGEST: Final = 4_000_000
-"""Bytes of a source file; kg reads no larger one unless told."""
+"""Maximum size in bytes of a source file, as by default in builds."""
 _FORGES: Final = {
     "github.com": "https://{name}/blob/{commit}/{path}#L{line}",
     "gitlab.com": "https://{name}/-/blob/{commit}/{path}#L{line}",
@@ -26,10 +26,10 @@ class SourceLines:
     def __init__(self, snapshot: Snapshot) -> None:
         self.states = {one.name: one for one in sources(snapshot)}
         self.lines = lru_cache(maxsize=256)(self._lines)
-        """The lines of a file of a source; None when it is not there, or is no text."""
+        """Returns the lines of a file of a source; None if it is missing or not text."""
 
     def root(self, repository: str) -> Path | None:
-        """Return the folder of a source on this machine; None when it is not there."""
+        """Return the folder of a source on this machine; None without one."""
         state = self.states.get(repository)
         root = Path(state.root) if state and state.root else None
         return root if root and root.is_dir() else None
@@ -40,7 +40,7 @@ class SourceLines:
             return None
         file = root / path
         try:
-            # A path in a store that came from elsewhere must not lead out of its source.
+            # A path in a store from elsewhere must not lead out of its source.
             if not file.resolve().is_relative_to(root.resolve()) or file.stat().st_size > _LARGEST:
                 return None
             return file.read_bytes().decode("utf-8", "replace").split("\n")
@@ -48,12 +48,12 @@ class SourceLines:
             return None
 
     def text(self, repository: str, path: str, line: int) -> str | None:
-        """Return one line, without the blanks around it; None when there is none."""
+        """Return one line without surrounding whitespace; None if it does not exist."""
         lines = self.lines(repository, path)
         return lines[line - 1].strip() if lines and 0 < line <= len(lines) else None
 
     def address(self, repository: str, path: str, line: int) -> str:
-        """Return where a person can look at a line: the page of the commit, else the file."""
+        """Return the address of a line: the page of its commit, else the file."""
         state = self.states.get(repository)
         pattern = _FORGES.get(repository.partition("/")[0])
         if state and state.commit and pattern:

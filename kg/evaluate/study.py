@@ -1,7 +1,7 @@
-"""Results of a study with people, as section 4.3 of the onto-ros paper reports them.
+"""Results of a user study, as section 4.3 of the onto-ros paper reports them.
 
-The robot page saves them as CSV: a row for each task that a participant ran a program for. The time of a task goes from
-the end of its description to the last execution of the program.
+The robot page saves them as CSV: a row for each task for which a participant ran a program. The time of a task is from
+the end of its description to the last run of the program.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from kg.evaluate.exercises import exercises
 from kg.evaluate.tables import Cell, Table
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
 
 _COLUMNS: Final = (
@@ -29,7 +29,7 @@ _COLUMNS: Final = (
 
 
 class Result(msgspec.Struct, frozen=True, kw_only=True):
-    """A task that a participant solved: seconds of the wall, runs, how the last one ended, and its size."""
+    """A task solved by a participant: wall-clock seconds, runs, the result of the last one, and its size."""
 
     participant: str
     robot: str
@@ -44,10 +44,10 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def read(path: str) -> list[Result]:
-    """Return the results of a file.
+    """Return the results in a file.
 
     Raises:
-        UsageError: KG003 for a file that cannot be read, or is none of results.
+        UsageError: KG003 an unreadable or invalid file.
     """
     try:
         rows = list(csv.DictReader(Path(path).read_text("utf-8").splitlines(keepends=True)))
@@ -72,6 +72,7 @@ def table(results: Sequence[Result]) -> Table:
     told = paper_figures("exercises")
     rows: list[tuple[Cell, ...]] = []
     for exercise, robot in groups:
+        paper = told.get(f"{exercise} {robot}")
         some = [one for one in results if (one.exercise, one.robot) == (exercise, robot)]
         rows.append((
             f"{exercise} {titles.get(exercise, some[0].title)}",
@@ -82,14 +83,9 @@ def table(results: Sequence[Result]) -> Table:
             sum(one.ended != "failed" for one in some),
             _mean([one.blocks for one in some]),
             _mean([one.capabilities for one in some]),
-            _told(told.get(f"{exercise} {robot}")),
+            f"{_clock(paper['seconds'])} ± {_clock(paper['deviation'])}" if paper else None,
         ))  # fmt: skip
     return Table("study", "Tasks solved by participants (onto-ros, section 4.3)", _COLUMNS, tuple(rows))
-
-
-def _told(figures: Mapping[str, float] | None) -> str | None:
-    """Return the time that the paper has for an exercise."""
-    return f"{_clock(figures['seconds'])} ± {_clock(figures['deviation'])}" if figures else None
 
 
 def _mean(numbers: Sequence[int]) -> str:

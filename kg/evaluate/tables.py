@@ -1,13 +1,19 @@
-"""A table of figures, and the forms in which it is kept: Markdown, CSV, and objects for JSON."""
+"""A table of figures, with those of the paper, and the forms in which it is kept: Markdown, CSV, objects for JSON.
+
+The paper's figures stand in `corpus/rnkg.toml`, as far as they are known. A section of that file has the name of a
+table (completeness, code, correctness, search) and figures from 0 to 1 by the words of its rows: `"topic" = 0.9`.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
-from dataclasses import dataclass
+import tomllib
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.render.text import printable
+from kg.resources import folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -15,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """So many of so many; None where nothing could be counted, and `interval` where it comes from a sample."""
+    """A number out of a total; the total is None if nothing could be counted, and `interval` is set for a sample."""
 
     part: int
     whole: int
@@ -23,13 +29,13 @@ class Share:
 
     @property
     def value(self) -> float | None:
-        """The share from 0 to 1; None without a whole."""
+        """The share from 0 to 1; None without a total."""
         return self.part / self.whole if self.whole else None
 
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """A figure, and its interval; `signed` for a difference, which may be below zero."""
+    """A figure with its interval; `signed` for a difference, which may be negative."""
 
     value: float
     interval: tuple[float, float]
@@ -39,7 +45,7 @@ class Score:
 _UNKNOWN: Final = "-"
 
 Cell = str | int | float | Share | Score | None
-"""What stands in a table: words, a count, a figure from 0 to 1, a share, a score, or nothing that is known."""
+"""A cell of a table: text, a count, a figure from 0 to 1, a share, a score, or unknown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +59,26 @@ class Table:
     notes: tuple[str, ...] = ()
 
 
+COLUMN: Final = "RNKG"
+
+
+def beside(table: Table, keys: tuple[str, ...], figures: Mapping[str, float] | None = None) -> Table:
+    """Return the table with a column of the paper's figures, matched by the texts of the columns `keys`.
+
+    The table is unchanged if no figure is known; `figures` replaces those of the file.
+    """
+    if figures is None:
+        figures = tomllib.loads((folder("corpus") / "rnkg.toml").read_text("utf-8")).get(table.name, {})
+    places = [table.columns.index(key) for key in keys]
+    column = [figures.get(" ".join(str(row[place]) for place in places)) for row in table.rows]
+    if all(figure is None for figure in column):
+        return table
+    rows = tuple((*row, figure) for row, figure in zip(table.rows, column, strict=True))
+    return replace(table, columns=(*table.columns, COLUMN), rows=rows)
+
+
 def spelled(cell: Cell) -> str:
-    """Return a cell as people read it."""
+    """Return a cell formatted for people."""
     if cell is None:
         return _UNKNOWN
     if isinstance(cell, Share):
@@ -82,7 +106,7 @@ def _score(cell: Score) -> str:
 
 
 def as_markdown(table: Table) -> str:
-    """Return the table in Markdown, under its title and with its notes."""
+    """Return the table in Markdown, with its title and notes."""
     lines = [f"## {table.title}", "", _line(table.columns), _line("---" for _ in table.columns)]
     lines += [_line(spelled(cell) for cell in row) for row in table.rows]
     if table.notes:
@@ -95,7 +119,10 @@ def _line(cells: Iterable[str]) -> str:
 
 
 def as_csv(table: Table) -> str:
-    """Return the table as CSV (RFC 4180 but for line ends): a share fills the columns NAME, NAME part, NAME whole."""
+    """Return the table as CSV (RFC 4180 except for line ends).
+
+    A share fills the columns NAME, NAME part and NAME whole.
+    """
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     objects = as_objects(table)
@@ -112,7 +139,7 @@ _LONGEST: Final = 10_000
 
 
 def safe_cell(value: object) -> object:
-    """Return a value as a cell that spreadsheets take for no formula; texts of sources may begin as one."""
+    """Return a value as a cell that spreadsheets do not run as a formula; texts from sources may begin like one."""
     if not isinstance(value, str):
         return value
     text = printable(value)[:_LONGEST]
@@ -120,7 +147,7 @@ def safe_cell(value: object) -> object:
 
 
 def as_objects(table: Table) -> list[dict[str, object]]:
-    """Return the rows as plain values, ready for JSON."""
+    """Return the rows as plain values for JSON."""
     return [_object(dict(zip(table.columns, row, strict=True))) for row in table.rows]
 
 

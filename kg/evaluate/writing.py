@@ -1,9 +1,7 @@
-"""A table as files: Markdown, CSV, and a figure as SVG.
+"""A table as files: Markdown, CSV, and a figure as SVG with a bar for each share and score.
 
-The figure of a table: a bar for each share and score, with its interval, as SVG.
-
-Series are told apart by their names at each bar, not by colour alone. The same table always gives the same bytes.
-Colours follow `prefers-color-scheme`; `title` and `desc` say the same in words.
+Series are labelled at each bar, not only by colour. The same table always gives the same bytes. Colours follow
+`prefers-color-scheme`; `title` and `desc` describe the figure in words.
 """
 
 from __future__ import annotations
@@ -13,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, UsageError
 from kg.evaluate.tables import Cell, Score, Share, Table, as_csv, as_markdown, spelled
-from kg.render.svg import ROLE, dimensions, escaped, label, short
+from kg.render.svg import document, escaped, label, short
 from kg.render.text import width
 
 if TYPE_CHECKING:
@@ -29,25 +27,18 @@ _BAR: Final = 380
 _CHARACTER: Final = 7.4
 _LONGEST: Final = 52
 _SERIES: Final = 4
-_STYLE: Final = """
-svg { background: #ffffff; font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; }
-.title { font-size: 17px; font-weight: bold; fill: #17202a; } .row { font-size: 13px; fill: #17202a; }
-.value, .tick { font-size: 12px; fill: #4d5a66; } .grid { stroke: #d3dbe3; stroke-width: 1; }
-.s0 { fill: #5b8db8; } .s1 { fill: #d79b4e; } .s2 { fill: #6aa97e; } .s3 { fill: #a487c4; }
-.interval { stroke: #17202a; stroke-width: 1.5; fill: none; }
-@media (prefers-color-scheme: dark) {
-svg { background: #14191f; } .title, .row { fill: #f0f4f8; } .value, .tick { fill: #b3c0cc; } .grid { stroke: #33404d; }
-.s0 { fill: #3f6f99; } .s1 { fill: #a06c25; } .s2 { fill: #457f58; } .s3 { fill: #75599a; }
-.interval { stroke: #f0f4f8; }
-}"""
 
 
 @dataclass(frozen=True, slots=True)
 class _Bar:
-    """One bar: which row and series it is of, its value from 0 to 1, its interval, and how the table spells it."""
+    """One bar: its row and series in `words`, its value from 0 to 1, its interval, and how the table spells it.
 
-    row: str
-    name: str
+    `shown` are the words without the row, unless the bar is the `first` of that.
+    """
+
+    words: str
+    shown: str
+    first: bool
     series: int
     value: float
     interval: tuple[float, float] | None
@@ -55,37 +46,32 @@ class _Bar:
 
 
 def draw(table: Table) -> str:
-    """Return the SVG of a table's shares, scores and figures from 0 to 1; differences are left to the table."""
+    """Return the SVG of a table's shares, scores and figures from 0 to 1; differences are omitted."""
     bars = list(_bars(table))
-    words = [bar.row if first else "" for bar, first in _with_first(bars)]
-    left = int(max([0, *(width(short(_left(bar, row), _LONGEST)) for bar, row in zip(bars, words, strict=True))]) * 7.9)
+    left = int(max([0, *(width(short(bar.shown, _LONGEST)) for bar in bars)]) * 7.9)
     right = int(max([0, *(width(bar.text) for bar in bars)]) * _CHARACTER)
     start = _MARGIN + left + 12
     across = max(start + _BAR + 12 + right + _MARGIN, int(width(short(table.title, 90)) * 10.3) + 2 * _MARGIN)
     body, bottom = _drawn(bars, start)
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {dimensions(across, bottom + _MARGIN)} {ROLE}>',
-        f'<title id="title">{escaped(table.title)}</title>',
-        f'<desc id="desc">{escaped(_description(bars))}</desc>',
-        f"<style>{_STYLE}</style>",
-        label("title", _MARGIN, _MARGIN + 16, table.title, longest=90),
-        *_grid(start, bottom),
-        *body,
-    ]
-    return "\n".join([*parts, "</svg>", ""])
+    heading = label("title", _MARGIN, _MARGIN + 16, table.title, longest=90)
+    drawn = [heading, *_grid(start, bottom), *body]
+    return document("figure", (across, bottom + _MARGIN), table.title, _description(bars), drawn)
 
 
 def _bars(table: Table) -> Iterator[_Bar]:
     series = [name for at, name in enumerate(table.columns) if any(_value(row[at]) is not None for row in table.rows)]
+    before = None
     for row in table.rows:
-        cells = dict(zip(table.columns, row, strict=True))
-        words = ", ".join(cell for cell in row if isinstance(cell, str))
-        for name, cell in cells.items():
+        told = ", ".join(cell for cell in row if isinstance(cell, str))
+        for name, cell in zip(table.columns, row, strict=True):
             value = _value(cell)
             if value is not None:
                 interval = cell.interval if isinstance(cell, Share | Score) else None
                 named = name if len(series) > 1 else ""
-                yield _Bar(words, named, series.index(name) % _SERIES, value, interval, spelled(cell))
+                words, first = f"{told} {named}".strip(), told != before
+                shown = words if first else named
+                yield _Bar(words, shown, first, series.index(name) % _SERIES, value, interval, spelled(cell))
+                before = told
 
 
 def _value(cell: Cell) -> float | None:
@@ -96,33 +82,21 @@ def _value(cell: Cell) -> float | None:
     return cell if isinstance(cell, float) and 0 <= cell <= 1 else None
 
 
-def _with_first(bars: list[_Bar]) -> Iterator[tuple[_Bar, bool]]:
-    before = None
-    for bar in bars:
-        yield bar, bar.row != before
-        before = bar.row
-
-
-def _left(bar: _Bar, row: str) -> str:
-    return " ".join(part for part in (row, bar.name) if part)
-
-
 def _drawn(bars: list[_Bar], start: int) -> tuple[list[str], int]:
-    """Return the bars from the top down, and where they end."""
+    """Return the bars from the top down, and the bottom edge."""
     parts: list[str] = []
     y = _TOP
-    for bar, first in _with_first(bars):
-        y += _GAP if first and bar is not bars[0] else 0
-        parts += _bar(bar, start, y, bar.row if first else "")
+    for bar in bars:
+        y += _GAP if bar.first and bar is not bars[0] else 0
+        parts += _bar(bar, start, y)
         y += _ROW
     return parts, y
 
 
-def _bar(bar: _Bar, start: int, y: int, row: str) -> Iterator[str]:
+def _bar(bar: _Bar, start: int, y: int) -> Iterator[str]:
     middle = y + _ROW / 2
-    words = _left(bar, bar.row)
-    yield f"<g><title>{escaped(f'{words}: {bar.text}')}</title>"
-    yield label("row", start - 12, middle + 4, _left(bar, row), "end", _LONGEST)
+    yield f"<g><title>{escaped(f'{bar.words}: {bar.text}')}</title>"
+    yield label("row", start - 12, middle + 4, bar.shown, "end", _LONGEST)
     yield f'<rect class="s{bar.series}" x="{start}" y="{y + 3}" width="{_BAR * bar.value:.1f}" height="{_ROW - 6}"/>'
     if bar.interval is not None:
         low, high = (start + _BAR * max(0.0, min(1.0, end)) for end in bar.interval)
@@ -139,14 +113,14 @@ def _grid(start: int, bottom: int) -> Iterator[str]:
 
 
 def _description(bars: list[_Bar]) -> str:
-    return "; ".join(f"{_left(bar, bar.row)}: {bar.text}" for bar in bars) or "Nothing could be counted."
+    return "; ".join(f"{bar.words}: {bar.text}" for bar in bars) or "Nothing could be counted."
 
 
 def write(table: Table, folder: Path) -> tuple[Path, ...]:
-    """Write `NAME.md`, `NAME.csv` and `NAME.svg` into a folder, made where there is none; return their paths.
+    """Write `NAME.md`, `NAME.csv` and `NAME.svg` into a folder, created if missing; return their paths.
 
     Raises:
-        UsageError: KG003 when a file cannot be written.
+        UsageError: KG003 a file cannot be written.
     """
     texts = {
         folder / f"{table.name}.md": as_markdown(table),

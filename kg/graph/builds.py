@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from kg.facts import PackageFacts, Problem, Repository, Resolution
 from kg.graph import vocabulary as v
@@ -35,9 +35,24 @@ class Counts:
     triples: int = 0
 
 
+COUNTS: Final = {
+    "packages": v.PACKAGES,
+    "nodes": v.NODES,
+    "interfaces": v.INTERFACES,
+    "parameters": v.PARAMETERS,
+    "definitions": v.DEFINITIONS,
+    "files": v.FILES,
+    "problems": v.PROBLEMS,
+    "unresolved": v.UNRESOLVED,
+    "bounded": v.BOUNDED,
+    "triples": v.TRIPLES,
+}
+"""The property that holds each of `Counts`."""
+
+
 @dataclass(frozen=True, slots=True)
 class BuildRecord:
-    """One reading of one source: times with their zone, the version of `kg`, and what was found."""
+    """A build of one source: times with their zone, the version of `kg`, and the number of facts."""
 
     repository: Repository
     started: datetime
@@ -81,8 +96,8 @@ def build_triples(record: BuildRecord, iris: Iris) -> bytes:
     writer.text(subject, v.ROOT, repository.root)
     writer.add(subject, v.DIRTY, boolean(repository.dirty))
     writer.text(subject, v.KG_VERSION, record.version)
-    for predicate, number in _numbers(record.counts):
-        writer.number(subject, predicate, number)
+    for name, predicate in COUNTS.items():
+        writer.number(subject, predicate, getattr(record.counts, name))
     return writer.encoded()
 
 
@@ -91,18 +106,3 @@ def _agent(writer: Writer, iris: Iris, version: str) -> str:
     writer.described(agent, f"kg {version}", v.SOFTWARE_AGENT)
     writer.add(agent, v.VERSION, literal(version))
     return agent
-
-
-def _numbers(counts: Counts) -> tuple[tuple[str, int], ...]:
-    return (
-        (v.PACKAGES, counts.packages),
-        (v.NODES, counts.nodes),
-        (v.INTERFACES, counts.interfaces),
-        (v.PARAMETERS, counts.parameters),
-        (v.DEFINITIONS, counts.definitions),
-        (v.FILES, counts.files),
-        (v.PROBLEMS, counts.problems),
-        (v.UNRESOLVED, counts.unresolved),
-        (v.BOUNDED, counts.bounded),
-        (v.TRIPLES, counts.triples),
-    )

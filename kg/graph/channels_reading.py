@@ -14,8 +14,8 @@ from kg.facts import Interface, NodeReference, System
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.ntriples import literal
-from kg.graph.queries import select
-from kg.graph.reading import Queryable, facts
+from kg.graph.queries import column, one_of, texts
+from kg.graph.reading import Queryable, code_facts
 from kg.graph.systems_reading import partial_systems
 from kg.graph.usual_ends import channels_by_system, unstated_ends
 
@@ -46,7 +46,7 @@ SELECT DISTINCT ?name WHERE {
 }"""
 _CALLED: Final = """
 SELECT DISTINCT ?name WHERE {
-  VALUES ?name { %s }
+  %s
   ?end rnkg:connectsTo/rdfs:label ?name ; rnkg:declaredBy ?code .
   ?code a ?class .
   FILTER(?class IN (%s))
@@ -77,14 +77,14 @@ def names(graph: Queryable, kind: str, *, implicit: bool = False) -> list[str]:
 
     Those that only frameworks use are there with `implicit` alone.
     """
-    found = set(_column(graph, (_EVERY_NAME if implicit else _NAMES) % CLASSES[kind]))
+    found = column(graph, (_EVERY_NAME if implicit else _NAMES) % CLASSES[kind])
     more = unstated_ends(graph) if implicit else ()
     return sorted(found | {end.name for end in more if end.role.channel == kind})
 
 
 def every_name(graph: Queryable) -> dict[str, list[str]]:
     """Return the names of all topics, services and actions by kind, those that only frameworks use too, sorted."""
-    found = {kind: set(_column(graph, _EVERY_NAME % classes)) for kind, classes in CLASSES.items()}
+    found = {kind: column(graph, _EVERY_NAME % classes) for kind, classes in CLASSES.items()}
     for end in unstated_ends(graph):
         found[end.role.channel].add(end.name)
     return {kind: sorted(held) for kind, held in found.items()}
@@ -93,8 +93,8 @@ def every_name(graph: Queryable) -> dict[str, list[str]]:
 def channels_called(graph: Queryable, called: Iterable[str]) -> list[tuple[str, str]]:
     """Return the topics, services and actions of some absolute names, as kind and name, sorted."""
     meant = set(called)
-    listed = " ".join(map(literal, sorted(meant)))
-    found = {(kind, name) for kind, classes in _AMONG.items() for name in _column(graph, _CALLED % (listed, classes))}
+    those = one_of("name", meant)
+    found = {(kind, name) for kind, classes in _AMONG.items() for name in column(graph, _CALLED % (those, classes))}
     found |= {(end.role.channel, end.name) for name in meant for end in unstated_ends(graph, name)}
     return sorted(found)
 
@@ -107,13 +107,13 @@ def names_in(graph: Queryable, kind: str, systems: Iterable[str]) -> list[str]:
 
 def names_written(graph: Queryable, kind: str, written: str) -> list[str]:
     """Return the names that ends have whose name in the code is `written`, in systems and started alone, sorted."""
-    return sorted(_column(graph, _WRITTEN % (literal(written), _AMONG[kind])))
+    return sorted(column(graph, _WRITTEN % (literal(written), _AMONG[kind])))
 
 
 def ends_in_code(graph: Queryable, kind: str, name: str, base: str) -> list[tuple[NodeReference, Interface]]:
     """Return the interfaces that have this name where their node is started alone, sorted."""
     channel = NamedNode(Iris(base).channel(kind, name))
-    found = facts(graph, f"?subject rnkg:connectsTo {channel} .")
+    found = code_facts(graph, f"?subject rnkg:connectsTo {channel} .")
     ends = [(owner, fact) for owner, fact in found.values() if isinstance(fact, Interface)]
     return sorted(ends, key=lambda one: (one[1].role, one[0], str(one[1].location), one[1].type or ""))
 
@@ -134,13 +134,8 @@ def findings_about(graph: Queryable, name: str) -> dict[tuple[str, str, str], tu
     Of configurations these are the IRIs.
     """
     found: defaultdict[tuple[str, str, str], tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
-    for row in select(graph, _FINDINGS % literal(name)):
-        code, severity, message = (row[part].value for part in ("code", "severity", "message"))
+    for system, code, severity, message, subject in texts(graph, _FINDINGS % literal(name)):
         subjects, systems = found[code, severity, message]
-        subjects.add(row["subject"].value)
-        systems.add(row["system"].value)
+        subjects.add(subject)
+        systems.add(system)
     return {key: (sorted(found[key][0]), sorted(found[key][1])) for key in sorted(found)}
-
-
-def _column(graph: Queryable, text: str) -> list[str]:
-    return [row[0].value for row in select(graph, text)]

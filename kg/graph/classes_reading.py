@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.graph import vocabulary as v
-from kg.graph.queries import select
+from kg.graph.queries import texts
 
 if TYPE_CHECKING:
     from kg.graph.reading import Queryable
@@ -65,17 +65,16 @@ def classes(graph: Queryable, iri: str) -> Classes:
     """Return what is inferred of the node type with this IRI; nothing where no rules ran."""
     found = {name: list[Class]() for name in ("hasFunction", "usesHardware", "usesDevice")}
     known = grades(graph, iri)
-    for row in select(graph, _QUERY.format(iri=iri)):
-        graded = Class(row["text"].value, known.get(row["class"].value, Grade()))
-        found[row["property"].value.removeprefix(v.RNKG)].append(graded)
+    for relation, kind, label in texts(graph, _QUERY.format(iri=iri)):
+        found[relation.removeprefix(v.RNKG)].append(Class(label, known.get(kind, Grade())))
     return Classes(*map(tuple, found.values()))
 
 
 def grades(graph: Queryable, iri: str) -> dict[str, Grade]:
     """Return the grade of each class of the node type with this IRI, by the IRI of the class."""
     said: defaultdict[str, set[str]] = defaultdict(set)
-    for row in select(graph, _GRADES_QUERY.format(iri=iri)):
-        said[row["class"].value].add(row["property"].value.removeprefix(v.RNKG))
+    for relation, kind in texts(graph, _GRADES_QUERY.format(iri=iri)):
+        said[kind].add(relation.removeprefix(v.RNKG))
     return {
         one: Grade(
             next((grade for name, grade in _GRADES.items() if name in names), ""),

@@ -1,6 +1,6 @@
-"""Message, service and action definitions become triples; their fields are the parameters onto-ros speaks of.
+"""Message, service and action definitions as triples; their fields are the parameters of onto-ros.
 
-The type is shared by all sources, the definition is what one source says of it: copies may differ.
+The type is shared by all sources, the definition belongs to one source: copies may differ.
 """
 
 from __future__ import annotations

@@ -10,26 +10,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final, TypeAlias
 
-from kg.facts import Access, LaunchProblemKind, NodeKind, Resolution
+from kg.facts import Access, LaunchProblemKind, Location, NodeKind, Resolution
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import Writer, boolean, double, integer, literal
 
 Properties: TypeAlias = Mapping[str, list[str]]
-"""What the graph says of one thing: values by the IRIs of properties."""
+"""The properties of one thing in the graph: values by the IRIs of properties."""
 
 
 def one(properties: Properties, term: str) -> str | None:
     """Return the value of a term that has one; the least where it has several."""
-    return _least(properties.get(v.bare(term)))
+    values = properties.get(term[1:-1])
+    return None if values is None else values[0] if len(values) == 1 else min(values, default=None)
 
 
-def _least(values: list[str] | None) -> str | None:
-    """Return the least of some values, of which there is mostly one."""
-    if not values:
-        return None
-    return values[0] if len(values) == 1 else min(values)
+def place_of(properties: Properties) -> Location:
+    """Return the line where a thing was read."""
+    return Location(one(properties, v.PATH) or "", int(one(properties, v.LINE) or 0), one(properties, v.IN_REPOSITORY))
 
 
 def word(properties: Properties, term: str) -> str:
@@ -43,15 +43,16 @@ def _local(iri: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """One attribute of a fact: `parse` is given None where the property is missing; `unwritten` is not written.
+    """One attribute of a fact; `unwritten` is a value that is not written.
 
+    `parse` is given None where the property is missing; without it the attribute is the text, or None.
     `several` is a tuple of texts, one triple each; it is sorted when it is read.
     """
 
     name: str
     term: str
     spell: Callable[[Any], str] = literal
-    parse: Callable[[str | None], Any] = lambda text: text
+    parse: Callable[[str | None], Any] | None = None
     unwritten: Any = None
     several: bool = False
 
@@ -86,9 +87,10 @@ class Fields:
         for name, term, several, parse in self._readers:
             values = properties.get(term)
             if several:
-                found[name] = tuple(sorted(values or ()))
-            else:
-                found[name] = parse(_least(values))
+                found[name] = tuple(sorted(values)) if values else ()
+                continue
+            value = None if values is None else values[0] if len(values) == 1 else min(values, default=None)
+            found[name] = value if parse is None else parse(value)
         return found
 
 
@@ -98,7 +100,7 @@ def _flag(name: str, term: str) -> _Field:
 
 def _word(name: str, term: str, kind: Callable[[str], Any]) -> _Field:
     """Return an attribute that is an enumerator, for which RNKG has a term."""
-    return _Field(name, term, v.rnkg, lambda iri: kind(_local(iri or "")))
+    return _Field(name, term, v.rnkg, cache(lambda iri: kind(_local(iri or ""))))
 
 
 def _count(text: str | None) -> int:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.graph.ntriples import literal
-from kg.graph.queries import select
+from kg.graph.queries import among, column, one_of, texts
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -26,7 +26,7 @@ def nodes_at_channel(graph: Queryable, name: str) -> set[str]:
 def nodes_of_types(graph: Queryable, names: Iterable[str]) -> set[str]:
     """Return the IRIs of the node types with ends whose messages, services or actions have types, as `package/Type`."""
     typed = "?part ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType ?type . ?node ros:hasComponent ?part"
-    return _nodes(graph, f"{_values('?label', names)} ?type rdfs:label ?label . {typed}")
+    return _nodes(graph, f"{one_of('label', names)} ?type rdfs:label ?label . {typed}")
 
 
 def nodes_called(graph: Queryable, name: str, *, at_run_time: bool = False) -> set[str]:
@@ -47,12 +47,12 @@ def nodes_loading(graph: Queryable, plugins: Iterable[str]) -> set[str]:
     """Return the IRIs of the node types that load plugins of some classes unless parameters say otherwise."""
     spelled = {text for one in plugins for text in (one, one.replace("/", "::"), one.replace("::", "/"))}
     loading = "?default rnkg:className ?class . ?node rnkg:hasPluginSlot/rnkg:hasDefaultPlugin ?default"
-    return _nodes(graph, f"{_values('?class', spelled)} {loading}") if spelled else set()
+    return _nodes(graph, f"{one_of('class', spelled)} {loading}") if spelled else set()
 
 
 def nodes_with_parameter(graph: Queryable, names: Iterable[str]) -> set[str]:
     """Return the IRIs of the node types with a parameter of one of some names, as their code spells it."""
-    return _nodes(graph, f"{_values('?name', names)} ?part rnkg:name ?name . ?node rnkg:hasParameter ?part")
+    return _nodes(graph, f"{one_of('name', names)} ?part rnkg:name ?name . ?node rnkg:hasParameter ?part")
 
 
 def nodes_in_file(graph: Queryable, path: str) -> set[str]:
@@ -70,13 +70,14 @@ def definitions_of(graph: Queryable, names: Iterable[str]) -> set[str]:
     queue = set(names)
     while queue:
         asked |= queue
-        values = _values("?label", queue)
+        values = one_of("label", queue)
         found |= _definitions(graph, f"{values} ?definition rdfs:label ?label")
         holding = _definitions(
             graph, f"{values} ?type rdfs:label ?label . ?definition rnkg:hasField/rnkg:hasFieldType ?type"
         )
         found |= holding
-        queue = _labels(graph, holding) - asked
+        labels = f"{among('definition', holding)} ?definition rdfs:label ?label"
+        queue = column(graph, f"SELECT ?label WHERE {{ {labels} }}") - asked
     return found
 
 
@@ -90,44 +91,26 @@ def types_called(graph: Queryable, name: str) -> list[str]:
     classes = "ros:Message, rnkg:ServiceType, rnkg:ActionType"
     text = literal(name)
     query = f"SELECT ?type WHERE {{ ?type rdfs:label {text} ; a ?class FILTER(?class IN ({classes})) }} LIMIT 1"
-    return [name for _ in _iris(graph, query)]
+    return [name for _ in column(graph, query)]
 
 
 def qualified_names(graph: Queryable) -> set[str]:
     """Return the names of node types, as `node` and as `package/node`."""
-    rows = select(
-        graph,
-        "SELECT ?package ?name WHERE"
-        " { ?node a rnkg:NodeType ; rnkg:name ?name . ?p rnkg:contains ?node ; rnkg:name ?package }",
-    )
-    return {name for row in rows for name in (row[1].value, f"{row[0].value}/{row[1].value}")}
+    pattern = "?node a rnkg:NodeType ; rnkg:name ?name . ?p rnkg:contains ?node ; rnkg:name ?package"
+    rows = texts(graph, f"SELECT ?package ?name WHERE {{ {pattern} }}")
+    return {name for package, node in rows for name in (node, f"{package}/{node}")}
 
 
 def settable_names(graph: Queryable) -> set[str]:
     """Return the names of the parameters of node types, alone and behind `node.`."""
-    rows = select(
-        graph,
-        "SELECT ?node ?name WHERE { ?n a rnkg:NodeType ; rnkg:name ?node ; rnkg:hasParameter/rnkg:name ?name }",
-    )
-    return {name for row in rows if row[1].value for name in (row[1].value, f"{row[0].value}.{row[1].value}")}
+    pattern = "?n a rnkg:NodeType ; rnkg:name ?node ; rnkg:hasParameter/rnkg:name ?name"
+    rows = texts(graph, f"SELECT ?node ?name WHERE {{ {pattern} }}")
+    return {name for node, parameter in rows if parameter for name in (parameter, f"{node}.{parameter}")}
 
 
 def _nodes(graph: Queryable, pattern: str) -> set[str]:
-    return _iris(graph, f"SELECT DISTINCT ?node WHERE {{ {pattern} . ?node a rnkg:NodeType }}")
+    return column(graph, f"SELECT DISTINCT ?node WHERE {{ {pattern} . ?node a rnkg:NodeType }}")
 
 
 def _definitions(graph: Queryable, pattern: str) -> set[str]:
-    return _iris(graph, f"SELECT DISTINCT ?definition WHERE {{ {pattern} . ?definition a rnkg:InterfaceDefinition }}")
-
-
-def _labels(graph: Queryable, definitions: Iterable[str]) -> set[str]:
-    listed = " ".join(f"<{iri}>" for iri in sorted(definitions))
-    return _iris(graph, f"SELECT ?label WHERE {{ VALUES ?definition {{ {listed} }} ?definition rdfs:label ?label }}")
-
-
-def _iris(graph: Queryable, text: str) -> set[str]:
-    return {row[0].value for row in select(graph, text)}
-
-
-def _values(variable: str, texts: Iterable[str]) -> str:
-    return f"VALUES {variable} {{ {' '.join(map(literal, sorted(set(texts))))} }}"
+    return column(graph, f"SELECT DISTINCT ?definition WHERE {{ {pattern} . ?definition a rnkg:InterfaceDefinition }}")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
-from kg.graph.queries import select
+from kg.graph.queries import among, column, one_of
 from kg.graph.usual_ends import UsualEnd, unstated_ends
 from kg.holes import fits
 
@@ -23,19 +23,21 @@ if TYPE_CHECKING:
 _Parts: TypeAlias = "list[tuple[str, str]]"
 _HAVING: Final = "?instance ros:hasComponent ?part"
 _STARTED: Final = "GRAPH ?graph { ?instance rnkg:startedWith ?part }"
+_NAMED: Final = "GRAPH ?graph { ?instance rnkg:name ?name }"
 _UNKNOWN: Final = 'SELECT DISTINCT ?name WHERE { ?end rnkg:resolvedName ?name FILTER(CONTAINS(?name, "{")) }'
+_HOLDING: Final = "SELECT DISTINCT ?value WHERE { ?part rnkg:value ?value FILTER(CONTAINS(?value, %s)) }"
 _SETTABLE: Final = """
 SELECT DISTINCT ?name WHERE { ?start rnkg:hasSetting ?part . ?part rnkg:name|(rnkg:sets/rnkg:name) ?name }"""
 
 
 def partly_known(graph: Queryable) -> list[str]:
     """Return the names of ends that are not known whole, sorted."""
-    return sorted(row["name"].value for row in select(graph, _UNKNOWN))
+    return sorted(column(graph, _UNKNOWN))
 
 
 def set_names(graph: Queryable) -> list[str]:
     """Return the names of the settings of instances and those of the parameters that they set, sorted."""
-    return sorted(row["name"].value for row in select(graph, _SETTABLE))
+    return sorted(column(graph, _SETTABLE))
 
 
 def at_channel(graph: Queryable, kind: str, name: str, partly: Iterable[str]) -> tuple[_Parts, list[UsualEnd]]:
@@ -44,15 +46,20 @@ def at_channel(graph: Queryable, kind: str, name: str, partly: Iterable[str]) ->
     `partly` are the names that are not known whole.
     """
     text, bare = literal(name), literal(name.lstrip("/"))
+    # All values are read for this, once.
+    holding = one_of("value", column(graph, _HOLDING % bare))
     unknown = {own for own in partly if fits(own, name)}
     ends = (
         f"GRAPH ?graph {{ ?channel rdfs:label {text} . ?part rnkg:connectsTo ?channel . {_HAVING} }}",
-        f"{_values('?name', unknown)} GRAPH ?graph {{ ?part rnkg:resolvedName ?name . {_HAVING} }}",
+        f"{one_of('name', unknown)} GRAPH ?graph {{ ?part rnkg:resolvedName ?name . {_HAVING} }}",
         f"?remap rnkg:from {text} . GRAPH ?graph {{ ?part rnkg:remappedBy ?remap . {_HAVING} }}",
-        f"{_holding('?setting', bare)} GRAPH ?graph {{ ?part rnkg:namedBy ?setting . {_HAVING} }}",
+        f"{holding} ?setting rnkg:value ?value . GRAPH ?graph {{ ?part rnkg:namedBy ?setting . {_HAVING} }}",
     )
     usual = [end for end in unstated_ends(graph, name) if end.role.channel == kind]
-    return [*((v.HAS_COMPONENT, end) for end in ends), (v.HAS_SETTING, _setting(_holding("?part", bare)))], usual
+    return [
+        *((v.HAS_COMPONENT, end) for end in ends),
+        (v.HAS_SETTING, _setting(f"{holding} ?part rnkg:value ?value .")),
+    ], usual
 
 
 def at_parameter(name: str, known: Iterable[str]) -> _Parts:
@@ -80,7 +87,7 @@ def at_parameter(name: str, known: Iterable[str]) -> _Parts:
 
 def at_node(graph: Queryable, name: str, types: Iterable[str]) -> _Parts:
     """Return the instances of a name or of node types (IRIs), whom they meet, and what hosts, loads or lists them."""
-    kinds = f"VALUES ?type {{ {' '.join(f'<{iri}>' for iri in types)} }}"
+    kinds = among("type", types)
 
     def own(variable: str) -> str:
         return (
@@ -88,7 +95,7 @@ def at_node(graph: Queryable, name: str, types: Iterable[str]) -> _Parts:
             f" {{ {kinds} GRAPH ?graph {{ {variable} rnkg:instanceOf ?type ; rnkg:startedWith ?own }} }}"
         )
 
-    names = {row["name"].value for row in select(graph, _names(own("?instance")))} | {name}
+    names = column(graph, f"SELECT DISTINCT ?name WHERE {{ {own('?instance')} {_NAMED} }}") | {name}
     lasts = {one.rpartition("/")[2] for one in names if one.startswith("/")}
     tests = " || ".join(f"CONTAINS(?value, {literal(last)})" for last in sorted(lasts))
     meeting = f"?named ros:hasComponent/rnkg:connectsTo ?met . ?part rnkg:connectsTo ?met . {_HAVING}"
@@ -117,7 +124,7 @@ def of_types(graph: Queryable, names: Iterable[str]) -> tuple[_Parts, list[Usual
     known = set(names)
     relations = "ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType"
     pattern = (
-        f"{_values('?label', known)} ?type rdfs:label ?label . ?code {relations} ?type ."
+        f"{one_of('label', known)} ?type rdfs:label ?label . ?code {relations} ?type ."
         f" GRAPH ?graph {{ ?part rnkg:declaredBy|rnkg:overrides ?code . {_HAVING} }}"
     )
     return [(v.HAS_COMPONENT, pattern)], unstated_ends(graph, types=known)
@@ -128,17 +135,5 @@ def _setting(pattern: str) -> str:
     return f"{pattern} ?start rnkg:hasSetting ?part . GRAPH ?graph {{ ?instance rnkg:startedWith ?start }}"
 
 
-def _holding(variable: str, text: str) -> str:
-    return f"{variable} rnkg:value ?value FILTER(CONTAINS(?value, {text}))"
-
-
 def _named(variable: str, names: Iterable[str]) -> str:
-    return f"{_values('?name', names)} {variable} rnkg:name|(rnkg:sets/rnkg:name) ?name ."
-
-
-def _names(pattern: str) -> str:
-    return f"SELECT DISTINCT ?name WHERE {{ {pattern} GRAPH ?graph {{ ?instance rnkg:name ?name }} }}"
-
-
-def _values(variable: str, texts: Iterable[str]) -> str:
-    return f"VALUES {variable} {{ {' '.join(map(literal, sorted(texts)))} }}"
+    return f"{one_of('name', names)} {variable} rnkg:name|(rnkg:sets/rnkg:name) ?name ."

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any, Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
 
 from kg.facts import Dependency, Field, FileKind, InterfaceDefinition, Location
 from kg.graph.definitions import message_of
 from kg.graph.ntriples import literal
-from kg.graph.queries import select
-from kg.impact import DefinitionRecord, FileRecord, PackageRecord
+from kg.graph.queries import among, column, one_of, texts
+from kg.impact.model import DefinitionRecord, FileRecord, PackageRecord
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
@@ -62,7 +63,7 @@ SELECT DISTINCT ?configuration WHERE {
 }"""
 _DESCRIBED: Final = """
 SELECT DISTINCT ?configuration WHERE {
-  VALUES ?graph { %s }
+  %s
   GRAPH ?graph { ?configuration rnkg:launchDialect ?dialect }
 }"""
 _TYPES: Final = ("ros:Message", "rnkg:ServiceType", "rnkg:ActionType")
@@ -94,39 +95,27 @@ def dependents(graph: Queryable, package: str) -> list[PackageRecord]:
     """Return the packages that depend on one, with their dependencies on it, sorted by source and name."""
     found: dict[str, PackageRecord] = {}
     lines: defaultdict[str, list[Dependency]] = defaultdict(list)
-    for row in select(graph, _DEPENDENTS % literal(package)):
-        iri = row["package"].value
-        folder = row["folder"].value if row["folder"] else "."
-        found[iri] = PackageRecord(row["repository"].value, row["name"].value, folder, row["manifest"].value)
-        lines[iri].append(Dependency(row["on"].value, row["kind"].value, int(row["line"].value)))
-    whole = [
-        PackageRecord(one.repository, one.name, one.folder, one.manifest, tuple(sorted(lines[iri], key=repr)))
-        for iri, one in found.items()
-    ]
+    for iri, repository, name, folder, manifest, on, kind, line in texts(graph, _DEPENDENTS % literal(package)):
+        found[iri] = PackageRecord(repository, name, folder or ".", manifest)
+        lines[iri].append(Dependency(on, kind, int(line)))
+    whole = [replace(one, dependencies=tuple(sorted(lines[iri], key=repr))) for iri, one in found.items()]
     return sorted(whole, key=lambda one: (one.repository, one.name, one.folder))
 
 
 def definition_records(graph: Queryable, iris: Collection[str] | None = None) -> list[DefinitionRecord]:
     """Return the definitions of the store, or those of some IRIs, sorted by source, name and kind."""
-    those = "" if iris is None else f"VALUES ?definition {{ {' '.join(f'<{iri}>' for iri in sorted(iris))} }}"
+    those = "" if iris is None else among("definition", iris)
     fields: defaultdict[str, list[Field]] = defaultdict(list)
-    for row in select(graph, _FIELDS % those):
-        field = Field(
-            section=row["section"].value,
-            name=row["name"].value,
-            type=row["type"].value,
-            line=int(row["line"].value),
-            default=_value(row["default"]),
-            constant=_value(row["constant"]),
+    for iri, section, name, kind, line, default, constant in texts(graph, _FIELDS % those):
+        fields[iri].append(
+            Field(section=section, name=name, type=kind, line=int(line), default=default, constant=constant)
         )
-        fields[row["definition"].value].append(field)
     found = []
-    for row in select(graph, _DEFINITIONS % those):
-        package, own = row["package"].value, tuple(fields[row["definition"].value])
-        location = Location(row["path"].value, int(row["line"].value))
-        definition = InterfaceDefinition(row["kind"].value, package, row["name"].value, own, location)
+    for iri, repository, package, name, kind, path, line in texts(graph, _DEFINITIONS % those):
+        own = tuple(fields[iri])
+        definition = InterfaceDefinition(kind, package, name, own, Location(path, int(line)))
         embeds = {f"{one.section}/{one.name}": held for one in own if (held := message_of(one.type, package))}
-        found.append(DefinitionRecord(row["repository"].value, definition, embeds))
+        found.append(DefinitionRecord(repository, definition, embeds))
     return sorted(found, key=lambda one: (one.repository, one.name, one.definition.kind))
 
 
@@ -137,39 +126,37 @@ def file_records(
 
     They may be limited to those of some sources, of one path, or to those whose path ends in some segments.
     """
-    those = "" if sources is None else f"VALUES ?repository {{ {' '.join(map(literal, sorted(sources)))} }}"
+    those = "" if sources is None else one_of("repository", sources)
     if path is not None:
-        those = f"VALUES ?path {{ {literal(path)} }}"
+        those = one_of("path", [path])
     elif ending is not None:
         those = f'FILTER(STRENDS(CONCAT("/", ?path), {literal(f"/{ending}")}))'
-    found = [
-        FileRecord(row["repository"].value, row["package"].value, row["path"].value, FileKind(row["kind"].value))
-        for row in select(graph, _FILES % those)
-    ]
+    found = (
+        FileRecord(repository, package, at, FileKind(kind))
+        for repository, package, at, kind in texts(graph, _FILES % those)
+    )
     return sorted(found, key=lambda one: (one.repository, one.path))
 
 
 def arguments(graph: Queryable, name: str | None = None) -> list[tuple[str, str]]:
     """Return the launch arguments, or those of a name, each with the launch file that declares it, sorted."""
-    given = "" if name is None else f"VALUES ?name {{ {literal(name)} }}"
-    return sorted((row["name"].value, row["launch"].value) for row in select(graph, _ARGUMENTS % given))
+    return sorted(texts(graph, _ARGUMENTS % ("" if name is None else one_of("name", [name]))))
 
 
 def configurations_with(graph: Queryable, argument: str) -> set[str]:
     """Return the IRIs of the launch configurations that declare an argument."""
-    return {row["configuration"].value for row in select(graph, _DECLARING % literal(argument))}
+    return column(graph, _DECLARING % literal(argument))
 
 
 def configurations_in(graph: Queryable, graphs: Iterable[str]) -> set[str]:
     """Return the IRIs of the configurations that some named graphs describe."""
-    listed = " ".join(f"<{iri}>" for iri in sorted(graphs))
-    return {row["configuration"].value for row in select(graph, _DESCRIBED % listed)}
+    return column(graph, _DESCRIBED % among("graph", graphs))
 
 
 def type_names(graph: Queryable, last: str | None = None) -> list[str]:
     """Return the names of the types of messages, services and actions, or those with a `last` part, sorted."""
     chosen = "" if last is None else f'FILTER(STRENDS(CONCAT("/", ?name), {literal(f"/{last}")}))'
-    return sorted({row["name"].value for term in _TYPES for row in select(graph, _LABELS % (term, chosen))})
+    return sorted(set().union(*(column(graph, _LABELS % (term, chosen)) for term in _TYPES)))
 
 
 def systems_naming(
@@ -184,10 +171,4 @@ def systems_naming(
         (_STARTING, " ".join(f"<{iri}>" for iri in sorted(set(types)))),
         (_INCLUDING, " ".join(f"<{iri}>" for iri in sorted(set(included)))),
     )
-    return {
-        row["graph"].value for query, values in asked if values for row in select(graph, query % {"values": values})
-    }
-
-
-def _value(term: Any) -> str | None:
-    return None if term is None else term.value
+    return {found for query, values in asked if values for found in column(graph, query % {"values": values})}

@@ -22,7 +22,7 @@ UNKNOWN: Final = "@unresolved"
 """Stands in a fragment for a name that is not known; `@` never occurs in an encoded name."""
 
 RUNNING: Final = "robot"
-"""What stands in place of a source, and of a package, for systems that were seen running; sources have a slash."""
+"""Placeholder for the source and the package of observed systems; names of sources contain a slash."""
 
 _BETWEEN: Final = "-"
 _SOURCE_GRAPHS: Final = "graph/source/"
@@ -53,14 +53,14 @@ _SHAPES: Final[dict[str, str]] = {
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """What an IRI stands for: its kind and the parts it was made of, decoded."""
+    """A parsed IRI: its kind and its decoded parts."""
 
     kind: str
     parts: tuple[str, ...]
 
 
 def is_source_graph(iri: str) -> bool:
-    """Tell whether the IRI of a named graph, of whatever base, is that of what was read from a source."""
+    """Return whether an IRI, with any base, is that of the named graph of a source."""
     return f"/{_SOURCE_GRAPHS}" in iri
 
 
@@ -176,7 +176,7 @@ class Iris:
         return f"{self.base}graph/{_segment(name)}"
 
     def source_graph(self, repository: str) -> str:
-        """Return the IRI of the named graph of what was read from a source."""
+        """Return the IRI of the named graph of a source."""
         return f"{self.base}{_SOURCE_GRAPHS}{_path(repository)}"
 
     def launch_graph(self, repository: str, path: str) -> str:

@@ -1,6 +1,6 @@
-"""Writing N-Triples (W3C RDF 1.1 N-Triples) as text, fast: terms are strings already spelled as the syntax has them.
+"""Fast writing of N-Triples (W3C RDF 1.1 N-Triples) as text: terms are strings in N-Triples syntax.
 
-IRIs come from `kg.graph.iris` and `kg.graph.vocabulary`, which give only valid ones; literals may hold any text.
+IRIs come from `kg.graph.iris` and `kg.graph.vocabulary`, which only produce valid ones; literals may hold any text.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ def moment(time: datetime) -> str:
 
 
 class Writer:
-    """Collects the triples of one graph in the order they are added.
+    """Collects the triples of one graph in order.
 
-    What is shared between many facts (topics, message types, files) is described once: `first` tells whether it
-    is seen for the first time.
+    Things shared by many facts (topics, message types, files) are described once: `first` returns whether a thing is
+    new.
     """
 
     __slots__ = ("_seen", "lines")

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from kg.facts import FileKind, Location, NodeKind, Role
 from kg.graph import vocabulary as v
-from kg.graph.ntriples import literal
-from kg.graph.queries import select
+from kg.graph.queries import column, one_of, texts
 from kg.graph.reading import Queryable, which
 from kg.graph.usual_ends import unstated_ends
 
@@ -22,7 +21,9 @@ _CHANNELS: Final = {
     "service": ("ros:ServiceServer", "ros:ServiceClient", "rnkg:hasServiceType"),
     "action": ("rnkg:ActionServer", "rnkg:ActionClient", "rnkg:hasActionType"),
 }
-"""For each kind of channel the component that gives (publishes, serves), the one that takes, what leads to the type."""
+"""For each kind of channel, the component that gives (publishes, serves), the one that takes, and the property of
+the type.
+"""
 _GIVERS: Final = frozenset({Role.PUBLISHES, Role.SERVICES, Role.ACTION_SERVERS})
 _DECLARES: Final = {
     v.bare(v.PUBLISHER): "publishes",
@@ -201,36 +202,28 @@ def packages(graph: Queryable) -> list[PackageSummary]:
     nodes = _count(graph, "?package rnkg:contains ?thing . ?thing a rnkg:NodeType .")
     definitions = _count(graph, "?package rnkg:defines ?thing .")
     problems = _count(graph, "?package rnkg:hasProblem ?thing .")
-    found = [
+    found = (
         PackageSummary(
-            repository=_text(row["repository"]) or "",
-            name=_text(row["name"]) or "",
-            version=_text(row["version"]),
-            ros=int(_text(row["ros"]) or 0),
-            folder=_text(row["folder"]) or "",
-            nodes=nodes[row["package"].value],
-            definitions=definitions[row["package"].value],
-            problems=problems[row["package"].value],
-            deprecated=row["deprecated"] is not None,
+            *(repository, name, version, int(ros or 0), folder or ""),
+            *(nodes[iri], definitions[iri], problems[iri]),
+            deprecated=deprecated is not None,
         )
-        for row in select(graph, _PACKAGES)
-    ]
+        for iri, repository, name, version, ros, folder, deprecated in texts(graph, _PACKAGES)
+    )
     return sorted(found, key=lambda one: (one.repository, one.name))
 
 
 def files(graph: Queryable) -> list[FileSummary]:
     """Return the files of the packages, sorted by source, package and path."""
     counts: Counter[tuple[str, str]] = Counter()
-    for row in select(graph, _IN_FILES):
-        counts[row["file"].value, row["class"].value.removeprefix(v.RNKG)] += int(row["number"].value)
+    for iri, kind, number in texts(graph, _IN_FILES):
+        counts[iri, kind.removeprefix(v.RNKG)] += int(number)
     found = []
-    for row in select(graph, _FILES):
-        kind, iri = FileKind(row["kind"].value), row["file"].value
-        texts = counts[iri, "Description"]
-        is_code, is_text = kind in _CODE, kind is FileKind.TEXT or texts > 0
+    for iri, repository, package, path, kind in texts(graph, _FILES):
+        said = counts[iri, "Description"]
+        is_code, is_text = kind in _CODE, kind == FileKind.TEXT or said > 0
         sort = "both" if is_code and is_text else "code" if is_code else "text" if is_text else "other"
-        place = (row["repository"].value, row["package"].value, row["path"].value)
-        found.append(FileSummary(*place, kind, sort, counts[iri, "NodeType"], texts))
+        found.append(FileSummary(repository, package, path, FileKind(kind), sort, counts[iri, "NodeType"], said))
     return sorted(found, key=lambda one: (one.repository, one.package, one.path))
 
 
@@ -238,29 +231,24 @@ def nodes(graph: Queryable, package: str | None = None) -> list[NodeSummary]:
     """Return the node types of the store, or of one package, sorted by source, package, name and place."""
     those = which(package)
     declared: defaultdict[str, Counter[str]] = defaultdict(Counter)
-    for row in select(graph, _DECLARED % those):
-        declared[row["node"].value][_DECLARES.get(row["class"].value, "")] += int(row["number"].value)
-    for row in select(graph, _PARAMETERS % those):
-        declared[row["node"].value]["parameters"] = int(row["number"].value)
+    for node, kind, number in texts(graph, _DECLARED % those):
+        declared[node][_DECLARES.get(kind, "")] += int(number)
+    for node, number in texts(graph, _PARAMETERS % those):
+        declared[node]["parameters"] = int(number)
     numbers = [*dict.fromkeys(_DECLARES.values()), "parameters"]
-    found = [
+    found = (
         NodeSummary(
-            repository=row["repository"].value,
-            package=row["package"].value,
-            name=row["name"].value,
-            kind=NodeKind(row["kind"].value.removeprefix(v.RNKG)),
-            ros=int(row["ros"].value),
-            location=Location(row["path"].value, int(row["line"].value)),
-            **{number: declared[row["node"].value][number] for number in numbers},
+            *(repository, owner, name, NodeKind(kind.removeprefix(v.RNKG)), int(ros), Location(path, int(line))),
+            *(declared[iri][number] for number in numbers),
         )
-        for row in select(graph, _NODES % those)
-    ]
+        for iri, repository, owner, name, kind, ros, path, line in texts(graph, _NODES % those)
+    )
     return sorted(found, key=lambda one: (one.repository, one.package, one.name, str(one.location)))
 
 
 def package_names(graph: Queryable) -> list[str]:
     """Return the names of all packages, each once, sorted."""
-    return sorted({row[0].value for row in select(graph, "SELECT ?name WHERE { ?p a rnkg:Package ; rnkg:name ?name }")})
+    return sorted(column(graph, "SELECT ?name WHERE { ?p a rnkg:Package ; rnkg:name ?name }"))
 
 
 def channels(
@@ -271,24 +259,22 @@ def channels(
     `implicit` adds the ends that frameworks make by themselves, and names that have no others.
     """
     giver, taker, typed = _CHANNELS[kind]
-    values = "" if named is None else f"VALUES ?channel {{ {' '.join(map(literal, sorted(named)))} }}"
+    values = "" if named is None else one_of("channel", named)
     given = {"classes": f"{giver} {taker}", "typed": typed}
     given |= {"named": values and f"{values} ?c rdfs:label ?channel .", "own": "" if implicit else "FILTER(!?implicit)"}
     names: defaultdict[str, list[str]] = defaultdict(list)
-    for row in select(graph, _OWNERS):
-        names[row["node"].value].append(f"{row['package'].value}/{row['name'].value}")
+    for node, name, package in texts(graph, _OWNERS):
+        names[node].append(f"{package}/{name}")
     types: defaultdict[str, set[str]] = defaultdict(set)
     ends: defaultdict[str, tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
     local = giver.partition(":")[2]
-    for row in (*select(graph, _IN_CODE % given), *select(graph, _IN_SYSTEMS % given)):
-        name = row["channel"].value
-        side = 0 if row["class"].value.endswith(f"#{local}") else 1
-        ends[name][side].update(names[row["node"].value] if row["node"] is not None else ())
-        if row["type"] is not None:
-            types[name].add(row["type"].value)
+    for name, role, node, message in (*texts(graph, _IN_CODE % given), *texts(graph, _IN_SYSTEMS % given)):
+        side = 0 if role.endswith(f"#{local}") else 1
+        ends[name][side].update(names[node] if node is not None else ())
+        types[name].update({message} if message else ())
     launches: defaultdict[str, set[str]] = defaultdict(set)
-    for row in select(graph, _LAUNCHES % given):
-        launches[row["channel"].value].add(row["configuration"].value)
+    for name, configuration in texts(graph, _LAUNCHES % given):
+        launches[name].add(configuration)
     for end in unstated_ends(graph):
         if end.role.channel != kind or not (implicit or end.name in ends) or end.name not in (named or {end.name}):
             continue
@@ -302,10 +288,6 @@ def channels(
     ]
 
 
-def _text(term: Any) -> str | None:
-    return None if term is None else term.value
-
-
 def _count(graph: Queryable, pattern: str) -> Counter[str]:
     """Count what the pattern binds to ?thing, by the IRI of its package."""
-    return Counter(row[0].value for row in select(graph, _OWNED % pattern))
+    return Counter(package for package, _ in texts(graph, _OWNED % pattern))

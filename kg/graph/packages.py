@@ -35,7 +35,7 @@ def key(name: str) -> str:
 
 
 def spdx(name: str) -> str | None:
-    """Return the IRI of the SPDX licence that `name` stands for, None when it does not say which (`BSD`)."""
+    """Return the IRI of the SPDX licence of `name`, None if it is ambiguous (`BSD`)."""
     return _table().get(key(name))
 
 

@@ -4,25 +4,23 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
-
-from pyoxigraph import NamedNode
+from typing import TYPE_CHECKING, Final
 
 from kg.facts import Location, NodeReference, Parameter
 from kg.graph import vocabulary as v
-from kg.graph.fields import one
+from kg.graph.fields import one, place_of
 from kg.graph.ntriples import literal
-from kg.graph.queries import select
-from kg.graph.reading import Queryable, facts, grouped
+from kg.graph.queries import among, column, one_of, select, texts
+from kg.graph.reading import Queryable, code_facts, grouped
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
+    from collections.abc import Collection
 
 
 _DECLARED: Final = "SELECT DISTINCT ?name WHERE { ?parameter rnkg:access ?access ; rnkg:name ?name }"
 _DECLARED_AMONG: Final = """
 SELECT DISTINCT ?name WHERE {
-  VALUES ?name { %s }
+  %s
   ?parameter rnkg:name ?name .
   ?parameter rnkg:access ?access .
 }"""
@@ -42,24 +40,24 @@ SELECT DISTINCT ?setting ?owner ?name WHERE {
 """Nested SELECTs are joined by hashing: looked up one by one, the settings of 77 repositories took minutes."""
 _PROPERTIES: Final = """
 SELECT ?subject ?predicate ?object WHERE {
-  VALUES ?subject { %s }
+  %s
   ?subject ?predicate ?object .
   FILTER(?predicate NOT IN (ros:hasComponent, rnkg:hasSetting, rnkg:readsEntry, rnkg:hasRemap))
 }"""
 _SYSTEMS: Final = """
 SELECT ?instance ?system WHERE {
-  VALUES ?instance { %s }
+  %s
   ?system rnkg:hasInstance ?instance .
 }"""
 _NAMED: Final = """
 SELECT DISTINCT ?instance ?type WHERE {
-  VALUES ?name { %s }
+  %s
   ?instance rnkg:name ?name .
   ?instance rnkg:instanceOf ?type .
 }"""
 _INSTANCES: Final = """
 SELECT DISTINCT ?instance WHERE {
-  VALUES ?type { %s }
+  %s
   ?instance rnkg:instanceOf ?type .
 }"""
 
@@ -96,38 +94,50 @@ class SetParameter:
 
 def declared_names(graph: Queryable) -> list[str]:
     """Return the names of parameters as code declares them, sorted; some have unknown parts."""
-    return sorted(row[0].value for row in select(graph, _DECLARED))
+    return sorted(column(graph, _DECLARED))
 
 
 def declared_among(graph: Queryable, names: Collection[str]) -> set[str]:
     """Return those of some names that parameters have in code, without a look at other parameters."""
-    return {row[0].value for row in select(graph, _DECLARED_AMONG % " ".join(map(literal, sorted(names))))}
+    return column(graph, _DECLARED_AMONG % one_of("name", names))
 
 
 def set_names(graph: Queryable) -> list[str]:
     """Return the names of parameters that files set, as the nodes know them, sorted."""
-    return sorted({row["name"].value.removeprefix(f"{row['node'].value}/") for row in select(graph, _SET_NAMES)})
+    return sorted({name.removeprefix(f"{node}/") for node, name in texts(graph, _SET_NAMES)})
 
 
 def declarations(
-    graph: Queryable, named: Collection[str], iris: Collection[str]
+    graph: Queryable, named: Collection[str], iris: Collection[str], owners: Collection[str] | None = None
 ) -> dict[str, tuple[NodeReference, Parameter]]:
-    """Return what code does with parameters of some names, and with those of some IRIs, by IRI; with the node types."""
-    if not named and not iris:
+    """Return what code does with parameters of some names, and with those of some IRIs, by IRI; with the node types.
+
+    With `owners` relative names are those of parameters of these node types alone.
+    """
+    relative = [] if owners is None else [one for one in named if not one.startswith("/")]
+    those = []
+    if absolute := set(named).difference(relative):
+        those.append(f"{one_of('name', absolute)} ?subject rnkg:name ?name")
+    if relative and owners:
+        having = f"{among('owner', owners)} ?owner ros:hasComponent|rnkg:hasParameter ?subject"
+        those.append(
+            f"{having} . ?subject rnkg:name ?name FILTER(?name IN ({', '.join(map(literal, sorted(relative)))}))"
+        )
+    if iris:
+        those.append(among("subject", iris))
+    if not those:
         return {}
-    names, listed = " ".join(map(literal, sorted(named))), _listing(iris)
-    those = f"{{ VALUES ?name {{ {names} }} ?subject rnkg:name ?name }} UNION {{ VALUES ?subject {{ {listed} }} }}"
-    found = facts(graph, f"{{ {those} }} ?subject rnkg:access ?access .")
+    either = " UNION ".join(f"{{ {one} }}" for one in those)
+    found = code_facts(graph, f"{{ {either} }} ?subject rnkg:access ?access .")
     kept = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Parameter)}
     return dict(sorted(kept.items(), key=lambda one: (one[1][0], str(one[1][1].access), str(one[1][1].location))))
 
 
 def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
     """Return the parameters that files set and that have a name, as the node knows it or absolute."""
-    text = literal(name)
     # An absolute name is looked up; another one is the end of absolute names, all of which are read.
-    those = f"VALUES ?name {{ {text} }}" if name.startswith("/") else f"FILTER(STRENDS(?name, {text}))"
-    rows = [[term.value for term in row] for row in select(graph, _SET % those)]
+    those = one_of("name", [name]) if name.startswith("/") else f"FILTER(STRENDS(?name, {literal(name)}))"
+    rows = list(texts(graph, _SET % those))
     owners = {start.iri: start for start in _starts(graph, {owner for _, owner, _ in rows})}
     properties = _properties(graph, {setting for setting, _, _ in rows})
     found = []
@@ -139,7 +149,7 @@ def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
                 absolute=full,
                 value=one(own, v.VALUE),
                 reason=one(own, v.REASON),
-                location=_place(own),
+                location=place_of(own),
                 system=start.system if start else owner,
                 start=start,
                 declared=one(own, v.SETS),
@@ -149,32 +159,27 @@ def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
     return sorted(found, key=lambda one: (one.absolute, one.system, str(one.location)))
 
 
+def types_started(graph: Queryable, names: Collection[str]) -> set[str]:
+    """Return the IRIs of the node types of instances of some names."""
+    return {row["type"].value for row in select(graph, _NAMED % " ".join(map(literal, sorted(names))))}
+
+
 def starts(graph: Queryable, types: Collection[str], names: Collection[str] | None = None) -> list[Start]:
     """Return the starts of nodes of some types, by their IRIs; with `names` those of instances of these names alone."""
     if names is None:
-        instances = {row[0].value for row in select(graph, _INSTANCES % _listing(types))} if types else set()
-        return _starts(graph, instances)
-    rows = select(graph, _NAMED % " ".join(map(literal, sorted(names)))) if types and names else ()
-    return _starts(graph, {row["instance"].value for row in rows if row["type"].value in types})
+        return _starts(graph, column(graph, _INSTANCES % among("type", types)) if types else set())
+    rows = texts(graph, _NAMED % one_of("name", names)) if types and names else ()
+    return _starts(graph, {instance for instance, kind in rows if kind in types})
 
 
 def _starts(graph: Queryable, instances: Collection[str]) -> list[Start]:
     systems: defaultdict[str, str] = defaultdict(str)
-    systems.update((row[0].value, row[1].value) for row in select(graph, _SYSTEMS % _listing(instances)))
+    systems.update(texts(graph, _SYSTEMS % among("instance", instances)))
     return [
-        Start(iri, one(own, v.NAME) or "", systems[iri], one(own, v.INSTANCE_OF), _place(own))
+        Start(iri, one(own, v.NAME) or "", systems[iri], one(own, v.INSTANCE_OF), place_of(own))
         for iri, own in sorted(_properties(graph, set(systems)).items())
     ]
 
 
-def _place(properties: Any) -> Location:
-    path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
-    return Location(path or "", int(line or 0), repository)
-
-
 def _properties(graph: Queryable, iris: Collection[str]) -> dict[str, dict[str, list[str]]]:
-    return grouped(select(graph, _PROPERTIES % _listing(iris))) if iris else {}
-
-
-def _listing(iris: Iterable[str]) -> str:
-    return " ".join(str(NamedNode(iri)) for iri in sorted(iris))
+    return grouped(select(graph, _PROPERTIES % among("subject", iris))) if iris else {}

@@ -1,4 +1,4 @@
-"""The picture of a node as it stands in the graph."""
+"""The picture of a node in the graph."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 NAMED: Final = """
 SELECT ?node ?name ?package ?repository ?class WHERE {
-  VALUES ?class { %s }
+  %s
   ?node a rnkg:NodeType ; rnkg:pluginName ?class ; rnkg:name ?name .
   ?p rnkg:contains ?node ; rnkg:name ?package .
   ?r rnkg:contains ?p ; rnkg:name ?repository .
@@ -57,11 +57,11 @@ def slots_by_node(
     properties: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     defaults: defaultdict[str, set[PluginDefault]] = defaultdict(set)
     for node, slot, predicate, value, name in rows:
-        owners[slot.value] = node.value
-        if predicate.value == v.bare(v.HAS_DEFAULT_PLUGIN):
-            defaults[slot.value].add(PluginDefault(value.value, name.value if name is not None else None))
+        owners[slot] = node
+        if predicate == v.bare(v.HAS_DEFAULT_PLUGIN):
+            defaults[slot].add(PluginDefault(value, name))
         else:
-            properties[slot.value][predicate.value].append(value.value)
+            properties[slot][predicate].append(value)
     found: defaultdict[str, list[PluginSlot]] = defaultdict(list)
     for iri, node in owners.items():
         place, via = place_of(properties[iri])
@@ -79,7 +79,7 @@ def plugins_by_class(rows: Iterable[Any]) -> dict[str, list[tuple[NodeReference,
     """Return the node types of plugins by the key of their class, with their IRIs, from rows of `NAMED`."""
     found: defaultdict[str, list[tuple[NodeReference, str]]] = defaultdict(list)
     for node, name, package, repository, kind in rows:
-        found[class_key(kind.value)].append((NodeReference(repository.value, package.value, name.value), node.value))
+        found[class_key(kind)].append((NodeReference(repository, package, name), node))
     return {key: sorted(set(nodes)) for key, nodes in found.items()}
 
 

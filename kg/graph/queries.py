@@ -1,13 +1,16 @@
-"""Queries of the readings of the graph."""
+"""How the readings of the graph ask it: SELECT over the union of all graphs, and lists of values for that."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from pyoxigraph import NamedNode
+
+from kg.graph.ntriples import literal
 from kg.graph.vocabulary import PREFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from kg.graph.reading import Queryable
 
@@ -16,3 +19,24 @@ def select(graph: Queryable, text: str) -> Iterable[Any]:
     """Return the rows of a SELECT over the union of all graphs; the prefixes are those of `kg.graph.vocabulary`."""
     rows: Iterable[Any] = graph.query(text, prefixes=PREFIXES)
     return rows
+
+
+def texts(graph: Queryable, text: str) -> Iterator[Any]:
+    """Yield the rows of a SELECT as tuples of IRIs and texts, None for what is not bound."""
+    for row in select(graph, text):
+        yield tuple(None if term is None else term.value for term in row)
+
+
+def column(graph: Queryable, text: str) -> set[str]:
+    """Return what the first column of a SELECT has."""
+    return {row[0].value for row in select(graph, text)}
+
+
+def one_of(variable: str, words: Iterable[str]) -> str:
+    """Return the pattern that gives a variable, without its sign, each of some texts."""
+    return f"VALUES ?{variable} {{ {' '.join(map(literal, sorted(set(words))))} }}"
+
+
+def among(variable: str, iris: Iterable[str]) -> str:
+    """Return the same for IRIs; ValueError for one that is none."""
+    return f"VALUES ?{variable} {{ {' '.join(str(NamedNode(iri)) for iri in sorted(set(iris)))} }}"

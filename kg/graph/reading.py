@@ -9,39 +9,26 @@ from collections import defaultdict
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, runtime_checkable
 
-from pyoxigraph import NamedNode
-
-from kg.facts import (
-    Bound,
-    DataFile,
-    Description,
-    Import,
-    Interface,
-    Location,
-    NodeReference,
-    NodeType,
-    Parameter,
-    Qos,
-    Role,
-)
+from kg import facts
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
-from kg.graph.fields import INTERFACE, NODE, PARAMETER, QOS, Properties, one
+from kg.graph.fields import INTERFACE, NODE, PARAMETER, QOS, Properties, one, place_of
 from kg.graph.interfaces import SHAPES
 from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
-from kg.graph.queries import select
-from kg.graph.texts import DESCRIPTIONS, descriptions_of
+from kg.graph.queries import among, column, one_of, select, texts
+from kg.graph.texts import descriptions_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
 
 
-_Ends: TypeAlias = "list[tuple[Interface, str]]"
-_Settable: TypeAlias = "list[tuple[Parameter, str]]"
+_Ends: TypeAlias = "list[tuple[facts.Interface, str]]"
+_Settable: TypeAlias = "list[tuple[facts.Parameter, str]]"
 
 _ROLES: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
+_KIND: Final = v.bare(v.TYPE)
 _ANY: Final = "?node a rnkg:NodeType ."
 _PLACE: Final = (v.PATH, v.LINE, v.IN_REPOSITORY)
 _OF_NODES: Final = (*NODE.terms, *_PLACE, v.BOUND, v.EXPORTED_AT, v.IMPORTED_AT)
@@ -102,7 +89,7 @@ SELECT DISTINCT ?type ?label WHERE {
   VALUES ?class { ros:Message rnkg:ServiceType rnkg:ActionType }
   ?type a ?class ; rdfs:label ?label .
 }"""
-_LABELS: Final = "SELECT DISTINCT ?type ?label WHERE { VALUES ?type { %s } ?type rdfs:label ?label }"
+_LABELS: Final = "SELECT DISTINCT ?type ?label WHERE { %s ?type rdfs:label ?label }"
 _QOS: Final = "SELECT ?subject ?predicate ?object WHERE { %s ?subject a rnkg:Qos ; ?predicate ?object }"
 _FEW: Final = 200
 """So many things are asked for one by one; of more, all that the store has."""
@@ -121,7 +108,7 @@ class Readable(Queryable, Protocol):
     """What whole graphs can be read from at once: the columns of a store (`kg.rules.selecting`)."""
 
     def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
-        """Return what a graph says of each subject, as `grouped` does."""
+        """Return the properties of each subject of a graph, as `grouped` does."""
         ...
 
 
@@ -132,21 +119,21 @@ class NodeRecord:
     repository: str
     commit: str | None
     package: str
-    node: NodeType
+    node: facts.NodeType
     iri: str = field(default="", compare=False)
-    ends: Mapping[Interface, str] = field(default_factory=dict, repr=False, compare=False)
+    ends: Mapping[facts.Interface, str] = field(default_factory=dict, repr=False, compare=False)
     """The IRIs of its interfaces."""
-    settable: Mapping[Parameter, str] = field(default_factory=dict, repr=False, compare=False)
+    settable: Mapping[facts.Parameter, str] = field(default_factory=dict, repr=False, compare=False)
     """The IRIs of its parameters."""
-    descriptions: tuple[Description, ...] = field(default=(), repr=False, compare=False)
+    descriptions: tuple[facts.Description, ...] = field(default=(), repr=False, compare=False)
     """What people wrote about it, the best first."""
-    plugins: Mapping[str, tuple[NodeReference, str]] = field(default_factory=dict, repr=False, compare=False)
+    plugins: Mapping[str, tuple[facts.NodeReference, str]] = field(default_factory=dict, repr=False, compare=False)
     """The node types of the default plugins of its slots, by class, with their IRIs; those of its source first."""
 
     @property
-    def reference(self) -> NodeReference:
-        """What stands for the node type in facts about instances."""
-        return NodeReference(self.repository, self.package, self.node.name)
+    def reference(self) -> facts.NodeReference:
+        """The reference of the node type in facts about instances."""
+        return facts.NodeReference(self.repository, self.package, self.node.name)
 
     @property
     def full_name(self) -> str:
@@ -167,17 +154,17 @@ def node_records(
     They may be limited to those of a package, of any of several `packages` (their names), of a name, or to those
     of some IRIs.
     """
-    those = which(package, node, packages) if iris is None else f"VALUES ?node {{ {_listing(iris)} }} {_ANY}"
-    owners = {_text(row["node"]): row for row in select(graph, _OWNERS % those)}
+    those = which(package, node, packages) if iris is None else f"{among('node', iris)} {_ANY}"
+    owners = {at: place for at, *place in texts(graph, _OWNERS % those)}
     properties = grouped(select(graph, _NODES % those))
-    sources = _listed(select(graph, _SOURCES % those))
-    executables = _listed(select(graph, _EXECUTABLES % those))
+    sources = _listed(texts(graph, _SOURCES % those))
+    executables = _listed(texts(graph, _EXECUTABLES % those))
     parts = _parts(graph, those, owners)
-    slots = slots_by_node(select(graph, SLOTS % those), lambda found: (_location(found), chain_of(one(found, v.VIA))))
+    slots = slots_by_node(texts(graph, SLOTS % those), lambda found: (place_of(found), chain_of(one(found, v.VIA))))
     plugins = _plugins(graph, {one.class_name for found in slots.values() for slot in found for one in slot.defaults})
-    said = descriptions_of(select(graph, DESCRIPTIONS % those))
+    said = descriptions_of(graph, those)
     found = []
-    for at, owner in owners.items():
+    for at, (owner, repository, commit) in owners.items():
         ends, settable = parts.get(at, ([], []))
         fact = _node(
             properties[at],
@@ -186,8 +173,7 @@ def node_records(
             ([end for end, _ in ends], [parameter for parameter, _ in settable]),
         )
         fact = replace(fact, slots=slots.get(at, ()))
-        commit, place = owner["commit"], (_text(owner["repository"]), _text(owner["package"]))
-        record = NodeRecord(place[0], commit and _text(commit), place[1], fact, at, dict(ends), dict(settable))
+        record = NodeRecord(repository, commit, owner, fact, at, dict(ends), dict(settable))
         loaded = {
             kind: min(nodes, key=lambda pair: (pair[0].repository != record.repository, pair[0]))
             for kind in {one.class_name for slot in fact.slots for one in slot.defaults}
@@ -197,23 +183,25 @@ def node_records(
     return sorted(found, key=lambda one: (one.repository, one.package, one.node.name, str(one.node.location)))
 
 
-def facts(graph: Queryable, those: str) -> dict[str, tuple[NodeReference, Interface | Parameter]]:
+def code_facts(
+    graph: Queryable, those: str
+) -> dict[str, tuple[facts.NodeReference, facts.Interface | facts.Parameter]]:
     """Return interfaces and parameters of node types by their IRIs, with their node types.
 
     `those` is a pattern that binds ?subject to them and ends in a full stop; the prefixes ros: and rnkg: are known.
     """
-    owners = {row["subject"].value: row["node"].value for row in select(graph, _OWNED % those)}
+    owners: dict[str, str] = dict(texts(graph, _OWNED % those))
     named = references(graph, set(owners.values()))
     found = _facts(graph, grouped(select(graph, _FACTS % those)))
     return {iri: (named[owners[iri]], fact) for iri, fact in found.items() if owners.get(iri) in named}
 
 
-def references(graph: Queryable, iris: Collection[str]) -> dict[str, NodeReference]:
-    """Return what stands for the node types of some IRIs; those that are not in the store are left out."""
+def references(graph: Queryable, iris: Collection[str]) -> dict[str, facts.NodeReference]:
+    """Return the references of the node types with some IRIs; unknown ones are left out."""
     return {
-        row["node"].value: NodeReference(*(_text(row[key]) for key in ("repository", "package", "name")))
-        for row in select(graph, _REFERENCES % these(graph, "node", iris))
-        if row["node"].value in iris
+        iri: facts.NodeReference(repository, package, name)
+        for iri, name, package, repository in texts(graph, _REFERENCES % these(graph, "node", iris))
+        if iri in iris
     }
 
 
@@ -221,50 +209,50 @@ def these(graph: Queryable, name: str, iris: Collection[str]) -> str:
     """Return a pattern that binds a variable to some node types, or to all where these are read as soon."""
     if len(iris) > _FEW and isinstance(graph, Readable):
         return f"?{name} a rnkg:NodeType ."
-    return f"VALUES ?{name} {{ {_listing(iris)} }}"
+    return among(name, iris)
 
 
-def _plugins(graph: Queryable, classes: set[str]) -> dict[str, list[tuple[NodeReference, str]]]:
+def _plugins(graph: Queryable, classes: set[str]) -> dict[str, list[tuple[facts.NodeReference, str]]]:
     """Return the node types of plugins of some classes, by the keys of these, with their IRIs."""
     if not classes:
         return {}
     spelled = {one.replace("::", "/") for one in classes} | {one.replace("/", "::") for one in classes} | classes
-    return plugins_by_class(select(graph, NAMED % " ".join(map(literal, sorted(spelled)))))
+    return plugins_by_class(texts(graph, NAMED % one_of("class", spelled)))
 
 
 def programs(graph: Queryable) -> dict[str, set[str]]:
     """Return what each package of the store installs to be started; all packages are there."""
     found: defaultdict[str, set[str]] = defaultdict(set)
     pattern = "?p a rnkg:Package ; rnkg:name ?package OPTIONAL { ?p rnkg:installs ?program }"
-    for row in select(graph, f"SELECT ?package ?program WHERE {{ {pattern} }}"):
-        found[row["package"].value].update({row["program"].value} if row["program"] else ())
+    for package, program in texts(graph, f"SELECT ?package ?program WHERE {{ {pattern} }}"):
+        found[package].update({program} if program else ())
     return dict(found)
 
 
-def data_files(graph: Queryable) -> list[DataFile]:
+def data_files(graph: Queryable) -> list[facts.DataFile]:
     """Return the files of the store that nodes read when they run, sorted."""
     pattern = (
         "?r rnkg:contains ?p ; rnkg:name ?repository . ?p rnkg:contains ?file ; rnkg:name ?package . "
         "?file rnkg:content ?text ; rnkg:path ?path"
     )
-    rows = select(graph, f"SELECT ?repository ?package ?path ?text WHERE {{ {pattern} }}")
-    found = (DataFile(*(_text(row[name]) for name in ("repository", "package", "path", "text"))) for row in rows)
+    found = (
+        facts.DataFile(*row) for row in texts(graph, f"SELECT ?repository ?package ?path ?text WHERE {{ {pattern} }}")
+    )
     return sorted(found, key=lambda one: (one.repository, one.package, one.path))
 
 
 def node_names(graph: Queryable) -> list[str]:
     """Return the names of all node types, each once, sorted."""
-    return sorted(
-        {_text(row["name"]) for row in select(graph, "SELECT ?name WHERE { ?n a rnkg:NodeType ; rnkg:name ?name }")}
-    )
+    return sorted(column(graph, "SELECT ?name WHERE { ?n a rnkg:NodeType ; rnkg:name ?name }"))
 
 
 def loaded_as(graph: Queryable, name: str) -> list[str]:
     """Return the names of the node types whose plugin is `name`, whole (`pkg::Class`) or by its last part, sorted."""
-    rows = select(graph, "SELECT ?name ?plugin { ?n a rnkg:NodeType ; rnkg:name ?name ; rnkg:pluginName ?plugin }")
-    found = {_text(row["name"]): _text(row["plugin"]) for row in rows}
+    query = "SELECT ?name ?plugin { ?n a rnkg:NodeType ; rnkg:name ?name ; rnkg:pluginName ?plugin }"
     return sorted(
-        one for one, plugin in found.items() if plugin == name or plugin.replace("::", "/").endswith(f"/{name}")
+        one
+        for one, plugin in dict(texts(graph, query)).items()
+        if plugin == name or plugin.replace("::", "/").endswith(f"/{name}")
     )
 
 
@@ -272,8 +260,7 @@ def which(package: str | None, node: str | None = None, packages: Iterable[str] 
     """Return the pattern that binds ?node to node types; `package` may have its repository in front, with a colon."""
     lines = [_ANY]
     if packages is not None:
-        names = " ".join(sorted(literal(name) for name in packages))
-        lines.append(f"VALUES ?oneOf {{ {names} }} ?oneOfThese rnkg:contains ?node ; rnkg:name ?oneOf .")
+        lines.append(f"{one_of('oneOf', packages)} ?oneOfThese rnkg:contains ?node ; rnkg:name ?oneOf .")
     if node is not None:
         lines.append(f"?node rnkg:name {literal(node)} .")
     if package is not None:
@@ -284,11 +271,6 @@ def which(package: str | None, node: str | None = None, packages: Iterable[str] 
     return " ".join(lines)
 
 
-def _text(term: Any) -> str:
-    value: str = term.value
-    return value
-
-
 def grouped(rows: Iterable[Any]) -> dict[str, dict[str, list[str]]]:
     """Return the properties of each subject; the keys of properties are IRIs."""
     found: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
@@ -297,10 +279,10 @@ def grouped(rows: Iterable[Any]) -> dict[str, dict[str, list[str]]]:
     return {subject: dict(properties) for subject, properties in found.items()}
 
 
-def end_of(properties: Properties, types: Mapping[str, str]) -> Interface | None:
-    """Return the interface that an end with properties of its own says; `types` are names of types by IRI."""
-    roles = [_ROLES[kind] for kind in properties.get(v.bare(v.TYPE), ()) if kind in _ROLES]
-    return _interface(roles[0], properties, types, {}) if roles else None
+def end_of(properties: Properties, types: Mapping[str, str]) -> facts.Interface | None:
+    """Return the interface of an end with properties of its own; `types` are names of types by IRI."""
+    roles = [_ROLES[kind] for kind in properties.get(_KIND, ()) if kind in _ROLES]
+    return _interface(roles[0], properties, types.get(type_of(properties) or ""), {}) if roles else None
 
 
 def type_of(properties: Properties) -> str | None:
@@ -310,8 +292,8 @@ def type_of(properties: Properties) -> str | None:
 
 def _listed(rows: Iterable[Any]) -> dict[str, list[str]]:
     found: defaultdict[str, list[str]] = defaultdict(list)
-    for row in rows:
-        found[row[0].value].append(row[1].value)
+    for subject, value in rows:
+        found[subject].append(value)
     return {subject: sorted(set(values)) for subject, values in found.items()}
 
 
@@ -322,38 +304,41 @@ def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tup
     found: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
     for iri, fact in _facts(graph, grouped(select(graph, _PARTS % those))).items():
         interfaces, parameters = found[_owner(iri, nodes)]
-        if isinstance(fact, Interface):
+        if isinstance(fact, facts.Interface):
             interfaces.append((fact, iri))
         else:
             parameters.append((fact, iri))
     return found
 
 
-def _facts(graph: Queryable, parts: Mapping[str, Properties]) -> dict[str, Interface | Parameter]:
+def _facts(graph: Queryable, parts: Mapping[str, Properties]) -> dict[str, facts.Interface | facts.Parameter]:
     """Return interfaces and parameters from their properties, by their IRIs."""
-    types = _types(graph, {iri for properties in parts.values() if (iri := type_of(properties))})
+    ends = {
+        iri: (role, type_of(properties))
+        for iri, properties in parts.items()
+        if (role := next((_ROLES[kind] for kind in properties[_KIND] if kind in _ROLES), None))
+    }
+    types = _types(graph, {kind for _, kind in ends.values() if kind})
     known = qualities(graph, {iri for properties in parts.values() for iri in properties.get(v.bare(v.HAS_QOS), ())})
-    found: dict[str, Interface | Parameter] = {}
+    found: dict[str, facts.Interface | facts.Parameter] = {}
     for iri, properties in parts.items():
-        roles = [_ROLES[kind] for kind in properties[v.bare(v.TYPE)] if kind in _ROLES]
-        found[iri] = _interface(roles[0], properties, types, known) if roles else _parameter(properties)
+        if iri in ends:
+            role, kind = ends[iri]
+            found[iri] = _interface(role, properties, types.get(kind or ""), known)
+        else:
+            found[iri] = _parameter(properties)
     return found
 
 
 def _types(graph: Queryable, wanted: Collection[str]) -> dict[str, str]:
     """Return the names of types by their IRIs, those `wanted` at least."""
-    query = _LABELS % _listing(wanted) if len(wanted) <= _FEW else _TYPES
-    return {row["type"].value: row["label"].value for row in select(graph, query)}
+    return dict(texts(graph, _LABELS % among("type", wanted) if len(wanted) <= _FEW else _TYPES))
 
 
-def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[str, Qos]:
+def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[str, facts.Qos]:
     """Return the combinations of policies of the store by their IRIs, those `wanted` at least."""
-    few = f"VALUES ?subject {{ {_listing(wanted)} }}" if wanted is not None and len(wanted) <= _FEW else ""
-    return {iri: Qos(**QOS.read(properties)) for iri, properties in grouped(select(graph, _QOS % few)).items()}
-
-
-def _listing(iris: Iterable[str]) -> str:
-    return " ".join(str(NamedNode(iri)) for iri in sorted(iris))
+    few = among("subject", wanted) if wanted is not None and len(wanted) <= _FEW else ""
+    return {iri: facts.Qos(**QOS.read(properties)) for iri, properties in grouped(select(graph, _QOS % few)).items()}
 
 
 def _owner(part: str, nodes: Mapping[str, list[str]]) -> str:
@@ -365,19 +350,14 @@ def _owner(part: str, nodes: Mapping[str, list[str]]) -> str:
     return max((one for one in nodes.get(whole, ()) if part.startswith(one)), key=len, default=whole)
 
 
-def _location(properties: Properties) -> Location:
-    path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
-    return Location(path or "", int(line or 0), repository)
-
-
 def _node(
     properties: Properties,
     sources: list[str],
     executables: list[str],
-    parts: tuple[list[Interface], list[Parameter]],
-) -> NodeType:
-    return NodeType(
-        location=_location(properties),
+    parts: tuple[list[facts.Interface], list[facts.Parameter]],
+) -> facts.NodeType:
+    return facts.NodeType(
+        location=place_of(properties),
         executable=executables[0] if executables else None,
         sources=tuple(sources),
         interfaces=tuple(sorted(parts[0], key=order)),
@@ -389,28 +369,29 @@ def _node(
     )
 
 
-def _bound(text: str) -> Bound:
+def _bound(text: str) -> facts.Bound:
     limit, _, place = text.partition(" ")
-    return Bound(limit, *chain_of(place))
+    return facts.Bound(limit, *chain_of(place))
 
 
-def _import(text: str) -> Import:
+def _import(text: str) -> facts.Import:
     name, _, place = text.partition(" ")
-    return Import(name, *chain_of(place))
+    return facts.Import(name, *chain_of(place))
 
 
-def _interface(role: Role, properties: Properties, types: Mapping[str, str], qualities: Mapping[str, Qos]) -> Interface:
-    type_iri = type_of(properties)
-    return Interface(
+def _interface(
+    role: facts.Role, properties: Properties, kind: str | None, qualities: Mapping[str, facts.Qos]
+) -> facts.Interface:
+    return facts.Interface(
         role=role,
-        type=types.get(type_iri) if type_iri else None,
-        location=_location(properties),
+        type=kind,
+        location=place_of(properties),
         qos=qualities.get(one(properties, v.HAS_QOS) or ""),
         via=chain_of(one(properties, v.VIA)),
         **INTERFACE.read(properties),
     )
 
 
-def _parameter(properties: Properties) -> Parameter:
+def _parameter(properties: Properties) -> facts.Parameter:
     via = chain_of(one(properties, v.VIA))
-    return Parameter(location=_location(properties), via=via, **PARAMETER.read(properties))
+    return facts.Parameter(location=place_of(properties), via=via, **PARAMETER.read(properties))

@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
-from kg.facts import (
-    InstanceInterface,
-    Interface,
-    Location,
-    NodeInstance,
-    NodeKind,
-    Parameter,
-    PluginSlot,
-    Qos,
-    Role,
-    System,
-)
+from kg import facts
 from kg.graph.chains import chain_text
 from kg.graph.texts import summary
 
@@ -26,7 +16,7 @@ if TYPE_CHECKING:
 def node_object(record: NodeRecord) -> dict[str, Any]:
     """Return a node with its interface as plain values, ready for JSON; the fields of docs/formats.md."""
     node = record.node
-    fields: dict[str, Any] = {
+    found: dict[str, Any] = {
         "repository": record.repository,
         "commit": record.commit,
         "package": record.package,
@@ -44,19 +34,19 @@ def node_object(record: NodeRecord) -> dict[str, Any]:
         "description": summary(record.descriptions),
         **_place(node.location),
     }
-    for role in Role:
-        fields[str(role)] = [interface_object(one) for one in node.interfaces if one.role == role]
-    fields["parameters"] = [parameter_object(one) for one in node.parameters]
-    fields["slots"] = [slot_object(one, record) for one in node.slots]
-    fields["exported"] = _place(node.exported) if node.exported is not None else None
-    fields["bounds"] = [{"limit": one.limit, **_place(one.location)} for one in node.bounds]
-    return fields
+    for role in facts.Role:
+        found[str(role)] = [interface_object(one) for one in node.interfaces if one.role == role]
+    found["parameters"] = [parameter_object(one) for one in node.parameters]
+    found["slots"] = [slot_object(one, record) for one in node.slots]
+    found["exported"] = _place(node.exported) if node.exported is not None else None
+    found["bounds"] = [{"limit": one.limit, **_place(one.location)} for one in node.bounds]
+    return found
 
 
-def instance_object(system: System, instance: NodeInstance) -> dict[str, Any]:
+def instance_object(system: facts.System, instance: facts.NodeInstance) -> dict[str, Any]:
     """Return a node instance with its resolved interface as plain values; the fields of docs/formats.md."""
     started, kind = instance.started, instance.type
-    fields: dict[str, Any] = {
+    found: dict[str, Any] = {
         "system": system.configuration.name,
         "name": instance.name,
         "namespace": instance.namespace,
@@ -79,12 +69,12 @@ def instance_object(system: System, instance: NodeInstance) -> dict[str, Any]:
         **_place(started.location),
         "chain": [_place(one) for one in started.chain],
     }
-    for role in Role:
-        fields[str(role)] = [end_object(one) for one in instance.interfaces if one.declared.role == role]
-    return fields
+    for role in facts.Role:
+        found[str(role)] = [end_object(one) for one in instance.interfaces if one.declared.role == role]
+    return found
 
 
-def end_object(end: InstanceInterface) -> dict[str, Any]:
+def end_object(end: facts.InstanceInterface) -> dict[str, Any]:
     """Return an end of an instance as plain values; the fields of docs/formats.md."""
     remap, setting = end.remap, end.parameter
     return {
@@ -102,7 +92,7 @@ def end_object(end: InstanceInterface) -> dict[str, Any]:
 
 
 def _yaml(text: str | None) -> Any:
-    """Return the value that a text of YAML stands for, where JSON can hold it; else the text."""
+    """Return the value of a YAML text if JSON can represent it; else the text."""
     import yaml  # noqa: PLC0415 - only who shows instances needs it
 
     if text is None:
@@ -119,18 +109,18 @@ def how_to_start(record: NodeRecord) -> str | None:
     node = record.node
     if node.executable:
         return f"{'ros2 run' if node.ros == 2 else 'rosrun'} {record.package} {node.executable}"  # noqa: PLR2004 - ROS 2
-    if node.kind is NodeKind.NODELET and node.plugin:
+    if node.kind is facts.NodeKind.NODELET and node.plugin:
         return f"rosrun nodelet nodelet standalone {node.plugin}"
-    if node.kind is NodeKind.COMPONENT and node.plugin:
+    if node.kind is facts.NodeKind.COMPONENT and node.plugin:
         return f"ros2 component standalone {record.package} {node.plugin}"
     return None
 
 
-def _place(location: Location) -> dict[str, Any]:
+def _place(location: facts.Location) -> dict[str, Any]:
     return {"file": location.path, "line": location.line, "file_repository": location.repository}
 
 
-def interface_object(fact: Interface) -> dict[str, Any]:
+def interface_object(fact: facts.Interface) -> dict[str, Any]:
     """Return an interface as plain values; the fields of docs/formats.md."""
     return {
         "name": fact.name,
@@ -148,23 +138,14 @@ def interface_object(fact: Interface) -> dict[str, Any]:
     }
 
 
-def _qos(qos: Qos) -> dict[str, Any]:
-    rarer = {
-        "deadline": qos.deadline,
-        "lifespan": qos.lifespan,
-        "liveliness": qos.liveliness,
-        "lease_duration": qos.lease_duration,
-    }
-    return {
-        "reliability": qos.reliability,
-        "durability": qos.durability,
-        "history": qos.history,
-        "depth": qos.depth,
-        **{name: value for name, value in rarer.items() if value is not None},
-    }
+def _qos(qos: facts.Qos) -> dict[str, Any]:
+    """Return the policies of an end; those that are rarely set only where they are."""
+    always = {"reliability", "durability", "history", "depth"}
+    policies = {field.name: getattr(qos, field.name) for field in fields(qos)}
+    return {name: value for name, value in policies.items() if value is not None or name in always}
 
 
-def slot_object(fact: PluginSlot, record: NodeRecord) -> dict[str, Any]:
+def slot_object(fact: facts.PluginSlot, record: NodeRecord) -> dict[str, Any]:
     """Return a plugin slot as plain values; the fields of docs/formats.md."""
     return {
         "base_class": fact.base_class,
@@ -185,7 +166,7 @@ def slot_object(fact: PluginSlot, record: NodeRecord) -> dict[str, Any]:
     }
 
 
-def parameter_object(fact: Parameter) -> dict[str, Any]:
+def parameter_object(fact: facts.Parameter) -> dict[str, Any]:
     """Return what one line of code does with a parameter as plain values; the fields of docs/formats.md."""
     return {
         "name": fact.name,

@@ -8,7 +8,7 @@ import pyshacl
 from rdflib import RDF, BNode, Graph, URIRef
 
 from kg.errors import GraphError
-from kg.graph.findings import ShapeFinding
+from kg.graph.ontology import ShapeFinding
 
 _SHACL: Final = "http://www.w3.org/ns/shacl#"
 

@@ -1,8 +1,8 @@
-"""What belongs to no source alone: topics, services, actions, interface types, names, people, phrases, qualities.
+"""The graph `shared`: things of no single source, such as topics, services, actions, types, names and people.
 
-Many sources describe the same topic with the same triples. Were these in the graph of each, a query over all graphs
-would answer once for every source; so they stand once, in the graph `shared`, and the graph of a source holds the
-rest. `split` tells them apart by their subjects.
+Many sources describe the same topic with the same triples. If each source's graph had them, a query over all graphs
+would return a result for every source. So they are stored once, in the graph `shared`. `split` separates them by their
+subjects.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from kg.graph import vocabulary as v
 from kg.graph.iris import DEFAULT_BASE, Iris
 from kg.graph.ntriples import literal
-from kg.graph.queries import select
+from kg.graph.queries import column
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -34,14 +34,14 @@ def snippets(scope: Scope, package: str, found: Iterable[Snippet]) -> None:
 
 def quoted_lines(graph: Queryable, repository: str, path: str) -> Mapping[int, str]:
     """Return the lines of a file that the snippets of all packages have, by number; none for an unknown source."""
-    known = [row["iri"].value for row in select(graph, _REPOSITORY % literal(repository))]
-    if not known:
+    known = min(column(graph, _REPOSITORY % literal(repository)), default=None)
+    if known is None:
         return {}
     default = Iris(DEFAULT_BASE)
-    base = known[0].removesuffix(default.repository(repository).removeprefix(DEFAULT_BASE))
+    base = known.removesuffix(default.repository(repository).removeprefix(DEFAULT_BASE))
     lines: dict[int, str] = {}
-    for row in select(graph, _LINES % Iris(base).file(repository, path)):
-        for line in row["lines"].value.split("\n"):
+    for quoted in column(graph, _LINES % Iris(base).file(repository, path)):
+        for line in quoted.split("\n"):
             number, _, text = line.partition(_BETWEEN)
             lines[int(number)] = text
     return lines

@@ -1,47 +1,47 @@
-"""What the graph `builds` says of each source: when it was read last, from where, and what was found."""
+"""The state of each source in the graph `builds`: its last build, origin, and numbers of facts."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.graph import vocabulary as v
-from kg.graph.builds import Counts
+from kg.graph.builds import COUNTS, Counts
+from kg.graph.fields import one
 from kg.graph.queries import select
+from kg.graph.reading import grouped
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from kg.graph.fields import Properties
     from kg.graph.reading import Queryable
 
 _BUILDS: Final = """
-SELECT ?name ?build ?predicate ?object WHERE {
+SELECT ?name ?build ?started ?commit ?dirty ?root ?version WHERE {
   ?repository a rnkg:Repository ; rnkg:name ?name .
-  ?build prov:used ?repository ; ?predicate ?object .
+  ?build prov:used ?repository .
+  OPTIONAL { ?build prov:startedAtTime ?started }
+  OPTIONAL { ?build rnkg:commit ?commit }
+  OPTIONAL { ?build rnkg:dirty ?dirty }
+  OPTIONAL { ?build rnkg:root ?root }
+  OPTIONAL { ?build rnkg:kgVersion ?version }
 }"""
+"""One row for each build: most commands read all of them, for the places of what they show."""
+_COUNTED: Final = "SELECT ?build ?predicate ?object WHERE { ?build prov:used ?repository ; ?predicate ?object }"
 _REPOSITORIES: Final = """
 SELECT ?name ?remote ?branch WHERE {
   ?repository a rnkg:Repository ; rnkg:name ?name .
   OPTIONAL { ?repository rnkg:remote ?remote }
   OPTIONAL { ?repository rnkg:branch ?branch }
 }"""
-_COUNTS: Final = {
-    "packages": v.PACKAGES,
-    "nodes": v.NODES,
-    "interfaces": v.INTERFACES,
-    "parameters": v.PARAMETERS,
-    "definitions": v.DEFINITIONS,
-    "files": v.FILES,
-    "problems": v.PROBLEMS,
-    "unresolved": v.UNRESOLVED,
-    "bounded": v.BOUNDED,
-    "triples": v.TRIPLES,
-}
 
 
 @dataclass(frozen=True, slots=True)
 class SourceState:
-    """A source as it was read last; `read` is a moment in ISO 8601, `root` the folder on the machine that read it."""
+    """A source as it was read last; `read` is a moment in ISO 8601, `root` the folder on the machine that read it.
+
+    `counts` are zeros unless `sources` was to read them.
+    """
 
     name: str
     remote: str | None
@@ -54,37 +54,38 @@ class SourceState:
     counts: Counts
 
 
-def sources(graph: Queryable) -> list[SourceState]:
-    """Return the sources of the store, sorted by name."""
-    latest = _latest(graph)
+def sources(graph: Queryable, *, counted: bool = False) -> list[SourceState]:
+    """Return the sources of the store, sorted by name; only with `counted` how much was found in them."""
+    builds: dict[str, Any] = {}
+    for row in select(graph, _BUILDS):
+        last = builds.setdefault(row["name"].value, row)
+        if (_value(row["started"]) or "") > (_value(last["started"]) or ""):
+            builds[row["name"].value] = row
+    numbers = grouped(select(graph, _COUNTED)) if counted else {}
     found = [
-        _state(row["name"].value, _value(row["remote"]), _value(row["branch"]), latest.get(row["name"].value, {}))
+        _state(row["name"].value, _value(row["remote"]), _value(row["branch"]), builds.get(row["name"].value), numbers)
         for row in select(graph, _REPOSITORIES)
     ]
-    return sorted(found, key=lambda one: one.name)
+    return sorted(found, key=lambda state: state.name)
 
 
-def _latest(graph: Queryable) -> dict[str, dict[str, str]]:
-    """Return the properties of the last build of each source."""
-    builds: dict[str, dict[str, dict[str, str]]] = {}
-    for row in select(graph, _BUILDS):
-        properties = builds.setdefault(row["name"].value, {}).setdefault(row["build"].value, {})
-        properties[row["predicate"].value] = row["object"].value
-    started = v.bare(v.STARTED)
-    return {name: max(found.values(), key=lambda one: one.get(started, "")) for name, found in builds.items()}
-
-
-def _state(name: str, remote: str | None, branch: str | None, build: Mapping[str, str]) -> SourceState:
+def _state(
+    name: str, remote: str | None, branch: str | None, build: Any, numbers: Mapping[str, Properties]
+) -> SourceState:
+    commit, dirty, root, read, version = (
+        None if build is None else _value(build[key]) for key in ("commit", "dirty", "root", "started", "version")
+    )
+    counts = {} if build is None else numbers.get(build["build"].value, {})
     return SourceState(
         name=name,
         remote=remote,
         branch=branch,
-        commit=build.get(v.bare(v.COMMIT)),
-        dirty=build.get(v.bare(v.DIRTY)) == "true",
-        root=build.get(v.bare(v.ROOT)),
-        read=build.get(v.bare(v.STARTED)),
-        version=build.get(v.bare(v.KG_VERSION)),
-        counts=Counts(**{key: int(build.get(v.bare(term), 0)) for key, term in _COUNTS.items()}),
+        commit=commit,
+        dirty=dirty == "true",
+        root=root,
+        read=read,
+        version=version,
+        counts=Counts(**{key: int(one(counts, term) or 0) for key, term in COUNTS.items()}),
     )
 
 

@@ -11,21 +11,7 @@ from dataclasses import replace
 from datetime import datetime
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import (
-    InstanceInterface,
-    InstanceParameter,
-    LaunchArgument,
-    LaunchConfiguration,
-    LaunchParameter,
-    LaunchProblem,
-    Location,
-    NodeInstance,
-    NodeReference,
-    Remap,
-    Role,
-    Sighting,
-    System,
-)
+from kg import facts
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_text
 from kg.graph.fields import ARGUMENT, PROBLEM, SETTING
@@ -44,23 +30,26 @@ if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord
 
 _ENDS: Final = frozenset(shape.component for shape in SHAPES.values())
-"""What the IRIs of ends have behind the name of their instance."""
+"""Suffixes of the IRIs of ends, after the name of their instance."""
 
 
 def system_triples(
-    system: System, records: Mapping[NodeReference, NodeRecord], iris: Iris, *, whole: bool = False
+    system: facts.System, records: Mapping[facts.NodeReference, NodeRecord], iris: Iris, *, whole: bool = False
 ) -> bytes:
-    """Return the N-Triples of a system; `records` are the node types that its instances are of, or load.
+    """Return the N-Triples of a system; `records` are the node types of its instances and their plugins.
 
-    What other graphs of a store say too, such as the description of a type, is left out unless it is `whole`.
+    Triples that other graphs of a store have too, such as descriptions of types, are left out unless it is `whole`.
     """
     writing = _Writing(system, records, iris, whole=whole)
     return writing.run() if whole else writing.own(writing.run())
 
 
 def system_parts(
-    system: System, records: Mapping[NodeReference, NodeRecord], iris: Iris, known: Mapping[str, NodeInstance]
-) -> Iterator[tuple[str, NodeInstance | None, bytes | None]]:
+    system: facts.System,
+    records: Mapping[facts.NodeReference, NodeRecord],
+    iris: Iris,
+    known: Mapping[str, facts.NodeInstance],
+) -> Iterator[tuple[str, facts.NodeInstance | None, bytes | None]]:
     """Yield the N-Triples of a running system part by part: together they are those of `system_triples`, as a `whole`.
 
     Each part is told by the IRI of its instance, with the instance and its triples. These are None where `known` has
@@ -80,7 +69,9 @@ def system_parts(
 class _Writing:
     """One system on its way into its graph."""
 
-    def __init__(self, system: System, records: Mapping[NodeReference, NodeRecord], iris: Iris, *, whole: bool) -> None:
+    def __init__(
+        self, system: facts.System, records: Mapping[facts.NodeReference, NodeRecord], iris: Iris, *, whole: bool
+    ) -> None:
         self._system = system
         self._whole = whole
         self._records = records
@@ -88,8 +79,8 @@ class _Writing:
         self._writer = self._scope.writer
         self._iri = iris.configuration(system.configuration.repository, system.configuration.path)
         self._subject = f"<{self._iri}>"
-        self._remaps: dict[tuple[str, Remap], str] = {}
-        self._settings: dict[tuple[str, LaunchParameter], str] = {}
+        self._remaps: dict[tuple[str, facts.Remap], str] = {}
+        self._settings: dict[tuple[str, facts.LaunchParameter], str] = {}
         self._overrides: set[str] = set()
         self._described: set[str] = set()
         """Types that perhaps no code of the build uses."""
@@ -114,8 +105,8 @@ class _Writing:
         """Return the IRIs of the instances."""
         return [self._scope.part(self._iri, "instance", one.name.lstrip("/"))[1:-1] for one in self._system.instances]
 
-    def one(self, iri: str, instance: NodeInstance) -> bytes:
-        """Return what is said of one instance that was seen running."""
+    def one(self, iri: str, instance: facts.NodeInstance) -> bytes:
+        """Return the triples of one observed instance."""
         self._instance(iri, instance, {}, 0)
         return self._writer.encoded()
 
@@ -128,7 +119,7 @@ class _Writing:
         )
         return b"".join([*own, *(line for line in shared if anew and line.startswith(anew))])
 
-    def _configuration(self, fact: LaunchConfiguration) -> None:
+    def _configuration(self, fact: facts.LaunchConfiguration) -> None:
         writer, subject, iris = self._writer, self._subject, self._scope.iris
         writer.described(subject, fact.name, v.CONFIGURATION)
         writer.add(subject, v.ROS_VERSION, integer(fact.ros))
@@ -148,7 +139,7 @@ class _Writing:
         for problem in fact.problems:
             self._problem(problem)
 
-    def _sighting(self, fact: Sighting) -> None:
+    def _sighting(self, fact: facts.Sighting) -> None:
         writer, subject = self._writer, self._subject
         writer.add(subject, v.TYPE, v.RUNNING_SYSTEM)
         writer.text(subject, v.ADDRESS, fact.address)
@@ -159,21 +150,21 @@ class _Writing:
         for problem in self._system.configuration.problems:
             self._problem(problem, fact.since)
 
-    def _argument(self, fact: LaunchArgument) -> None:
+    def _argument(self, fact: facts.LaunchArgument) -> None:
         part, writer = self._scope.part(self._iri, "argument", fact.name), self._writer
         writer.add(self._subject, v.HAS_ARGUMENT, part)
         writer.add(part, v.TYPE, v.ARGUMENT)
         ARGUMENT.write(writer, part, fact)
         self._evidence(part, fact.location)
 
-    def _problem(self, fact: LaunchProblem, since: str | None = None) -> None:
+    def _problem(self, fact: facts.LaunchProblem, since: str | None = None) -> None:
         part, writer = self._scope.part(self._iri, "problem", fact.subject or fact.kind), self._writer
         writer.add(self._subject, v.HAS_LAUNCH_PROBLEM, part)
         writer.add(part, v.TYPE, v.LAUNCH_PROBLEM)
         PROBLEM.write(writer, part, fact)
         self._evidence(part, fact.location, fact.chain, since)
 
-    def _instance(self, iri: str, fact: NodeInstance, names: Mapping[str, str], order: int) -> None:
+    def _instance(self, iri: str, fact: facts.NodeInstance, names: Mapping[str, str], order: int) -> None:
         subject, writer, started = f"<{iri}>", self._writer, fact.started
         writer.add(self._subject, v.HAS_INSTANCE, subject)
         writer.described(subject, fact.name, v.NODE, v.INSTANCE)
@@ -201,13 +192,13 @@ class _Writing:
         for end in fact.interfaces if self._whole else self._told(subject, fact):
             self._end(iri, end, fact.since)
 
-    def _told(self, subject: str, fact: NodeInstance) -> list[InstanceInterface]:
+    def _told(self, subject: str, fact: facts.NodeInstance) -> list[facts.InstanceInterface]:
         """Return the ends to be stated; add which of the usual ones the instance has not."""
         record = self._records.get(fact.type) if fact.type else None
         own = {iri: end for end, iri in record.ends.items()} if record else {}
         usual = usual_ends(fact.name, fact.namespace, fact.type, own) if fact.type else {}
-        found: dict[str, list[InstanceInterface]] = {iri: [] for iri in usual}
-        told: list[InstanceInterface] = []
+        found: dict[str, list[facts.InstanceInterface]] = {iri: [] for iri in usual}
+        told: list[facts.InstanceInterface] = []
         for end in fact.interfaces:
             iri = record.ends.get(end.declared, "") if record and end.owner == fact.type else ""
             found.get(iri, told).append(end)
@@ -218,7 +209,7 @@ class _Writing:
                 told += ends
         return told
 
-    def _start(self, owner: str, fact: NodeInstance) -> None:
+    def _start(self, owner: str, fact: facts.NodeInstance) -> None:
         """Add what an instance is started with, which it may share with those of other systems."""
         start = Start(self._scope, fact.started.chain)
         start.node(fact.started)
@@ -237,13 +228,13 @@ class _Writing:
         for entry, part in named:
             self._settings[owner, entry] = f"<{iri}{part}>"
 
-    def _sets(self, fact: InstanceParameter) -> str | None:
+    def _sets(self, fact: facts.InstanceParameter) -> str | None:
         """Return the spelled IRI of the parameter of a node type that a parameter sets."""
         record = self._records.get(fact.owner) if fact.owner else None
         found = record.settable.get(fact.declared) if record and fact.declared else None
         return f"<{found}>" if found else None
 
-    def _setting(self, fact: LaunchParameter, order: int) -> str:
+    def _setting(self, fact: facts.LaunchParameter, order: int) -> str:
         part, writer = self._scope.part(self._iri, "setting", fact.name.lstrip("/")), self._writer
         self._settings.setdefault((self._iri, fact), part)
         writer.add(part, v.TYPE, v.SETTING)
@@ -253,7 +244,7 @@ class _Writing:
         self._evidence(part, fact.location, fact.chain)
         return part
 
-    def _end(self, owner: str, fact: InstanceInterface, since: str | None) -> None:
+    def _end(self, owner: str, fact: facts.InstanceInterface, since: str | None) -> None:
         shape, writer, declared = SHAPES[fact.declared.role], self._writer, fact.declared
         part = self._scope.part(owner, shape.component, (fact.resolved or "").lstrip("/") or None)
         writer.add(f"<{owner}>", v.HAS_COMPONENT, part)
@@ -283,7 +274,7 @@ class _Writing:
                 kind = interface_type(self._scope, shape.type_kind, declared.type)
                 writer.once(channel, shape.channel_has_type, kind)
 
-    def _stated(self, part: str, fact: InstanceInterface) -> None:
+    def _stated(self, part: str, fact: facts.InstanceInterface) -> None:
         """Add what the end of a node type would have, to an end that has none or differs from it."""
         shape, writer, declared = SHAPES[fact.declared.role], self._writer, fact.declared
         writer.add(part, v.TYPE, shape.component_class)
@@ -302,11 +293,11 @@ class _Writing:
             if fact.qos != declared.qos:
                 self._overrides.add(policies)
 
-    def _is_foreign(self, fact: InstanceInterface) -> bool:
+    def _is_foreign(self, fact: facts.InstanceInterface) -> bool:
         """Tell whether no node type declares an end: it is a plugin's, whose code is not in the build."""
         return fact.owner not in self._records and fact.declared.origin is not None and not fact.declared.implicit
 
-    def _foreign(self, part: str, fact: InstanceInterface) -> None:
+    def _foreign(self, part: str, fact: facts.InstanceInterface) -> None:
         """Add the evidence of an end that no node type declares."""
         declared, writer = fact.declared, self._writer
         writer.text(part, v.LOADS_LIBRARY, f"{fact.owner.package}/{fact.owner.node}")
@@ -315,7 +306,7 @@ class _Writing:
         writer.text(part, v.ORIGIN, declared.origin)
         self._evidence(part, declared.location)
 
-    def _causes(self, owner: str, part: str, fact: InstanceInterface) -> None:
+    def _causes(self, owner: str, part: str, fact: facts.InstanceInterface) -> None:
         remap = fact.remap and self._remaps.get((owner, fact.remap))
         if remap:
             self._writer.add(part, v.REMAPPED_BY, remap)
@@ -329,11 +320,11 @@ class _Writing:
         return iri
 
     def _evidence(
-        self, subject: str, location: Location, chain: tuple[Location, ...] = (), since: str | None = None
+        self, subject: str, location: facts.Location, chain: tuple[facts.Location, ...] = (), since: str | None = None
     ) -> None:
-        """Add where something stands. Files are described in the graph of their source, and only there.
+        """Add the place of something. Files are described only in the graph of their source.
 
-        Of what was seen running it is the peer that showed it, and since when.
+        For an observed thing it is the peer that showed it, and the time of the first observation.
         """
         if since is not None:
             self._writer.text(subject, v.SEEN_AT, location.path)
@@ -348,7 +339,7 @@ class _Writing:
         writer.text(subject, v.INCLUDE_CHAIN, chain_text(chain))
 
 
-def _touched(system: System) -> set[tuple[str, str | None]]:
+def _touched(system: facts.System) -> set[tuple[str, str | None]]:
     """Return what has to do with ends that are not usual: kinds and names of channels."""
     ends = {
         (end.declared.role.channel, end.resolved)
@@ -359,4 +350,4 @@ def _touched(system: System) -> set[tuple[str, str | None]]:
     rules = [rule for one in system.instances for rule in one.remaps]
     names = {name for rule in rules for name in (rule.source, rule.target)}
     alike = {(kind, name) for kind, *pair in system.similar for name in pair}
-    return ends | alike | {(role.channel, name) for role in Role for name in names}
+    return ends | alike | {(role.channel, name) for role in facts.Role for name in names}

@@ -1,7 +1,6 @@
-"""The way back: systems are read from the store as the facts they were written from.
+"""Reading of systems from the store, the inverse of `kg.graph.systems`; a test compares the two.
 
-`kg.graph.systems` writes what this module reads; a test holds the two together. Not kept are what a configuration was
-given, the files that it read, and which line an include stands in.
+Not stored are the arguments given to a configuration, the files that it read, and the lines of includes.
 """
 
 from __future__ import annotations
@@ -13,41 +12,17 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from pyoxigraph import NamedNode
 
-from kg.facts import (
-    InstanceInterface,
-    InstanceParameter,
-    InstanceRemap,
-    Interface,
-    LaunchArgument,
-    LaunchConfiguration,
-    LaunchDialect,
-    LaunchInclude,
-    LaunchParameter,
-    LaunchProblem,
-    Location,
-    MissingType,
-    NodeInstance,
-    NodeReference,
-    Parameter,
-    Qos,
-    Remap,
-    Resolution,
-    Sighting,
-    StartedNode,
-    StartKind,
-    System,
-)
+from kg import facts
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, likely_chain
-from kg.graph.fields import ARGUMENT, PROBLEM, SETTING, Properties, one, word
+from kg.graph.fields import ARGUMENT, PROBLEM, SETTING, Properties, one, place_of, word
 from kg.graph.iris import RUNNING, Iris
-from kg.graph.ntriples import literal
-from kg.graph.queries import select
+from kg.graph.queries import among, one_of, select, texts
 from kg.graph.reading import (
     Queryable,
     Readable,
+    code_facts,
     end_of,
-    facts,
     grouped,
     qualities,
     references,
@@ -62,10 +37,10 @@ if TYPE_CHECKING:
 
 
 _Content: TypeAlias = "dict[str, dict[str, list[str]]]"
-"""What is said of things, by their IRIs and those of properties."""
+"""Properties of things, by their IRIs and those of properties."""
 
 _NAMES: Final = """
-SELECT ?name ?path ?repository ?ros WHERE {
+SELECT ?name ?path ?ros ?repository WHERE {
   GRAPH ?launch {
     %s
     ?configuration rnkg:launchDialect ?dialect ; rnkg:ofPackage ?package ; rnkg:name ?name ; rnkg:path ?path ;
@@ -134,31 +109,27 @@ def system_names(
 
     With `iris` or `named` only those of these IRIs or names.
     """
-    those = "" if iris is None else f"VALUES ?configuration {{ {' '.join(str(NamedNode(iri)) for iri in iris)} }}"
+    those = "" if iris is None else among("configuration", iris)
     if named is not None:
-        those += f" VALUES ?name {{ {' '.join(map(literal, sorted(named)))} }}"
-    rows = [(row["repository"].value, row) for row in select(graph, _NAMES % those)]
-    rows += [(RUNNING, row) for row in select(graph, _RUNNING % those)]
-    return sorted(
-        SystemName(repository, row["path"].value, row["name"].value, int(row["ros"].value)) for repository, row in rows
-    )
+        those += f" {one_of('name', named)}"
+    rows = (*texts(graph, _NAMES % those), *((*row, RUNNING) for row in texts(graph, _RUNNING % those)))
+    return sorted(SystemName(repository, path, name, int(ros)) for name, path, ros, repository in rows)
 
 
 def included(graph: Queryable, labels: Mapping[str, str] = _NO_LABELS) -> frozenset[str]:
     """Return the names of the configurations that others include; `labels` has other names for some of their IRIs."""
-    rows = select(graph, _INCLUDED)
-    return frozenset(labels.get(row["one"].value, row["name"].value) for row in rows)
+    return frozenset(labels.get(iri, name) for iri, name in texts(graph, _INCLUDED))
 
 
 def started_names(graph: Queryable, name: str | None = None) -> dict[str, list[str]]:
     """Return the absolute names of instances, each with the configurations that start it, sorted; or one `name`."""
     found: dict[str, set[str]] = {}
-    for row in select(graph, _STARTED % ("" if name is None else f"VALUES ?name {{ {literal(name)} }}")):
-        found.setdefault(row["name"].value, set()).add(row["system"].value)
+    for instance, system in texts(graph, _STARTED % ("" if name is None else one_of("name", [name]))):
+        found.setdefault(instance, set()).add(system)
     return {name: sorted(found[name]) for name in sorted(found)}
 
 
-def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[System]:
+def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[facts.System]:
     """Return the systems of these names, in their order; `base` is that of the IRIs of the store."""
     iris = Iris(base)
     content = partial(_content, graph)
@@ -177,7 +148,7 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     usual: Collection[UsualEnd] = (),
     *,
     launches: bool = False,
-) -> list[System]:
+) -> list[facts.System]:
     """Return the systems of these names (None: of any) that have some `parts`, with these and their instances alone.
 
     `parts` are relations, each with a pattern that binds the ?part of an ?instance, and the ?graph of that. Settings
@@ -186,11 +157,7 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     are there, with their arguments and includes.
     """
     iris = Iris(base)
-    rows = [
-        (*(term.value for term in row), v.bare(relation))
-        for relation, pattern in parts
-        for row in select(graph, _PARTS % pattern)
-    ]
+    rows = [(*row, v.bare(relation)) for relation, pattern in parts for row in texts(graph, _PARTS % pattern)]
     if names is None:
         names = system_names(graph, {row[1] for row in rows} | {end.system for end in usual})
     meant = {iris.configuration(one.repository, one.path): one for one in names}
@@ -200,7 +167,7 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     found = {(row[0], part) for row in rows for part in row[1:-1]}
     found |= {(graphs[end.system], part) for end in unstated for part in (end.system, end.instance)}
     wholes = {(graphs[iri], iri) for iri in meant} if launches else set()
-    relations = [tuple(term.value for term in row) for row in select(graph, _LAUNCHES % _pairs(wholes))]
+    relations = list(texts(graph, _LAUNCHES % _pairs(wholes)))
     content = _properties(graph, iris, found | wholes | {(where, part) for where, _, _, part in relations})
     for _, configuration, relation, part in relations:
         _add(content[configuration], relation, part)
@@ -225,7 +192,7 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     terms = (v.bare(v.DECLARED_BY), v.bare(v.OVERRIDES), v.bare(v.SETS))
     declared = {iri for properties in content.values() for term in terms for iri in properties.get(term, ())}
     declared |= {end.code for end in unstated}
-    records = _Records(graph, [content], f"VALUES ?subject {{ {' '.join(str(NamedNode(iri)) for iri in declared)} }}")
+    records = _Records(graph, [content], among("subject", declared))
     having = {row[1] for row in rows} | {end.system for end in unstated} | {iri for _, iri in wholes}
     return [_Reading(name, content, records, iris, chosen).run() for iri, name in meant.items() if iri in having]
 
@@ -268,7 +235,7 @@ def _read(graph: Readable, starts: _Content, name: str) -> _Content:
 
 
 class _Records:
-    """The node types that instances are of, with what their IRIs stand for."""
+    """The node types of instances, with their references."""
 
     def __init__(
         self, graph: Queryable, contents: Iterable[Mapping[str, Properties]], declared: str | None = None
@@ -282,19 +249,21 @@ class _Records:
             for iri in properties.get(v.bare(term), ())
         }
         every = f"{these(graph, 'owner', types)} ?owner ros:hasComponent|rnkg:hasParameter ?subject ."
-        found = facts(graph, declared or every) if types else {}
+        found = code_facts(graph, declared or every) if types else {}
         self._by_iri = references(graph, types) if types else {}
-        self.ends = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Interface)}
-        self.usual: dict[NodeReference, dict[str, Interface]] = {}
+        self.ends = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, facts.Interface)}
+        self.usual: dict[facts.NodeReference, dict[str, facts.Interface]] = {}
         """The ends that frameworks make, by node type and IRI."""
         for iri, (owner, fact) in self.ends.items():
             if fact.implicit:
                 self.usual.setdefault(owner, {})[iri] = fact
-        self.settable = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Parameter)}
-        self.qualities: Mapping[str, Qos] = qualities(graph) if types else {}
+        self.settable = {
+            iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, facts.Parameter)
+        }
+        self.qualities: Mapping[str, facts.Qos] = qualities(graph) if types else {}
 
-    def reference(self, iri: str | None) -> NodeReference | None:
-        """Return what stands for the node type of an IRI."""
+    def reference(self, iri: str | None) -> facts.NodeReference | None:
+        """Return the reference of the node type with an IRI."""
         return self._by_iri.get(iri) if iri else None
 
 
@@ -317,11 +286,11 @@ class _Reading:
         self._iris = iris
         self._iri = iris.configuration(name.repository, name.path)
 
-    def run(self) -> System:
+    def run(self) -> facts.System:
         own = self._content[self._iri]
         instances = sorted(own.get(v.bare(v.HAS_INSTANCE), ()), key=self._order)
         shared = tuple(self._setting(iri) for iri in self._listed(own, v.HAS_SETTING))
-        return System(
+        return facts.System(
             configuration=self._configuration(own),
             instances=tuple(map(self._instance, instances)),
             similar=self._similar(),
@@ -335,18 +304,18 @@ class _Reading:
     def _listed(self, properties: Properties, term: str) -> list[str]:
         return sorted(properties.get(v.bare(term), ()), key=self._order)
 
-    def _configuration(self, own: Properties) -> LaunchConfiguration:
+    def _configuration(self, own: Properties) -> facts.LaunchConfiguration:
         path, name = self._name.path, self._name.name
         package, _, inner = name.partition("/")
         folder = path.removesuffix(inner).rstrip("/") if path.endswith(inner) else ""
         problems = sorted(map(self._problem, own.get(v.bare(v.HAS_LAUNCH_PROBLEM), ())), key=repr)
         arguments = sorted(map(self._argument, own.get(v.bare(v.HAS_ARGUMENT), ())), key=_argument_order)
-        return LaunchConfiguration(
+        return facts.LaunchConfiguration(
             repository=self._name.repository,
             package=package,
             path=path,
             ros=self._name.ros,
-            dialect=LaunchDialect(one(own, v.LAUNCH_DIALECT) or ""),
+            dialect=facts.LaunchDialect(one(own, v.LAUNCH_DIALECT) or ""),
             arguments=tuple(arguments),
             nodes=(),
             includes=tuple(map(self._include, sorted(own.get(v.bare(v.INCLUDES), ())))),
@@ -354,27 +323,27 @@ class _Reading:
             folder=folder or ".",
         )
 
-    def _include(self, iri: str) -> LaunchInclude:
+    def _include(self, iri: str) -> facts.LaunchInclude:
         thing = self._iris.parse(iri)
         repository, path = thing.parts if thing else ("", iri)
-        return LaunchInclude(path, Location(self._name.path, 0), (), repository, path)
+        return facts.LaunchInclude(path, facts.Location(self._name.path, 0), (), repository, path)
 
-    def _problem(self, iri: str) -> LaunchProblem:
+    def _problem(self, iri: str) -> facts.LaunchProblem:
         properties = self._content[iri]
         location, chain = _place(properties)
-        return LaunchProblem(location=location, chain=chain, **PROBLEM.read(properties))
+        return facts.LaunchProblem(location=location, chain=chain, **PROBLEM.read(properties))
 
-    def _argument(self, iri: str) -> LaunchArgument:
+    def _argument(self, iri: str) -> facts.LaunchArgument:
         properties = self._content[iri]
-        return LaunchArgument(location=_place(properties)[0], **ARGUMENT.read(properties))
+        return facts.LaunchArgument(location=_place(properties)[0], **ARGUMENT.read(properties))
 
-    def _setting(self, iri: str, led: tuple[Location, ...] = ()) -> LaunchParameter:
+    def _setting(self, iri: str, led: tuple[facts.Location, ...] = ()) -> facts.LaunchParameter:
         properties = self._content[iri]
         location, chain = _place(properties, led)
         name = one(properties, v.NAME) or ""
-        return LaunchParameter(name, location=location, chain=chain, **SETTING.read(properties))
+        return facts.LaunchParameter(name, location=location, chain=chain, **SETTING.read(properties))
 
-    def _instance(self, iri: str) -> NodeInstance:
+    def _instance(self, iri: str) -> facts.NodeInstance:
         own, records = self._content[iri], self._records
         start = self._content.get(one(own, v.STARTED_WITH) or "", {})
         chain = chain_of(one(own, v.INCLUDE_CHAIN))
@@ -387,19 +356,19 @@ class _Reading:
         host, missing = one(own, v.HOST), one(own, v.MISSING)
         plugins = (records.reference(plugin) for plugin in sorted(own.get(v.bare(v.LOADS_PLUGIN), ())))
         kind = records.reference(one(own, v.INSTANCE_OF))
-        return NodeInstance(
+        return facts.NodeInstance(
             name=one(own, v.NAME) or "",
             namespace=_namespace(own),
             started=self._started(own, start, tuple(fact.remap for fact in remaps.values())),
             type=kind,
-            missing=MissingType(missing) if missing else None,
+            missing=facts.MissingType(missing) if missing else None,
             reason=one(own, v.REASON),
             plugins=tuple(plugin for plugin in plugins if plugin),
             host=one(self._content[host], v.NAME) if host else None,
             interfaces=tuple(sorted(ends, key=_end_order)),
             parameters=tuple(self._parameter(part, fact) for part, fact in settings.items()),
             remaps=tuple(
-                InstanceRemap(fact.source, fact.target, fact.remap, fact.remap in used, fact.similar)
+                facts.InstanceRemap(fact.source, fact.target, fact.remap, fact.remap in used, fact.similar)
                 for fact in remaps.values()
             ),
             complete=one(own, v.COMPLETE) == "true",
@@ -407,13 +376,13 @@ class _Reading:
             since=one(own, v.SEEN_SINCE),
         )
 
-    def _started(self, own: Properties, start: Properties, remaps: tuple[Remap, ...]) -> StartedNode:
+    def _started(self, own: Properties, start: Properties, remaps: tuple[facts.Remap, ...]) -> facts.StartedNode:
         location, chain = _place(own)
         pairs = (setting.partition("=") for setting in sorted(start.get(v.bare(v.START_SETTING), ())))
-        return StartedNode(
+        return facts.StartedNode(
             name=(one(own, v.NAME) or "").rpartition("/")[2],
             namespace=_namespace(own),
-            kind=StartKind(one(start, v.START_KIND) or ""),
+            kind=facts.StartKind(one(start, v.START_KIND) or ""),
             location=location,
             chain=chain,
             package=one(start, v.STARTS_PACKAGE),
@@ -425,25 +394,27 @@ class _Reading:
             settings=tuple((name, value) for name, _, value in pairs),
         )
 
-    def _remap(self, iri: str, led: tuple[Location, ...]) -> InstanceRemap:
+    def _remap(self, iri: str, led: tuple[facts.Location, ...]) -> facts.InstanceRemap:
         own = self._content[iri]
         source, target = one(own, v.FROM) or "", one(own, v.TO) or ""
         similar = tuple(sorted(own.get(v.bare(v.RESEMBLES_NAME), ())))
-        return InstanceRemap(source, target, Remap(source, target, *_place(own, led)), used=False, similar=similar)
+        return facts.InstanceRemap(
+            source, target, facts.Remap(source, target, *_place(own, led)), used=False, similar=similar
+        )
 
-    def _parameter(self, iri: str, setting: LaunchParameter) -> InstanceParameter:
+    def _parameter(self, iri: str, setting: facts.LaunchParameter) -> facts.InstanceParameter:
         own = self._content[iri]
         owner, declared = self._records.settable.get(one(own, v.SETS) or "", (None, None))
         similar = tuple(sorted(own.get(v.bare(v.RESEMBLES_NAME), ())))
-        return InstanceParameter(setting.name, setting, declared, owner, similar)
+        return facts.InstanceParameter(setting.name, setting, declared, owner, similar)
 
     def _end(
         self,
         iri: str,
-        settings: Mapping[str, LaunchParameter],
-        remaps: Mapping[str, InstanceRemap],
-        chain: tuple[Location, ...],
-    ) -> InstanceInterface | None:
+        settings: Mapping[str, facts.LaunchParameter],
+        remaps: Mapping[str, facts.InstanceRemap],
+        chain: tuple[facts.Location, ...],
+    ) -> facts.InstanceInterface | None:
         """Return an end; None when the node type that declares it is not in the store any more."""
         own = self._content[iri]
         known = self._code(own) or self._seen(own) or self._foreign(own)
@@ -455,23 +426,23 @@ class _Reading:
         setting = (settings.get(named) or self._setting(named, led)) if named else None
         resolved = one(own, v.RESOLVED_NAME) or (one(self._content[channel], v.LABEL) if channel else None)
         resolution = word(own, v.RESOLUTION)
-        return InstanceInterface(
+        return facts.InstanceInterface(
             declared=declared,
             owner=owner,
             resolved=resolved,
-            resolution=Resolution(resolution) if resolution else usual_resolution(declared, resolved, setting),
+            resolution=facts.Resolution(resolution) if resolution else usual_resolution(declared, resolved, setting),
             remap=remaps[remap].remap if remap and remap in remaps else None,
             parameter=setting,
             qos=self._records.qualities.get(one(own, v.HAS_QOS) or "") if v.bare(v.TYPE) in own else declared.qos,
             reason=one(own, v.REASON),
         )
 
-    def _code(self, own: Properties) -> tuple[NodeReference, Interface] | None:
+    def _code(self, own: Properties) -> tuple[facts.NodeReference, facts.Interface] | None:
         """Return the end of a node type that an end comes from."""
         codes = [iri for term in (v.DECLARED_BY, v.OVERRIDES) for iri in sorted(own.get(v.bare(term), ()))]
         return next((self._records.ends[iri] for iri in codes if iri in self._records.ends), None)
 
-    def _usual(self, iri: str, own: Properties) -> Iterator[InstanceInterface]:
+    def _usual(self, iri: str, own: Properties) -> Iterator[facts.InstanceInterface]:
         """Yield the ends that are not stated, for the framework gives them to every node of the type."""
         owner = self._records.reference(one(own, v.INSTANCE_OF))
         if owner is None or self._name.repository == RUNNING:
@@ -486,26 +457,26 @@ class _Reading:
         stated.update(own.get(v.bare(v.WITHOUT), ()))
         yield from (end for code, end in usual.items() if code not in stated)
 
-    def _seen(self, own: Properties) -> tuple[NodeReference, Interface] | None:
+    def _seen(self, own: Properties) -> tuple[facts.NodeReference, facts.Interface] | None:
         """Return an end that was seen running, and that no code of the build declares."""
         peer = one(own, v.SEEN_AT)
         declared = self._declared(own) if peer is not None else None
         if peer is None or declared is None:
             return None
-        return NodeReference("", "", ""), replace(declared, location=Location(peer, 0))
+        return facts.NodeReference("", "", ""), replace(declared, location=facts.Location(peer, 0))
 
-    def _declared(self, own: Properties) -> Interface | None:
+    def _declared(self, own: Properties) -> facts.Interface | None:
         iri = type_of(own)
         thing = self._iris.parse(iri) if iri else None
         return end_of(own, {iri: "/".join(thing.parts)} if iri and thing else {})
 
-    def _foreign(self, own: Properties) -> tuple[NodeReference, Interface] | None:
+    def _foreign(self, own: Properties) -> tuple[facts.NodeReference, facts.Interface] | None:
         """Return what is declared by a plugin whose code is not in the build, and whose evidence the end has itself."""
         library, declared = one(own, v.LOADS_LIBRARY), self._declared(own)
         if library is None or declared is None:
             return None
         package, _, name = library.partition("/")
-        owner = NodeReference(declared.location.repository or self._name.repository, package, name)
+        owner = facts.NodeReference(declared.location.repository or self._name.repository, package, name)
         return owner, replace(declared, resolved=None, parameter=None)
 
     def _similar(self) -> tuple[tuple[str, str, str], ...]:
@@ -518,39 +489,32 @@ class _Reading:
         return tuple(sorted(found))
 
 
-def _sighting(own: Properties) -> Sighting | None:
+def _sighting(own: Properties) -> facts.Sighting | None:
     address, since = one(own, v.ADDRESS), one(own, v.SEEN_SINCE)
     if address is None or since is None:
         return None
-    return Sighting(address, since, one(own, v.SEEN_UNTIL), complete=one(own, v.COMPLETE) == "true")
+    return facts.Sighting(address, since, one(own, v.SEEN_UNTIL), complete=one(own, v.COMPLETE) == "true")
 
 
 def _namespace(own: Properties) -> str:
     return one(own, v.NAMESPACE) or namespace_of(one(own, v.NAME) or "")
 
 
-def _place(properties: Properties, led: tuple[Location, ...] = ()) -> tuple[Location, tuple[Location, ...]]:
+def _place(
+    properties: Properties, led: tuple[facts.Location, ...] = ()
+) -> tuple[facts.Location, tuple[facts.Location, ...]]:
     """Return a line and the includes that led to it; `led` are those of the instance that it concerns."""
     peer = one(properties, v.SEEN_AT)
     if peer is not None:
-        return Location(peer, 0), ()
-    path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
-    chain = one(properties, v.INCLUDE_CHAIN)
-    known = likely_chain(path or "", led) if chain is None else chain_of(chain)
-    return Location(path or "", int(line or 0), repository), known
+        return facts.Location(peer, 0), ()
+    location, chain = place_of(properties), one(properties, v.INCLUDE_CHAIN)
+    return location, likely_chain(location.path, led) if chain is None else chain_of(chain)
 
 
-def _argument_order(argument: LaunchArgument) -> tuple[str, int, str]:
+def _argument_order(argument: facts.LaunchArgument) -> tuple[str, int, str]:
     return argument.location.path, argument.location.line, argument.name
 
 
-def _end_order(end: InstanceInterface) -> tuple[str, str, str, str, int, str]:
-    location = end.declared.location
-    return (
-        str(end.owner),
-        end.declared.role,
-        end.resolved or "~~",
-        location.path,
-        location.line,
-        end.declared.type or "",
-    )
+def _end_order(end: facts.InstanceInterface) -> tuple[str, str, str, str, int, str]:
+    declared, location = end.declared, end.declared.location
+    return str(end.owner), declared.role, end.resolved or "~~", location.path, location.line, declared.type or ""

@@ -4,25 +4,26 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from kg.facts import Description, DescriptionKind, Location
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
+from kg.graph.queries import texts
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
+    from kg.graph.reading import Queryable
     from kg.graph.scope import Scope
 
-DESCRIPTIONS: Final = """
+_DESCRIPTIONS: Final = """
 SELECT ?node ?text ?kind ?path ?line ?heading WHERE {
   %s
   ?node rnkg:hasDescription ?said .
   ?said rnkg:text ?text ; rnkg:descriptionKind ?kind ; rnkg:path ?path ; rnkg:line ?line .
   OPTIONAL { ?said rnkg:heading ?heading }
 }"""
-"""The query for the descriptions of nodes that a pattern for ?node chooses."""
 
 _BEST: Final = (
     DescriptionKind.PLUGIN,
@@ -33,19 +34,15 @@ _BEST: Final = (
     DescriptionKind.LAUNCH,
     DescriptionKind.MANIFEST,
 )
-"""Kinds of descriptions, those first that are written to say what a node is for."""
+"""Kinds of descriptions, those first that describe the purpose of a node."""
 _SENTENCE: Final = re.compile(r"(?<=[^.\s]{2}[.!?])\s+(?=[A-Z])")
 
 
-def descriptions_of(rows: Iterable[Any]) -> Mapping[str, tuple[Description, ...]]:
-    """Return the descriptions of each node by its IRI, the best first, from the rows of `DESCRIPTIONS`."""
+def descriptions_of(graph: Queryable, those: str) -> Mapping[str, tuple[Description, ...]]:
+    """Return the descriptions of the nodes that a pattern for ?node chooses, the best first, by IRI."""
     found: defaultdict[str, list[Description]] = defaultdict(list)
-    for row in rows:
-        place = Location(row["path"].value, int(row["line"].value))
-        kind, heading = DescriptionKind(row["kind"].value), row["heading"]
-        found[row["node"].value].append(
-            Description(row["text"].value, kind, place, heading=heading.value if heading else None)
-        )
+    for node, text, kind, path, line, heading in texts(graph, _DESCRIPTIONS % those):
+        found[node].append(Description(text, DescriptionKind(kind), Location(path, int(line)), heading=heading))
     return {node: tuple(sorted(said, key=_rank)) for node, said in found.items()}
 
 
@@ -54,13 +51,13 @@ def _rank(one: Description) -> tuple[int, str, int, str]:
 
 
 def summary(said: Iterable[Description]) -> str | None:
-    """Return the first sentence of the first description; None where there is none."""
+    """Return the first sentence of the first description; None without one."""
     first = next(iter(said), None)
     return _SENTENCE.split(first.text, maxsplit=1)[0] if first else None
 
 
 _LABEL_LENGTH: Final = 60
-"""So many characters of a text stand in its label."""
+"""Maximum length of a label in characters."""
 _LONGEST_TERM: Final = 4
 """So many words has the longest term; names of devices are no longer."""
 

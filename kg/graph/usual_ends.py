@@ -9,17 +9,15 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from urllib.parse import unquote
 
-from pyoxigraph import Literal, NamedNode
-
 from kg.facts import InstanceInterface, Interface, LaunchParameter, NodeReference, Resolution, Role
 from kg.graph import vocabulary as v
 from kg.graph.interfaces import SHAPES
-from kg.graph.queries import select
+from kg.graph.queries import among, column, one_of, texts
 from kg.holes import is_known
 from kg.launch.wiring.place import Place
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
+    from collections.abc import Collection, Mapping
 
     from kg.graph.reading import Queryable
 
@@ -61,7 +59,7 @@ SELECT DISTINCT ?node WHERE {
   ?node ros:hasComponent ?code .
 }"""
 _ORIGINS: Final = ("ros1.node", "ros2.node", "ros2.lifecycle", "bond")
-"""How the origins of such ends begin. What else is implicit (transforms, diagnostics) tells what a node does."""
+"""Prefixes of the origins of such ends. Other implicit ends (transforms, diagnostics) describe what a node does."""
 _ROLES: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
 
 
@@ -109,7 +107,7 @@ def unstated_ends(graph: Queryable, name: str | None = None, types: Collection[s
     elif types is not None:
         implicit, started = _of_types(graph, types)
     else:
-        implicit, started = list(_values(graph, _everywhere(_IMPLICIT))), list(_values(graph, _everywhere(_STARTED)))
+        implicit, started = list(texts(graph, _everywhere(_IMPLICIT))), list(texts(graph, _everywhere(_STARTED)))
     usual: defaultdict[str, list[tuple[str, Role, str, str | None]]] = defaultdict(list)
     for node, code, role, own, origin, kind in implicit:
         if not (origin.startswith(_ORIGINS) and role in _ROLES):
@@ -127,8 +125,8 @@ def unstated_ends(graph: Queryable, name: str | None = None, types: Collection[s
     found = [end for end in found if name in {None, end.name}]
     if not found:
         return []
-    these = {NamedNode(end.instance) for end in found}
-    stated = set(_values(graph, _everywhere(_STATED) if name is None else _STATED % _listed("instance", these)))
+    these = among("instance", [end.instance for end in found])
+    stated = set(texts(graph, _everywhere(_STATED) if name is None else _STATED % these))
     return [end for end in found if (end.instance, end.code) not in stated]
 
 
@@ -146,25 +144,20 @@ def _near(graph: Queryable, name: str) -> tuple[list[Any], list[Any]]:
     The name of such an end is that of the instance and a private name, or it ends in the name that the code has.
     """
     parts = name.strip("/").split("/")
-    owners = {Literal("/" + "/".join(parts[: at + 1])) for at in range(len(parts))}
-    started = set(_values(graph, _STARTED % _listed("name", owners)))
-    implicit = set(_values(graph, _IMPLICIT % _listed("node", {NamedNode(row[4]) for row in started})))
-    written = {Literal("/".join(parts[at:])) for at in range(len(parts))} | {Literal(name)}
-    others = set(_values(graph, _IMPLICIT % _listed("name", written)))
-    started.update(_values(graph, _STARTED % _listed("type", {NamedNode(row[0]) for row in others})))
+    owners = ["/" + "/".join(parts[: at + 1]) for at in range(len(parts))]
+    started = set(texts(graph, _STARTED % one_of("name", owners)))
+    implicit = set(texts(graph, _IMPLICIT % among("node", [row[4] for row in started])))
+    written = ["/".join(parts[at:]) for at in range(len(parts))]
+    others = set(texts(graph, _IMPLICIT % one_of("name", [*written, name])))
+    started.update(texts(graph, _STARTED % among("type", [row[0] for row in others])))
     return sorted(implicit | others, key=str), sorted(started, key=str)
 
 
 def _of_types(graph: Queryable, types: Collection[str]) -> tuple[list[Any], list[Any]]:
     """Return the implicit ends of node types that have some of some types, and the instances of these node types."""
-    labels = _listed("label", {Literal(one) for one in types})
-    having = {NamedNode(node) for (node,) in _values(graph, _TYPED % labels)}
-    implicit = list(_values(graph, _IMPLICIT % _listed("node", having)))
-    return implicit, list(_values(graph, _STARTED % _listed("type", having)))
-
-
-def _listed(variable: str, terms: Collection[NamedNode | Literal]) -> str:
-    return f"VALUES ?{variable} {{ {' '.join(sorted(map(str, terms)))} }}"
+    having = column(graph, _TYPED % one_of("label", types))
+    implicit = list(texts(graph, _IMPLICIT % among("node", having)))
+    return implicit, list(texts(graph, _STARTED % among("type", having)))
 
 
 def channels_by_system(graph: Queryable) -> dict[str, set[tuple[str, str]]]:
@@ -173,16 +166,11 @@ def channels_by_system(graph: Queryable) -> dict[str, set[tuple[str, str]]]:
     The keys are IRIs of configurations, the kinds `topic`, `service` and `action`.
     """
     found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
-    for system, channel, name in _values(graph, _MET):
+    for system, channel, name in texts(graph, _MET):
         found[system].add((channel.partition("#")[2].partition("/")[0], name))
     for end in unstated_ends(graph):
         found[end.system].add((end.role.channel, end.name))
     return dict(found)
-
-
-def _values(graph: Queryable, text: str) -> Iterator[Any]:
-    for row in select(graph, text):
-        yield tuple(term.value if term is not None else None for term in row)
 
 
 def namespace_of(name: str) -> str:

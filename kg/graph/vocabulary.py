@@ -1,4 +1,4 @@
-"""The terms that `kg` writes, each as N-Triples spells it (`<...>`), and the prefixes people write them with.
+"""The terms that `kg` writes, each as N-Triples spells it (`<...>`).
 
 `ontology/onto-ros.ttl` and `ontology/rnkg.ttl` define and explain them; a test keeps the two in step.
 """
@@ -7,29 +7,21 @@ from __future__ import annotations
 
 from typing import Final
 
-ROS: Final = "http://data.mksmart.org/onto-ros/class#"
-RNKG: Final = "https://w3id.org/rnkg/ns#"
-RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
-RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
-OWL: Final = "http://www.w3.org/2002/07/owl#"
-XSD: Final = "http://www.w3.org/2001/XMLSchema#"
-PROV: Final = "http://www.w3.org/ns/prov#"
-DCTERMS: Final = "http://purl.org/dc/terms/"
-SKOS: Final = "http://www.w3.org/2004/02/skos/core#"
-SCHEMA: Final = "http://schema.org/"
+from kg.syntax import names
 
-PREFIXES: Final = {
-    "ros": ROS,
-    "rnkg": RNKG,
-    "rdf": RDF,
-    "rdfs": RDFS,
-    "owl": OWL,
-    "xsd": XSD,
-    "prov": PROV,
-    "dcterms": DCTERMS,
-    "skos": SKOS,
-    "schema": SCHEMA,
-}
+PREFIXES: Final = dict(names.PREFIXES)
+"""The prefixes that queries need not declare, as the dictionary that the engine asks for."""
+
+ROS: Final = PREFIXES["ros"]
+RNKG: Final = PREFIXES["rnkg"]
+RDF: Final = PREFIXES["rdf"]
+RDFS: Final = PREFIXES["rdfs"]
+OWL: Final = PREFIXES["owl"]
+XSD: Final = PREFIXES["xsd"]
+PROV: Final = PREFIXES["prov"]
+DCTERMS: Final = PREFIXES["dcterms"]
+SKOS: Final = PREFIXES["skos"]
+SCHEMA: Final = PREFIXES["schema"]
 
 
 def ros(name: str) -> str:

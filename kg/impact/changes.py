@@ -1,7 +1,7 @@
-"""What the changes between two states of the sources break in places that did not change with them.
+"""Breaking changes between two states of the sources: places that depend on a change but did not change with it.
 
-A place is left behind if its line is the same in both states. Who loses whom in a launch file is taken from the ends
-of both states, so a name that changed at both ends breaks nothing.
+A place is left behind if its line is the same in both states. Lost connections in launch files follow from the ends in
+both states, so a name that changed at both ends breaks nothing.
 """
 
 from __future__ import annotations
@@ -12,7 +12,20 @@ from typing import TYPE_CHECKING, Final
 from kg.holes import is_known
 from kg.impact.assessing import impact
 from kg.impact.files import file_effects, file_mentions
-from kg.impact.model import GIVING, VERBS, Area, DefinitionRecord, Effect, Grade, Kind, Subject, World, merged
+from kg.impact.model import (
+    GIVING,
+    VERBS,
+    Area,
+    DefinitionRecord,
+    Effect,
+    Grade,
+    Graded,
+    Kind,
+    Subject,
+    World,
+    launch_effect,
+    merged,
+)
 from kg.impact.nodes import node_records_of
 from kg.impact.parameters import same_parameter
 from kg.impact.started import End, end_effect, ends_of, partners
@@ -35,22 +48,13 @@ _LEFT: Final = {
 
 
 @dataclass(frozen=True, slots=True)
-class Broken:
+class Broken(Graded):
     """A change in `words` at a line, with what it breaks elsewhere."""
 
     words: str
     location: Location | None
     repository: str
     effects: tuple[Effect, ...] = ()
-
-    @property
-    def is_breaking(self) -> bool:
-        """Whether something breaks for certain."""
-        return self.count(Grade.BREAKS) > 0
-
-    def count(self, grade: Grade) -> int:
-        """Return the number of effects of a grade."""
-        return sum(one.grade is grade for one in self.effects)
 
 
 def broken(
@@ -224,16 +228,14 @@ def _unset(before: System, after: System, world: World) -> Iterator[tuple[_Loss,
             known = declared.get(one.name)
             if one.declared is not None or known is None or known.declared is None:
                 continue
-            location, launch = one.set.location, after.configuration
             what = f"sets {one.name.removeprefix(f'{instance.name}/')} of {instance.name.rpartition('/')[2]}"
-            repository = location.repository or launch.repository
             reason = "the code does not have the parameter any more"
             name, grade = known.declared.name or "", Grade.BREAKS
             if now[instance.name].type is None or _is_partly_known(known.owner, world):
                 grade, reason = Grade.MAY, "the code is not known to have the parameter any more"
-            effect = Effect(grade, area_of(location), what, reason, location, repository, (launch.name,))
+            effect = launch_effect(after, grade, area_of(one.set.location), what, reason, one.set.location)
             words = f"- parameter {name} of {instance.name}"
-            yield _Loss(launch.name, instance, known.owner, words, None, "", parameter=name), effect
+            yield _Loss(after.configuration.name, instance, known.owner, words, None, "", parameter=name), effect
 
 
 def _is_partly_known(owner: NodeReference | None, world: World) -> bool:
@@ -256,14 +258,12 @@ def _unmatched(before: System, after: System) -> Iterator[tuple[_Loss, Effect]]:
             if one.used or one.source not in used:
                 continue
             end = next((end for end in instance.interfaces if end.remap == used[one.source].remap), None)
-            location, launch = one.remap.location, after.configuration
             what = f"{instance.name} remaps {one.source} to {one.target}"
-            repository = location.repository or launch.repository
             reason = "no name of the node matches it any more"
-            effect = Effect(Grade.BREAKS, Area.LAUNCH, what, reason, location, repository, (launch.name,))
+            effect = launch_effect(after, Grade.BREAKS, Area.LAUNCH, what, reason, one.remap.location)
             owner = end.owner if end else instance.type
             words = f"- {instance.name} has no {one.source}"
-            yield _Loss(launch.name, instance, owner, words, None, "", end=end), effect
+            yield _Loss(after.configuration.name, instance, owner, words, None, "", end=end), effect
 
 
 def _losing(system: System, end: End, lost: End, now: Mapping[str, NodeInstance], left: list[str]) -> Effect:

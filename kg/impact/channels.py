@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.facts import Interface, LaunchParameter, NodeInstance, NodeReference, Remap, System
-from kg.impact.model import VERBS, Area, Effect, Grade, Subject, World
+from kg.impact.model import VERBS, Area, Effect, Grade, Subject, World, launch_effect
 from kg.impact.started import End, ends_of, partners, started_effects
 from kg.impact.values import area_of, argument_effects, holding_effects
 
@@ -49,7 +49,8 @@ def _remaps(subject: Subject, system: System, instance: NodeInstance, ends: list
     for one in instance.remaps:
         own = [pair for pair in ends if pair[0] is instance and pair[1].remap == one.remap]
         if one.source == subject.name and one.target != subject.name and _role_fits(subject, instance, one.remap):
-            grade, reason = Grade.MAY, f"matches nothing once the code of {_type_of(instance)} has another name"
+            code = instance.type.node if instance.type else instance.name
+            grade, reason = Grade.MAY, f"matches nothing once the code of {code} has another name"
             what = f"{instance.name} remaps it to {one.target}"
         elif one.target == subject.name and own:
             left = _left(ends, own, one.remap)
@@ -58,12 +59,7 @@ def _remaps(subject: Subject, system: System, instance: NodeInstance, ends: list
             what = f"{instance.name} gets the name by a remapping of {one.source}"
         else:
             continue
-        repository = one.remap.location.repository or system.configuration.repository
-        yield Effect(grade, Area.LAUNCH, what, reason, one.remap.location, repository, (system.configuration.name,))
-
-
-def _type_of(instance: NodeInstance) -> str:
-    return instance.type.node if instance.type else instance.name
+        yield launch_effect(system, grade, Area.LAUNCH, what, reason, one.remap.location)
 
 
 def _role_fits(subject: Subject, instance: NodeInstance, remap: Remap) -> bool:
@@ -88,14 +84,13 @@ def _settings(system: System, instance: NodeInstance, ends: list[End]) -> Iterat
             continue
         setting = end.parameter
         left = _left(ends, [(owner, end)], setting)
-        yield Effect(
+        yield launch_effect(
+            system,
             Grade.BREAKS if left else Grade.MAY,
             area_of(setting.location),
             f"{instance.name} gets the name from its parameter {setting.name.removeprefix(f'{instance.name}/')}",
             f"still gives the old name{', which would separate it from ' + left if left else ''}",
             setting.location,
-            setting.location.repository or system.configuration.repository,
-            (system.configuration.name,),
         )
 
 

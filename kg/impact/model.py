@@ -40,7 +40,7 @@ VERBS: Final = {
 }
 """What a node does with a channel, in words."""
 GIVING: Final = frozenset({Role.PUBLISHES, Role.SERVICES, Role.ACTION_SERVERS})
-"""What goes on without anybody at the other side."""
+"""Ends that work without a peer."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -107,12 +107,23 @@ class Effect:
         return str(self.area), self.what, self.location.path if self.location else ""
 
 
-@dataclass(frozen=True, slots=True)
-class Impact:
-    """The effects of a change to a subject, the certain ones of each area first; `about` describes the subject."""
+def launch_effect(  # noqa: PLR0913, PLR0917 - the parts of an effect
+    system: System, grade: Grade, area: Area, what: str, reason: str, location: Location
+) -> Effect:
+    """Return an effect in one launch configuration."""
+    launch = system.configuration
+    return Effect(grade, area, what, reason, location, location.repository or launch.repository, (launch.name,))
 
-    subject: Subject
-    about: tuple[str, ...]
+
+def code_effect(record: Record, grade: Grade, what: str, reason: str, location: Location) -> Effect:
+    """Return an effect in the code of a node type."""
+    return Effect(grade, Area.CODE, what, reason, location, location.repository or record.repository)
+
+
+class Graded:
+    """Something with effects."""
+
+    __slots__ = ()
     effects: tuple[Effect, ...]
 
     @property
@@ -123,6 +134,15 @@ class Impact:
     def count(self, grade: Grade) -> int:
         """Return the number of effects of a grade."""
         return sum(one.grade is grade for one in self.effects)
+
+
+@dataclass(frozen=True, slots=True)
+class Impact(Graded):
+    """The effects of a change to a subject, the certain ones of each area first; `about` describes the subject."""
+
+    subject: Subject
+    about: tuple[str, ...]
+    effects: tuple[Effect, ...]
 
 
 @dataclass(frozen=True, slots=True)

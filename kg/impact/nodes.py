@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, Location, NodeInstance, NodeReference, System
 from kg.holes import is_known
-from kg.impact.model import GIVING, Area, Effect, Grade, Subject, World
+from kg.impact.model import GIVING, Area, Effect, Grade, Subject, World, code_effect, launch_effect
 from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of, elements
 from kg.render.text import count
@@ -57,27 +57,21 @@ def node_effects(subject: Subject, world: World) -> Iterator[Effect]:
         yield from _alone(system, own)
 
 
-def _effect(  # noqa: PLR0913, PLR0917 - the parts of an effect
-    system: System, grade: Grade, area: Area, what: str, reason: str, location: Location
-) -> Effect:
-    launch = system.configuration
-    repository = location.repository or launch.repository
-    return Effect(grade, area, what, reason, location, repository, (launch.name,))
-
-
 def _start(system: System, instance: NodeInstance) -> Effect:
     started = instance.started
     others = len([one for one in instance.remaps if one.used])
     along = f" with {count(others, 'remapping')}" if others else ""
     reason = "starts it" if started.condition is None else f"starts it if {started.condition}"
-    return _effect(system, Grade.BREAKS, Area.LAUNCH, f"starts {instance.name}{along}", reason, started.location)
+    return launch_effect(system, Grade.BREAKS, Area.LAUNCH, f"starts {instance.name}{along}", reason, started.location)
 
 
 def _hosted(system: System, host: NodeInstance) -> Iterator[Effect]:
     for one in system.instances:
         if one.host == host.name:
             what = f"{one.name} is loaded into {host.name}"
-            yield _effect(system, Grade.BREAKS, Area.SYSTEMS, what, "has no process without it", one.started.location)
+            yield launch_effect(
+                system, Grade.BREAKS, Area.SYSTEMS, what, "has no process without it", one.started.location
+            )
 
 
 def _keys(system: System, own: Sequence[NodeInstance]) -> Iterator[Effect]:
@@ -92,12 +86,12 @@ def _keys(system: System, own: Sequence[NodeInstance]) -> Iterator[Effect]:
             first = min(locations, key=lambda one: one.line)
             what = f"{file.path} sets parameters of {instance.name}"
             reason = "a key that names the node would match nothing if it is renamed"
-            yield _effect(system, Grade.MAY, Area.PARAMETERS, what, reason, first)
+            yield launch_effect(system, Grade.MAY, Area.PARAMETERS, what, reason, first)
 
 
 def _loads(system: System, instance: NodeInstance, subject: Subject) -> Effect:
     what = f"{instance.name} loads {subject.name}"
-    return _effect(
+    return launch_effect(
         system, Grade.BREAKS, Area.SYSTEMS, what, "its parameters name the plugin", instance.started.location
     )
 
@@ -111,7 +105,7 @@ def _lists(system: System, instance: NodeInstance, names: set[str]) -> Iterator[
             if instance.name == name or not ({name, name[1:]}.intersection(held) or (inner == _LISTS and last in held)):
                 continue
             certain = inner == _LISTS
-            yield _effect(
+            yield launch_effect(
                 system,
                 Grade.BREAKS if certain else Grade.MAY,
                 area_of(one.set.location),
@@ -179,6 +173,5 @@ def _defaults(references: set[NodeReference], nodes: Sequence[Record]) -> Iterat
                 name = spelled.get(default.class_name.replace("/", "::"))
                 if name is not None:
                     what = f"{record.package}/{record.node.name} loads {name} by default"
-                    repository = slot.location.repository or record.repository
                     reason = "breaks unless parameters name other plugins"
-                    yield Effect(Grade.MAY, Area.CODE, what, reason, slot.location, repository)
+                    yield code_effect(record, Grade.MAY, what, reason, slot.location)

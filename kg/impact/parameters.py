@@ -7,7 +7,7 @@ from collections import defaultdict
 from itertools import product
 from typing import TYPE_CHECKING, Final
 
-from kg.impact.model import VERBS, Area, Effect, Grade, Subject, World
+from kg.impact.model import VERBS, Effect, Grade, Subject, World, code_effect, launch_effect
 from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of
 from kg.names import normalise
@@ -71,8 +71,7 @@ def parameter_about(subject: Subject, world: World) -> list[str]:
 
 def parameter_effects(subject: Subject, world: World) -> Iterator[Effect]:
     """Yield what depends on the name of a parameter: code, what sets it, and the channels that it names or enables."""
-    records = _owned(subject, world)
-    for record in records:
+    for record in _owned(subject, world):
         yield from _code(subject, record)
     for system in world.systems(subject):
         for instance in system.instances:
@@ -83,21 +82,18 @@ def _code(subject: Subject, record: Record) -> Iterator[Effect]:
     node = f"{record.package}/{record.node.name}"
     for one in record.node.parameters:
         if same_parameter(one.name, subject.name):
-            repository = one.location.repository or record.repository
             what = f"{node} {_VERBS[str(one.access)]} it"
-            yield Effect(Grade.BREAKS, Area.CODE, what, "the code names the parameter", one.location, repository)
+            yield code_effect(record, Grade.BREAKS, what, "the code names the parameter", one.location)
     for end in record.node.interfaces:
         named = same_parameter(end.parameter, subject.name)
         if named or any(same_parameter(one.removeprefix("!"), subject.name) for one in end.switches):
             what = f"{node} {VERBS[end.role]} {end.name or '?'}"
             reason = "the parameter gives the name" if named else "the parameter enables it"
-            repository = end.location.repository or record.repository
-            yield Effect(Grade.MAY, Area.CODE, what, reason, end.location, repository)
+            yield code_effect(record, Grade.MAY, what, reason, end.location)
     for slot in record.node.slots:
         if same_parameter(slot.names, subject.name) or same_parameter(slot.parameter, subject.name):
-            repository = slot.location.repository or record.repository
             what = f"{node} loads plugins of {slot.base_class or 'a class that is not known'}"
-            yield Effect(Grade.BREAKS, Area.CODE, what, "the parameter names the plugins", slot.location, repository)
+            yield code_effect(record, Grade.BREAKS, what, "the parameter names the plugins", slot.location)
 
 
 def _started(subject: Subject, system: System, instance: NodeInstance) -> Iterator[Effect]:
@@ -135,21 +131,19 @@ def _setting(subject: Subject, system: System, instance: NodeInstance, one: Inst
     is_owner = not subject.owner or (
         subject.owner in {instance.name, f"{owner.package}/{owner.node}", owner.node} if owner else False
     )
+    certain = one.declared is not None
     if one.declared is not None:
-        certain = same_parameter(one.declared.name, subject.name)
-        if not (certain and is_owner):
-            return None
-    elif not (is_owner and re.search(rf"(?:^|[./]){re.escape(_bare(subject.name))}$", inner)):
-        return None
+        is_meant = same_parameter(one.declared.name, subject.name)
     else:
-        certain = False
-    return Effect(
+        is_meant = re.search(rf"(?:^|[./]){re.escape(_bare(subject.name))}$", inner) is not None
+    if not (is_meant and is_owner):
+        return None
+    value = f" to {one.set.value}" if one.set.value is not None else ""
+    return launch_effect(
+        system,
         Grade.BREAKS if certain else Grade.MAY,
         area_of(one.set.location),
-        f"sets {inner} of {instance.name.rpartition('/')[2]}"
-        + (f" to {one.set.value}" if one.set.value is not None else ""),
+        f"sets {inner} of {instance.name.rpartition('/')[2]}{value}",
         "the key would set nothing" if certain else "no code is known to read the key",
         one.set.location,
-        one.set.location.repository or system.configuration.repository,
-        (system.configuration.name,),
     )

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.impact.model import Area, Effect, Grade
+from kg.impact.model import Area, Effect, Grade, launch_effect
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.facts import InstanceParameter, Location, NodeInstance, System
+    from kg.facts import Location, System
 
 _NAMING: Final = re.compile(r"topic|service|action|server|channel|frame", re.IGNORECASE)
 """Parameters with such names may hold relative names."""
@@ -41,34 +41,16 @@ def holding_effects(systems: Sequence[System], name: str, named: str) -> Iterato
             naming = {end.parameter for end in instance.interfaces if end.parameter is not None}
             for one in instance.parameters:
                 if one.set not in naming and _holds(one.name, one.set.value, name):
-                    yield _holding(system, instance, one, named)
-
-
-def _holding(system: System, instance: NodeInstance, one: InstanceParameter, named: str) -> Effect:
-    owner = one.set.location.repository or system.configuration.repository
-    return Effect(
-        Grade.MAY,
-        area_of(one.set.location),
-        f"{one.name.removeprefix(f'{instance.name}/')} of {instance.name} holds {named}",
-        "how the node uses the value is not known",
-        one.set.location,
-        owner,
-        (system.configuration.name,),
-    )
+                    what = f"{one.name.removeprefix(f'{instance.name}/')} of {instance.name} holds {named}"
+                    reason, location = "how the node uses the value is not known", one.set.location
+                    yield launch_effect(system, Grade.MAY, area_of(location), what, reason, location)
 
 
 def argument_effects(systems: Sequence[System], name: str, named: str) -> Iterator[Effect]:
     """Yield the launch arguments whose default holds a name."""
     for system in systems:
-        launch = system.configuration
-        for argument in launch.arguments:
+        for argument in system.configuration.arguments:
             if _holds(argument.name, argument.default, name):
-                yield Effect(
-                    Grade.MAY,
-                    Area.LAUNCH,
-                    f"the default of argument {argument.name} is {named}",
-                    "values given for the argument keep the old name",
-                    argument.location,
-                    argument.location.repository or launch.repository,
-                    (launch.name,),
-                )
+                what = f"the default of argument {argument.name} is {named}"
+                reason = "values given for the argument keep the old name"
+                yield launch_effect(system, Grade.MAY, Area.LAUNCH, what, reason, argument.location)

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 Link: TypeAlias = "Callable[[str, Location], str | None]"
 """Gives the address of a line of a source."""
+_ROWS: Final = 200
+"""So many rows has a table at most."""
 _SYSTEMS: Final = 2
 """So many launch files are named; of more, their number."""
 
@@ -37,11 +39,11 @@ def impact_lines(found: Impact) -> list[str]:
     return lines[:-1]
 
 
-def _effect_lines(effects: Sequence[Effect], indent: str = "  ") -> Iterator[str]:
+def _effect_lines(effects: Sequence[Effect]) -> Iterator[str]:
     for one in effects:
         where = f"  {one.location}" if one.location else ""
-        yield printable(f"{indent}{one.grade:<6}  {one.what}{where}")
-        yield printable(f"{indent}        {_reason(one)}")
+        yield printable(f"  {one.grade:<6}  {one.what}{where}")
+        yield printable(f"          {_reason(one)}")
 
 
 def _reason(one: Effect) -> str:
@@ -56,15 +58,18 @@ def _systems(one: Effect) -> str:
     return f"in {', '.join(one.systems[:_SYSTEMS])}{others}"
 
 
-def impact_markdown(found: Impact, link: Link | None = None, *, most: int = 200) -> str:
-    """Return Markdown: the numbers, then a table for each area with at most `most` rows."""
+def impact_markdown(found: Impact, link: Link | None = None) -> str:
+    """Return Markdown: the numbers, then a table for each area."""
     parts = [f"### {found.subject.kind} {_code(found.subject.text)}", "", f"**{summary(found)}**", ""]
     for area, effects in _areas(found):
-        parts += [f"#### {area}", "", "|   | what | why | where |", "|---|---|---|---|"]
-        parts += [_row(one, link) for one in effects[:most]]
-        more = len(effects) - most
-        parts += ["", *([f"{count(more, 'more row')} left out.", ""] if more > 0 else [])]
+        parts += _table(str(area), effects, link)
     return "\n".join(parts)
+
+
+def _table(title: str, effects: Sequence[Effect], link: Link | None = None) -> list[str]:
+    rows, more = [_row(one, link) for one in effects[:_ROWS]], len(effects) - _ROWS
+    left_out = [f"{count(more, 'more row')} left out.", ""] if more > 0 else []
+    return [f"#### {title}", "", "|   | what | why | where |", "|---|---|---|---|", *rows, "", *left_out]
 
 
 def _row(one: Effect, link: Link | None) -> str:
@@ -94,12 +99,15 @@ def _effect_object(one: Effect) -> dict[str, Any]:
         "area": str(one.area),
         "what": one.what,
         "reason": one.reason,
-        "file": one.location.path if one.location else None,
-        "line": (one.location.line or None) if one.location else None,
-        "repository": one.repository or None,
+        **_where(one),
         "systems": list(one.systems),
         "started": {"file": one.started.path, "line": one.started.line} if one.started else None,
     }
+
+
+def _where(one: Effect | Broken) -> dict[str, Any]:
+    path, line = (one.location.path, one.location.line or None) if one.location else (None, None)
+    return {"file": path, "line": line, "repository": one.repository or None}
 
 
 def _areas(found: Impact) -> Iterator[tuple[str, list[Effect]]]:
@@ -133,15 +141,12 @@ def broken_lines(found: Sequence[Broken]) -> list[str]:
     return [*lines, broken_summary(found)]
 
 
-def broken_markdown(found: Sequence[Broken], title: str, link: Link | None = None, *, most: int = 200) -> str:
+def broken_markdown(found: Sequence[Broken], title: str) -> str:
     """Return Markdown: the numbers, then a table for each change that breaks something."""
     parts = [f"### {_code(title)}", "", f"**{broken_summary(found)}**", ""]
     for one in found:
         if one.effects:
-            parts += [f"#### {_code(one.words)}", "", "|   | what | why | where |", "|---|---|---|---|"]
-            parts += [_row(each, link) for each in one.effects[:most]]
-            more = len(one.effects) - most
-            parts += ["", *([f"{count(more, 'more row')} left out.", ""] if more > 0 else [])]
+            parts += _table(_code(one.words), one.effects)
     return "\n".join(parts)
 
 
@@ -150,9 +155,7 @@ def broken_objects(found: Sequence[Broken]) -> Iterator[dict[str, Any]]:
     for one in found:
         yield {
             "change": one.words,
-            "file": one.location.path if one.location else None,
-            "line": (one.location.line or None) if one.location else None,
-            "repository": one.repository or None,
+            **_where(one),
             "breaks": one.count(Grade.BREAKS),
             "may": one.count(Grade.MAY),
             "effects": [_effect_object(each) for each in one.effects],

@@ -76,11 +76,8 @@ def pipeline(model: str) -> Language:
     probe = nlp(_PROBE) if model else None
     missing = [words for attribute, words in _NEEDED if probe and not probe.has_annotation(attribute)]
     if missing:
-        raise UsageError(
-            "KG142",
-            f"the spaCy pipeline {model!r} sets no {' and no '.join(missing)}",
-            hint="Name one with a tagger or morphologizer and a lemmatizer, or leave `nlp_model` empty.",
-        )
+        hint = "Name one with a tagger or morphologizer and a lemmatizer, or leave `nlp_model` empty."
+        raise UsageError("KG142", f"the spaCy pipeline {model!r} sets no {' and no '.join(missing)}", hint=hint)
     return nlp
 
 
@@ -91,11 +88,8 @@ def _named(model: str) -> Language:
         return spacy.load(Path(model).expanduser() if "/" in model else model, exclude=list(_UNUSED))
     except (ImportError, OSError, TypeError, ValueError, KeyError, AttributeError) as problem:
         lines = str(problem).strip().splitlines() or [type(problem).__name__]
-        raise UsageError(
-            "KG141",
-            f"spaCy cannot load the pipeline {model!r}: {lines[0]}",
-            hint="`python -m spacy validate` lists those installed; without `nlp_model` kg uses its own.",
-        ) from None
+        hint = "`python -m spacy validate` lists those installed; without `nlp_model` kg uses its own."
+        raise UsageError("KG141", f"spaCy cannot load the pipeline {model!r}: {lines[0]}", hint=hint) from None
 
 
 def _shipped() -> Language:

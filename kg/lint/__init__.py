@@ -1,4 +1,4 @@
-"""Findings in the wiring of systems as people get them: chosen, merged, allowed, compared with a baseline.
+"""Reporting of findings about launched systems: selection, merging, allow-list and baseline.
 
-The rules that find them stand in `rules/architecture/`; here nothing is concluded.
+The rules in `rules/architecture/` infer the findings; nothing is inferred here.
 """

@@ -1,12 +1,12 @@
-"""What is right as it is, with the reason: entries of `[[lint.allow]]` in kg.toml, and comments beside the lines.
+"""Accepted findings with their reasons: entries of `[[lint.allow]]` in kg.toml, and comments in the files.
 
     [[lint.allow]]
     code = "KG407"
     subject = "/camera/*"       # any name that the finding is about; also file, system, rule
     reason = "the driver of the camera is started by another computer"
 
-A comment stands on the line or on one of its own above it: `<!-- kg: allow KG407 read by the base station -->`,
-`# kg: allow KG407 ...` or `// kg: allow KG407 ...`.
+A comment is on the line or on a line of its own above it: `<!-- kg: allow KG407 read by the base station -->`, `# kg:
+allow KG407 ...` or `// kg: allow KG407 ...`.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ _COMMENT: Final = re.compile(
 )
 _HEAD: Final = "[[lint.allow]]"
 _Fault: TypeAlias = "tuple[str, Place, str | None]"
-"""What is wrong with an entry, where, and what to do."""
+"""The error of an entry, its place, and a hint."""
 
 
 @dataclass(frozen=True, slots=True)
 class Allowance:
-    """An entry of the allow-list: a code, globs that narrow it, and the reason. A glob's `*` stands for `/` too."""
+    """An entry of the allow-list: a code, globs that narrow it, and the reason. `*` in a glob also matches `/`."""
 
     code: str
     reason: str
@@ -50,7 +50,7 @@ class Allowance:
     rule: str = "*"
 
     def names(self, finding: Finding) -> bool:
-        """Tell whether a finding is meant: its code, and one of its subjects, its file, system and rule."""
+        """Return whether the entry matches a finding: its code, and one of its subjects, its file, system and rule."""
         return (
             self.code == finding.code
             and (self.subject == "*" or any(fnmatchcase(one, self.subject) for one in finding.subjects))
@@ -61,10 +61,10 @@ class Allowance:
 
 
 def allowances(table: Table | None, known: Iterable[str]) -> list[Allowance]:
-    """Return the entries of the table `lint`; `known` are codes of findings beside those of the catalogue.
+    """Return the entries of the table `lint`; `known` are additional codes of findings.
 
     Raises:
-        UsageError: KG421 for entries without reason, without known code, or with a key that means nothing, all at once.
+        UsageError: KG421 for all entries without a reason, with an unknown code, or with an unknown key.
     """
     entries = table.content.get("allow", []) if table else []
     if table is None or not entries:
@@ -90,7 +90,7 @@ def allowances(table: Table | None, known: Iterable[str]) -> list[Allowance]:
 def _allowance(
     entry: Mapping[str, Any], place: Place, codes: set[str], lines: Sequence[str]
 ) -> Allowance | list[_Fault]:
-    """Return an entry, or all that is wrong in it; `lines` are those of the file."""
+    """Return an entry, or all its errors; `lines` are those of the file."""
     faults: list[_Fault] = []
     for key, value in entry.items():
         here = _line_of(key, place, lines)
@@ -111,7 +111,7 @@ def _allowance(
 
 
 def _line_of(key: str, place: Place, lines: Sequence[str]) -> Place:
-    """Return where a key of the entry that begins at `place` stands; where the entry does, when it is not found."""
+    """Return the place of a key in the entry that begins at `place`; the entry's own if the key is not found."""
     for number in range(place.line or len(lines), len(lines)):
         text = lines[number].strip()
         if text.startswith("["):
@@ -126,10 +126,10 @@ def _unusable(message: str, place: Place, hint: str | None = None) -> UsageError
 
 
 class Comments:
-    """Comments that allow a finding, read from the files of the sources.
+    """Comments that allow a finding, read from the source files.
 
-    `roots` are the folders of the sources by name. `without_reason` collects the comments that have none, which
-    therefore allow nothing.
+    `roots` are the folders of the sources by name. `without_reason` collects the comments without a reason, which allow
+    nothing.
     """
 
     def __init__(self, roots: Mapping[str, str]) -> None:
@@ -137,7 +137,7 @@ class Comments:
         self.without_reason: dict[Place, str] = {}
 
     def allow(self, finding: Finding) -> bool:
-        """Tell whether a comment at the finding's line, or on a line of its own above, names its code."""
+        """Return whether a comment on the finding's line, or on a line of its own above, names its code."""
         place = finding.place
         if place is None or place.line is None:
             return False
@@ -155,13 +155,13 @@ class Comments:
 
 
 def _alone(line: str) -> bool:
-    """Tell whether nothing but a comment stands in a line."""
+    """Return whether a line contains only a comment."""
     match = _COMMENT.search(line)
     return match is not None and not line[: match.start()].strip() and not line[match.end() :].strip()
 
 
 def allowed_by(entries: Sequence[Allowance], comments: Comments) -> Callable[[Finding], Allowance | bool]:
-    """Return the function that gives the entry which allows a finding, True for a comment, False for neither."""
+    """Return a function from a finding to the entry that allows it, True for a comment, False for neither."""
 
     def judge(finding: Finding) -> Allowance | bool:
         entry = next((one for one in entries if one.names(finding)), None)

@@ -1,7 +1,7 @@
-"""A baseline: the findings that were there when somebody began to look, so that only new ones are told.
+"""The baseline: existing findings, so that only new ones are reported.
 
-A finding is known by code, rule, system and subjects, so that it stays known when lines move. Where several findings
-are alike in these, as many are known as there were.
+A finding is identified by code, rule, system and subjects, which do not change when lines move. If several findings
+share these, their number counts.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _VERSION: Final = 1
 
 @dataclass(frozen=True, slots=True, order=True)
 class Known:
-    """An entry of a baseline; what people see of it beside its fingerprint."""
+    """An entry of a baseline: the fingerprint, and a description for people."""
 
     fingerprint: str
     code: str = ""
@@ -33,7 +33,7 @@ class Known:
 
 
 def written(findings: Iterable[Finding]) -> str:
-    """Return the text of a baseline with these findings, the same for the same findings."""
+    """Return the text of a baseline with these findings; deterministic."""
     ordered = sorted(findings, key=lambda one: (one.system, one.code, one.rule, one.subjects, one.fingerprint))
     counts = Counter(one.fingerprint for one in ordered)
     entries = {
@@ -54,7 +54,7 @@ def read(file: Path) -> Counter[Known]:
     """Return the findings of a baseline with their numbers.
 
     Raises:
-        UsageError: KG420 for a file that is missing or no baseline.
+        UsageError: KG420 the file is missing or not a baseline.
     """
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
@@ -84,7 +84,7 @@ def _known(entry: Any, file: Path) -> Known:
 
 
 def compared(findings: Iterable[Finding], known: Counter[Known]) -> tuple[list[Finding], list[Finding], list[Known]]:
-    """Return the findings that are new, those that are known, and the entries of the baseline that are gone."""
+    """Return new findings, known findings, and stale entries of the baseline."""
     left = Counter({one.fingerprint: number for one, number in known.items()})
     new: list[Finding] = []
     old: list[Finding] = []

@@ -1,18 +1,18 @@
-"""What rules found wrong in a system, as it is read from the store."""
+"""A finding of a rule about a system, as read from the store."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from hashlib import blake2b
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Evidence:
-    """A line that has to do with a finding: `path` is relative to the root of `repository`.
+    """A line that supports a finding: `path` is relative to the root of `repository`.
 
-    `words` say what happens there (`publishes /scan_raw`), `chain` through which includes it came.
+    `words` describe it (`publishes /scan_raw`), `chain` has the includes that lead to it.
     """
 
     path: str
@@ -27,12 +27,12 @@ class Evidence:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One finding: `subjects` begins with the name that it is about before all others.
+    """A finding; the first of `subjects` is the name that it is about.
 
-    `system` is the name of the configuration that it was found in, `also` are those with the same fault at the same
-    line. `place` is the line where it is to be mended; None when the rule names none. `presumes_whole` tells that it is
-    concluded from something missing, so that it holds only where the configuration is started alone. `replacement` is
-    the name that probably should stand in place of the first subject. `iri` is that of the finding in the store.
+    `system` is the configuration in which it was found, `also` are others with the same fault at the same line. `place`
+    is the line to fix; None if the rule names none. `presumes_whole` marks a conclusion from something missing, which
+    holds only if the configuration is started alone. `replacement` is the suggested name for the first subject. `iri`
+    is that of the finding in the store.
     """
 
     code: str
@@ -51,7 +51,7 @@ class Finding:
 
     @property
     def path(self) -> str:
-        """The file where it is to be mended, the launch file's name where none is known."""
+        """The file to fix, by default that of the launch file."""
         return self.place.path if self.place else self.system
 
     @property
@@ -61,19 +61,19 @@ class Finding:
 
     @property
     def in_own_file(self) -> bool:
-        """Whether its line stands in the launch file that the system is named by."""
+        """Whether its line is in the launch file that names the system."""
         _, source, path = self.system.rpartition(":")
         rest = path if source else path.partition("/")[2]
         return self.place is not None and bool(rest) and f"/{self.place.path}".endswith(f"/{rest}")
 
     @property
     def fingerprint(self) -> str:
-        """What stays the same when lines move: a digest of code, rule, system and subjects."""
+        """A digest of code, rule, system and subjects, which does not change when lines move."""
         parts = (self.code, self.rule, self.system, *sorted(self.subjects))
         return blake2b("\0".join(parts).encode(errors="surrogatepass"), digest_size=10).hexdigest()
 
     @property
     def order(self) -> tuple[int, str, int, str, tuple[str, ...], str]:
-        """What findings are sorted by: severity, file, line."""
+        """The sort key: severity, file, line."""
         rank = SEVERITIES.index(self.severity) if self.severity in SEVERITIES else len(SEVERITIES)
         return rank, self.path, self.line or 0, self.code, self.subjects, self.system

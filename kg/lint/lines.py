@@ -1,4 +1,4 @@
-"""The lines of sources that findings are about, read where the sources stand."""
+"""Source lines of findings, from the files on this machine."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _LARGEST: Final = 4 << 20
 
 
 class Lines:
-    """Reads each file once; `roots` are the folders of the sources by name. Nothing outside of them is read."""
+    """Reads each file once; `roots` are the folders of the sources by name. Files outside of them are never read."""
 
     def __init__(self, roots: Mapping[str, str]) -> None:
         self._roots = roots
         self._known: dict[tuple[str, str], Sequence[str]] = {}
 
     def at(self, place: Evidence, line: int | None) -> str | None:
-        """Return a line of the file that a place is in, counted from one; None when it is not to be had."""
+        """Return the line of a place, counted from one; None if it is not available."""
         if line is None or line < 1:
             return None
         key = (place.repository, place.path)
@@ -32,7 +32,7 @@ class Lines:
         return lines[line - 1] if line <= len(lines) else None
 
     def file(self, place: Evidence) -> Path | None:
-        """Return the file that a place is in; None when its source does not stand here, or it is not in it."""
+        """Return the file of a place; None if its source is not on this machine, or the path leads out of it."""
         root = self._roots.get(place.repository)
         if not root:
             return None

@@ -1,4 +1,4 @@
-"""Findings as other programs read them: JSON, remarks for SARIF and GitHub, xUnit as linters of ament write it."""
+"""Findings for other programs: JSON, remarks for SARIF and GitHub, and xUnit in the form of ament linters."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _evidence(place: Evidence) -> dict[str, Any]:
 
 
 def spelled(place: Evidence, roots: Mapping[str, str], folder: Path) -> str:
-    """Return the path of a place relative to `folder` where it stands below it, else relative to its source."""
+    """Return the path of a place relative to `folder` if it is below it, else relative to its source."""
     root = roots.get(place.repository)
     if root:
         file = Path(root) / place.path
@@ -73,16 +73,16 @@ def remark(finding: Finding, roots: Mapping[str, str], folder: Path) -> Remark:
 
 
 def suite_name(file: Path) -> str:
-    """Return the name of the test whose results a file takes, as ament names it: `FOLDER.FILE` without `.xunit.xml`."""
+    """Return the name of the test for a result file, as in ament: `FOLDER.FILE` without `.xunit.xml`."""
     name = file.name.removesuffix(_SUFFIX) if file.name.endswith(_SUFFIX) else file.stem
     return f"{file.absolute().parent.name}.{name}"
 
 
 def xunit(findings: Sequence[Finding], name: str, seconds: float, spots: Sequence[str]) -> str:
-    """Return findings as the results of a test called `name`; those that are notes pass.
+    """Return findings as the results of a test called `name`; notes pass.
 
-    `spots` are the places of the findings as people read them. Without failures there is one case that passes, since a
-    file without cases counts as a test that did not run (ament_lint: `ament_copyright` and its like).
+    `spots` are the places of the findings for people. Without failures there is one passing case, since a file without
+    cases counts as a test that did not run (ament_lint: `ament_copyright` and similar).
     """
     failed = [(one, spot) for one, spot in zip(findings, spots, strict=True) if one.severity != "note"]
     cases = [_case(one, spot, name) for one, spot in failed] or [

@@ -1,4 +1,4 @@
-"""What `kg lint` is asked, and its settings: flags, variables `KG_LINT_...` and the table `[lint]` of `kg.toml`."""
+"""The settings of `kg lint`: flags, variables `KG_LINT_...` and the table `[lint]` of `kg.toml`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from kg import forms
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.settings import declared, setting
 
 if TYPE_CHECKING:
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """Which findings are wanted.
+    """The selection of findings.
 
-    `launch` names a launch file, `arguments` and `environment` are what it is evaluated with; `package` is the package
-    that launch files must be of. With `variants`, findings that only variants of the launch file have are added.
+    `launch` names a launch file, `arguments` and `environment` are its inputs; `package` is the package of launch files
+    to check. With `variants`, findings of variants of the launch file are added.
     """
 
     launch: str | None = None

@@ -1,17 +1,18 @@
-"""Findings as rules left them in the store, read graph by graph, which costs a fraction of joins over their union."""
+"""Reading of findings from the store, graph by graph, which is much faster than joins over their union."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, chain_text, likely_chain
 from kg.graph.fields import Properties, one
 from kg.graph.iris import Iris
+from kg.graph.queries import among, select, texts
 from kg.graph.reading import Queryable, grouped
 from kg.lint.finding import Evidence, Finding
 
@@ -20,20 +21,19 @@ if TYPE_CHECKING:
 
 
 _NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})
-_PREFIXES: Final = {"rnkg": v.RNKG, "rdf": v.RDF}
 _FINDINGS: Final = "SELECT ?s ?p ?o WHERE { GRAPH ?g { %s ?s ?p ?o } }"
 _ANY: Final = "?s a rnkg:Finding ."
 _OF: Final = "?s rnkg:inConfiguration %s ."
 _THINGS: Final = """SELECT ?s ?p ?o WHERE {
-  VALUES ?s { %s } GRAPH ?g { ?s ?p ?o }
+  %s GRAPH ?g { ?s ?p ?o }
   FILTER(?p IN (rdf:type, rnkg:name, rnkg:resolvedName, rnkg:from, rnkg:to,
                 rnkg:path, rnkg:line, rnkg:declaredIn, rnkg:declaredBy, rnkg:includeChain))
 }"""
 _LED: Final = """SELECT ?configuration ?start ?chain WHERE {
-  VALUES ?start { %s }
+  %s
   GRAPH ?g { ?instance rnkg:startedWith ?start ; rnkg:includeChain ?chain . ?configuration rnkg:hasInstance ?instance }
 }"""
-"""What instances share with those of other systems was reached by the includes that led to them."""
+"""Objects shared by systems have the includes of the instances that lead to them."""
 _VERBS: Final = {
     v.bare(v.PUBLISHER): "publishes",
     v.bare(v.SUBSCRIBER): "subscribes to",
@@ -48,7 +48,7 @@ _VERBS: Final = {
     v.bare(v.CONFIGURATION): "is",
     v.bare(v.NODE_TYPE): "is the code of",
 }
-"""What happens in the line of a thing, by its class."""
+"""Description of a line by the class of its object."""
 _REMAP: Final = v.bare(v.REMAP)
 
 
@@ -59,18 +59,18 @@ _EVIDENCE: Final = v.RNKG + "evidence"
 def read_findings(
     graph: Queryable, base: str, configuration: str | None = None, labels: Mapping[str, str] = _NO_LABELS
 ) -> list[Finding]:
-    """Return the findings of a store, sorted; `base` is that of its IRIs.
+    """Return the sorted findings of a store; `base` is that of its IRIs.
 
-    With `configuration`, the IRI of a launch configuration, only those about it. `labels` has other names for the
+    With `configuration`, the IRI of a launch configuration, only those about it. `labels` overrides the names of the
     configurations with these IRIs.
     """
     which = _OF % NamedNode(configuration) if configuration else _ANY
-    findings = grouped(graph.query(_FINDINGS % which, prefixes=_PREFIXES))
+    findings = grouped(select(graph, _FINDINGS % which))
     return sorted(_Reading(graph, base, findings).findings(labels), key=lambda one: one.order)
 
 
 class _Reading:
-    """What findings name, read at once: configurations, things at lines, and what declares these."""
+    """The objects named in findings, read at once: configurations, things with lines, and their declarations."""
 
     def __init__(self, graph: Queryable, base: str, findings: Mapping[str, Properties]) -> None:
         self._graph = graph
@@ -83,20 +83,15 @@ class _Reading:
         self._led = self._chains({iri.partition("#")[0] for iri in self._things if f"{base}start/" in iri})
 
     def _read(self, things: Collection[str]) -> dict[str, dict[str, list[str]]]:
-        listing = " ".join(str(NamedNode(iri)) for iri in sorted(things))
-        return grouped(self._query(_THINGS % listing)) if things else {}
-
-    def _query(self, text: str) -> Any:
-        return self._graph.query(text, prefixes=_PREFIXES)
+        return grouped(select(self._graph, _THINGS % among("s", things))) if things else {}
 
     def _chains(self, starts: Collection[str]) -> dict[tuple[str, str], str]:
-        """Return the includes that led to an instance, by its configuration and what it is started with."""
-        listing = " ".join(str(NamedNode(iri)) for iri in sorted(starts))
-        found = sorted(tuple(term.value for term in row) for row in self._query(_LED % listing)) if starts else []
+        """Return the includes that led to an instance, by its configuration and start."""
+        found = sorted(texts(self._graph, _LED % among("start", starts))) if starts else []
         return {(configuration, start): chain for configuration, start, chain in reversed(found)}
 
     def findings(self, labels: Mapping[str, str]) -> Iterator[Finding]:
-        """Yield those that have a code, a message and a system with a name."""
+        """Yield the findings that have a code, a message and a named system."""
         for iri, own in self._findings.items():
             code, message = one(own, v.rnkg("code")), one(own, v.rnkg("message"))
             configuration = one(own, v.rnkg("inConfiguration"))
@@ -127,7 +122,7 @@ class _Reading:
         )
 
     def _places(self, things: Iterable[str], configuration: str) -> list[Evidence]:
-        """Return the lines of things, or of what declares them, sorted."""
+        """Return the sorted lines of things, or of their declarations."""
         return sorted(place for thing in things for place in self._lines(thing, configuration))
 
     def _lines(self, thing: str, configuration: str) -> Iterator[Evidence]:
@@ -147,7 +142,7 @@ class _Reading:
 
 
 def _words(own: Properties) -> str:
-    """Return what happens in the line of a thing, in a few words."""
+    """Return a short description of the line of a thing."""
     kinds = own.get(v.bare(v.TYPE), ())
     name = one(own, v.NAME) or one(own, v.RESOLVED_NAME)
     source, target = one(own, v.FROM), one(own, v.TO)

@@ -1,7 +1,7 @@
-"""Edits that repair findings: where a name is written in the lines of a finding, and what should stand there.
+"""Edits that fix findings: the place of a name in the lines of a finding, and its replacement.
 
-A launch file or code seldom has the whole name of a topic: `camera/imge` stands for `/front/camera/imge`. An edit
-therefore replaces the written end of a name by the same end of the other name.
+Launch files and code rarely contain the full name of a topic: `camera/imge` may be `/front/camera/imge`. So an edit
+replaces the written suffix of a name by the same suffix of the other name.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _BEFORE: Final = r"(?<![\w/.~-])(?<!::)"
 _BEHIND: Final = r"(?![\w/.-]|::)"
 _SUBSTITUTED: Final = r"(?<=[)}]/)"
-"""What stands before the end of a name that begins with a substitution, as in `$(arg robot)/scan`."""
+"""The text before the suffix of a name that begins with a substitution, as in `$(arg robot)/scan`."""
 _BRACKETS: Final = {".launch": "<>", ".xml": "<>", ".xacro": "<>"}
 _CODE: Final = "([{}])"
 
@@ -36,22 +36,22 @@ class Repair:
 
 
 def repairs(finding: Finding, lines: Lines) -> Iterator[Repair]:
-    """Yield the edits of which one repairs a finding: at its own line, then where the other name is written."""
+    """Yield alternative edits that fix a finding: at its own line, then where the other name is written."""
     if not finding.replacement or not finding.subjects:
         return
     wrong, right = finding.subjects[0], finding.replacement
     for place in places(finding, lines):
         yield from _repair(place, wrong, right, lines)
     for place in finding.evidence:
-        # A line of evidence that only starts a node may hold the name in another role.
+        # Evidence that only starts a node may contain the name in another role.
         if _means(place.words.rpartition(" ")[2], right):
             yield from _repair(place, right, wrong, lines)
 
 
 def places(finding: Finding, lines: Lines) -> list[Evidence]:
-    """Return where a finding is marked: at its line, and where its name is written if that line does not have it.
+    """Return the places to mark: the finding's line, and the place of its name if that line lacks it.
 
-    A launch file that only starts a node is the line of a finding about a name in the node's code.
+    For a name in a node's code, the finding's line may only start the node.
     """
     own, name = finding.place, finding.subjects[0] if finding.subjects else ""
     if own is None or not name or written(own, name, lines) or _default(own, name, lines):
@@ -61,7 +61,7 @@ def places(finding: Finding, lines: Lines) -> list[Evidence]:
 
 
 def _means(word: str, name: str) -> bool:
-    """Return whether a name as it is written may stand for a whole name."""
+    """Return whether a written name may be short for a full name."""
     return bool(word.strip("/~")) and f"/{name}".endswith(f"/{word.lstrip('/~')}")
 
 
@@ -78,9 +78,9 @@ def _repair(place: Evidence, old: str, new: str, lines: Lines) -> Iterator[Repai
 
 
 def written(place: Evidence, name: str, lines: Lines) -> tuple[int, int, str] | None:
-    """Return the line (from one), the column (from zero) and the text by which the lines of a place have a name.
+    """Return line (from one), column (from zero) and text of a name in the lines of a place.
 
-    None when they do not have it. The lines are those of the element or call that begins at the place.
+    None if it is missing. The lines are those of the element or call at the place.
     """
     for end in _ends(name):
         pattern = re.compile(rf"(?:{_BEFORE}|{_SUBSTITUTED}){re.escape(end)}{_BEHIND}")
@@ -92,7 +92,7 @@ def written(place: Evidence, name: str, lines: Lines) -> tuple[int, int, str] | 
 
 
 def _default(place: Evidence, name: str, lines: Lines) -> tuple[int, int, str] | None:
-    """Return where the file of a place has a name as a whole value, if it is in one place only.
+    """Return the place of a name as a whole value in the file of a place, if it is unique.
 
     That is the default of an argument which the line of the place reads.
     """
@@ -112,14 +112,14 @@ def _whole(place: Evidence, lines: Lines) -> Iterator[tuple[int, str]]:
 
 
 def _ends(name: str) -> list[str]:
-    """Return how a name may be written, the longest first: with its namespaces or parts of them, or as private."""
+    """Return the possible spellings of a name, the longest first: with some of its namespaces, or as private."""
     parts = re.split(r"(?<=[/.])", name)
     ends = ["".join(parts[number:]) for number in range(len(parts))]
     return [each for each in (*ends, f"~{ends[-1]}") if each.strip("/.~")]
 
 
 def _chosen(found: Sequence[tuple[int, re.Match[str]]], place: Evidence, name: str) -> tuple[int, re.Match[str]]:
-    """Return the occurrence that is meant: of a remapping what it is from or to, elsewhere the first."""
+    """Return the relevant occurrence: source or target of a remapping, elsewhere the first."""
     words = place.words.split()
     if len(words) != 4 or words[0] != "remaps":  # noqa: PLR2004 - remaps FROM to TO
         return found[0]

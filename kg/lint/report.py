@@ -1,4 +1,4 @@
-"""From all findings of a store to those that a person is told, each once."""
+"""The report of `kg lint`: findings selected, allowed, and merged."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.lint.allowing import Allowance, Comments, allowed_by
 from kg.lint.baseline import Known, compared
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Which findings are wanted: of these `systems` (None: of all), of these `codes`, not less than `level`.
+    """The selection: findings of these `systems` (None: all), of these `codes`, of at least `level`.
 
-    With `every`, also what presumes the whole in configurations that others include.
+    With `every`, also those that presume the whole in configurations that others include.
     """
 
     systems: frozenset[str] | None = None
@@ -30,7 +30,7 @@ class Choice:
     every: bool = False
 
     def wants(self, finding: Finding, included: Collection[str]) -> bool:
-        """Tell whether a finding is wanted; `included` are the names of configurations that others include."""
+        """Return whether a finding is selected; `included` are the names of configurations that others include."""
         rank = SEVERITIES.index(finding.severity) if finding.severity in SEVERITIES else len(SEVERITIES)
         if rank > SEVERITIES.index(self.level) or (self.codes and finding.code not in self.codes):
             return False
@@ -41,11 +41,11 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What is told: `findings` sorted by severity, file and line, those of several systems merged.
+    """The report: `findings` sorted by severity, file and line, with those of several systems merged.
 
     `allowed` are those that kg.toml or a comment allows, `known` those of the baseline; `unused` are entries of kg.toml
-    that allowed nothing, `gone` those of the baseline that are mended, `without_reason` comments that therefore allow
-    nothing. `raw` are all findings that are not allowed, one a system, as a baseline keeps them.
+    that allow nothing, `gone` stale entries of the baseline, `without_reason` comments that allow nothing because they
+    lack a reason. `raw` has all findings that are not allowed, one for each system, for a baseline.
     """
 
     findings: tuple[Finding, ...] = ()
@@ -58,7 +58,7 @@ class Report:
 
     @property
     def failed(self) -> bool:
-        """Whether there is more than notes."""
+        """Whether it has errors or warnings."""
         return any(one.severity != "note" for one in self.findings)
 
 
@@ -71,9 +71,9 @@ def report(  # noqa: PLR0913 - what findings are compared with
     comments: Comments,
     baseline: Counter[Known] | None = None,
 ) -> Report:
-    """Return what is told of `findings`: those of the `choice` that nothing allows and no baseline knows.
+    """Return the report: findings of the `choice` that are not allowed and not in the baseline.
 
-    An entry counts as unused only if it allows none of all findings, whatever was chosen.
+    An entry counts as unused only if it allows none of all findings, whatever the selection.
     """
     every, judge = list(findings), allowed_by(entries, comments)
     verdicts = [(one, judge(one)) for one in every]
@@ -94,9 +94,9 @@ def report(  # noqa: PLR0913 - what findings are compared with
 
 
 def merged(findings: Iterable[Finding]) -> list[Finding]:
-    """Return findings sorted, those of one fault at one line in several systems as one.
+    """Return sorted findings, with the same fault at the same line in several systems merged.
 
-    It is told of the system whose own file has the line, where there is one.
+    The merged finding is that of the system whose own file has the line, if there is one.
     """
     groups: defaultdict[object, list[Finding]] = defaultdict(list)
     for one in findings:

@@ -1,7 +1,7 @@
-"""From a store, or from folders, to the report that faces show.
+"""Checking of a store, or of folders.
 
-Folders are read into a store of their own below the user's cache directory, so that a check leaves no trace in the
-folder and does not touch a store that is there; the second check of the same folders reads only what has changed.
+Folders are built into a store below the user's cache directory, so a check does not touch the folder or an existing
+store. The next check of the same folders reads only changes.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ _PAUSE: Final = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """The report, and what faces need to show it: the sources of the store, the number of systems looked at."""
+    """The report, the sources of the store, and the number of checked systems."""
 
     report: Report
     sources: tuple[SourceState, ...]
     systems: int
     left_out: tuple[str, ...] = ()
-    """Variants of the launch file that were not looked at."""
+    """Variants of the launch file that were not checked."""
 
     @property
     def roots(self) -> dict[str, str]:
@@ -58,7 +58,7 @@ class Checked:
 
 
 def own_store(folders: Iterable[Path]) -> Path:
-    """Return where the store of some folders stands in the user's cache."""
+    """Return the store of some folders in the user's cache."""
     named = sorted(str(folder.resolve()) for folder in folders)
     digest = blake2b("\0".join(named).encode(errors="surrogateescape"), digest_size=8).hexdigest()
     return user_cache() / "lint" / f"{Path(named[0]).name}-{digest}"
@@ -67,13 +67,13 @@ def own_store(folders: Iterable[Path]) -> Path:
 def read_folders(
     folders: Sequence[Path], settings: Settings, progress: Progress | None = None
 ) -> tuple[Settings, BuildReport]:
-    """Read folders into a store of their own; return the settings for that store, and what was read.
+    """Build folders into a store of their own; return the settings for that store, and the result of the build.
 
-    While another check of the same folders reads them (tests of several packages, say), this one waits.
+    It waits while another check builds the same folders, for example in tests of several packages.
 
     Raises:
-        SourceError: KG101 when a folder cannot be read.
-        StoreError: KG302 when the other one takes minutes, KG306 when the cache is not writable.
+        SourceError: KG101 an unreadable folder.
+        StoreError: KG302 the other check takes minutes, KG306 the cache is not writable.
     """
     from kg.pipeline.build import build  # noqa: PLC0415 - who asks a store loads no reader of sources
 
@@ -90,13 +90,13 @@ def read_folders(
 
 
 def check_store(settings: Settings, question: Question, folder: Path) -> Checked:
-    """Return the report about the store in force, evaluated anew where arguments or variables are given.
+    """Return the report on the current store, evaluating launch files again if arguments or variables are given.
 
-    `folder` is where kg.toml is looked for. Nothing is written.
+    `folder` is where kg.toml is searched for. Nothing is written.
 
     Raises:
-        SourceError: KG101 when arguments are given and the source is not where it was built from.
-        StoreError: KG301 when there is no store, KG302 when arguments are given while another process writes.
+        SourceError: KG101 with arguments, and the source has moved since the build.
+        StoreError: KG301 no store, KG302 with arguments, while another process is writing.
         UsageError: KG002 and KG421 for kg.toml, KG420 for the baseline, KG422 and KG003 for the launch file.
     """
     if not question.variants and not question.arguments and not question.environment:
@@ -113,7 +113,7 @@ def check_store(settings: Settings, question: Question, folder: Path) -> Checked
 
 
 def _check_variants(settings: Settings, store: EmbeddedStore, question: Question, folder: Path) -> Checked:
-    """Return the report about a launch file, with the findings that only its variants have."""
+    """Return the report on a launch file, with findings that only its variants have."""
     from kg.pipeline.launching import trial  # noqa: PLC0415 - as above
     from kg.pipeline.variants import variants  # noqa: PLC0415 - as above
 
@@ -136,7 +136,7 @@ def _check_variants(settings: Settings, store: EmbeddedStore, question: Question
 
 
 def check(graph: Queryable, question: Question, settings: Settings, folder: Path) -> Checked:
-    """Return the report about the content of a store; see `check_store`."""
+    """Return the report on the content of a store; see `check_store`."""
     states = tuple(sources(graph))
     roots = {one.name: one.root for one in states if one.root}
     names = system_names(graph)
@@ -157,7 +157,7 @@ def check(graph: Queryable, question: Question, settings: Settings, folder: Path
 def _systems(
     question: Question, names: Sequence[SystemName], roots: Mapping[str, str], own: Mapping[SystemName, str]
 ) -> frozenset[str] | None:
-    """Return the names of the configurations that are asked about, as findings have them; None for all."""
+    """Return the names of the selected configurations; None for all."""
     if question.launch is not None:
         wanted = find(names, question.launch, roots)
         return frozenset({own.get(wanted, wanted.name)})

@@ -49,7 +49,7 @@ class RecordingWorkspace(Workspace):
         return found
 
     def source(self, repository: str) -> Source | None:
-        """Return the source of that repository name."""
+        """Return the source of a repository name."""
         return self._record(super().source(repository), "source", repository)
 
     def package(self, name: str, near: str = "") -> Place | None:

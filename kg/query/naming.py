@@ -23,7 +23,7 @@ from kg.similar import did_you_mean
 from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     _Term: TypeAlias = NamedNode | BlankNode | Literal
 
@@ -37,11 +37,12 @@ _ENDING: Final = """SELECT DISTINCT ?t WHERE {
   FILTER(STRENDS(STR(?t), %s) && ISIRI(?t) && (STRENDS(STR(?t), %s) || STRENDS(STR(?t), %s)))
 } ORDER BY ?t"""
 """Things whose IRI ends in a name. The first filter excludes nearly all, as each filter decodes the IRI again."""
-_PLACES: Final = (
-    ("?t {0} ?any", "?other {0} ?any . ?other a ?kind . ?t a ?kind"),
-    ("?any {0} ?t", "?any {0} ?other . ?other a ?kind . ?t a ?kind"),
-)
-"""For the subject and the object of a property: things used there, and things of the same classes."""
+_PLACES: Final = (("?t {0} ?any", "?other {0} ?any"), ("?any {0} ?t", "?any {0} ?other"))
+"""For the subject and the object of a property: what is used there, as `?t` and as `?other`."""
+_KINDS: Final = "SELECT DISTINCT ?kind WHERE {{ {{ SELECT ?other WHERE {{ {0} }} {1} }} ?other a ?kind }}"
+_SAMPLE: Final = "LIMIT 200"
+_JOINED: Final = ("?t {0} ?end VALUES ?end {{ {1} }}", "?end {0} ?t VALUES ?end {{ {1} }}")
+"""The same: what has the property with one of some values at its other end."""
 _NAMES: Final = "SELECT DISTINCT ?name WHERE { ?t rdfs:label ?name }"
 _PROPERTIES: Final = "SELECT DISTINCT ?name WHERE { ?s ?name ?o }"
 _ALL_PROPERTIES: Final = "`kg query 'SELECT DISTINCT ?p { ?s ?p ?o }'` lists the properties that the store has."
@@ -60,37 +61,43 @@ class Askable(Protocol):
 def facts(
     snapshot: Askable, subject: str, predicate: str, value: str, *, prefixes: Mapping[str, str] = PREFIXES
 ) -> tuple[list[Triple], bool]:
-    """Return the possible facts for three typed words, and whether the store contains them.
+    """Return the facts that three typed words may mean, and whether the store holds them.
 
-    If several things have a name, the store decides: those that occur in such a fact are returned. Of these, exact
-    names take precedence over IRIs that end in the name. If the store has none, things used with the property are
-    returned.
+    A name that several things have means the ones of which the store holds the fact, and of these the ones that
+    have exactly this name before those whose name only ends in it; where it holds none, those that the property is used
+    with. Of two names that things have, at least one means one of these.
 
     Raises:
-        UnknownNameError: KG001 with suggestions, for a word that names nothing.
-        UsageError: KG003 if the store has no such fact and the words are ambiguous.
+        UnknownNameError: KG001 with suggestions for a word that names nothing.
+        UsageError: KG003 when the store holds no such fact and the words name several things.
     """
     predicates = terms(snapshot, predicate, property_=True, prefixes=prefixes)
     words = (subject, value)
-    used = [" UNION ".join(f"{{ {use.format(one)} }}" for one in predicates) for use, _ in _PLACES]
-    # Exact names are looked up quickly. IRIs that only end in the name are then restricted by the property.
-    for among in ([None, None], used):
-        subjects, values = (
-            terms(snapshot, word, among=use, prefixes=prefixes) for word, use in zip(words, among, strict=True)
-        )
-        every = _triples(subjects, predicates, values)
-        held = [fact for fact in every if snapshot.query(f"ASK {{ {fact.subject} {fact.predicate} {fact.object} }}")]
-        if held:
-            break
+    subjects, values = ends = [terms(snapshot, word, among=None, prefixes=prefixes) for word in words]
+    held = _held(snapshot, _triples(subjects, predicates, values))
+    if not held and subjects and values:
+        # At least one of two names that things have is meant as it is, so the store has few things to look at.
+        ended = [
+            terms(snapshot, word, among=_among(use, predicates, other), prefixes=prefixes)
+            for word, use, other in zip(words, _JOINED, (values, subjects), strict=True)
+        ]
+        held = _held(snapshot, [*_triples(ended[0], predicates, values), *_triples(subjects, predicates, ended[1])])
+    elif not held:
+        # Of what only ends in the names, the property tells what can be meant.
+        subjects, values = ends = [
+            terms(snapshot, word, among=_among(places[0], predicates), prefixes=prefixes)
+            for word, places in zip(words, _PLACES, strict=True)
+        ]
+        held = _held(snapshot, _triples(subjects, predicates, values))
     if held:
         exact = {*_named(snapshot, subject), *_named(snapshot, value)} if len(held) > 1 else set()
         ranks = [(fact.subject not in exact) + (fact.object not in exact) for fact in held]
         return [fact for fact, rank in zip(held, ranks, strict=True) if rank == min(ranks)], True
     subjects, values = (
-        _meant(snapshot, word, found, [test.format(predicates[0]) for test in tests], prefixes)
+        _meant(snapshot, word, found, [place.format(predicates[0]) for place in places], prefixes)
         if len(predicates) == 1
         else terms(snapshot, word, prefixes=prefixes)
-        for word, found, tests in zip(words, (subjects, values), _PLACES, strict=True)
+        for word, found, places in zip(words, ends, _PLACES, strict=True)
     )
     if len(predicates) == 1 and max(len(subjects), len(values)) > 1:
         _check_used(snapshot, predicates[0], prefixes)
@@ -100,6 +107,23 @@ def facts(
             ways = "\n".join(str(term) for term in found)
             raise UsageError("KG003", f"{len(found)} things are called `{word}`; choose one", hint=ways)
     return _triples(subjects, predicates, values), False
+
+
+def _held(snapshot: Askable, facts: list[Triple]) -> list[Triple]:
+    """Return those facts that the store holds, each once."""
+    known: set[Triple] = set()
+    for predicate in dict.fromkeys(fact.predicate for fact in facts):
+        # Names may have hundreds of things on either side, and few of the pairs are facts.
+        subjects = " ".join(dict.fromkeys(str(fact.subject) for fact in facts))
+        rows: Any = snapshot.query(f"SELECT ?s ?o {{ VALUES ?s {{ {subjects} }} ?s {predicate} ?o }}")
+        known.update(Triple(row[0], predicate, row[1]) for row in rows)
+    return [fact for fact in dict.fromkeys(facts) if fact in known]
+
+
+def _among(pattern: str, predicates: list[_Term], ends: list[_Term] | None = None) -> str:
+    """Return a pattern of `?t` for any of some properties."""
+    listed = " ".join(str(one) for one in ends or () if isinstance(one, NamedNode | Literal))
+    return " UNION ".join(f"{{ {pattern.format(one, listed)} }}" for one in predicates)
 
 
 def _exactly(snapshot: Askable, word: str, found: list[_Term]) -> list[_Term]:
@@ -126,24 +150,40 @@ def _triples(subjects: list[_Term], predicates: list[_Term], values: list[_Term]
 
 
 def _meant(
-    snapshot: Askable, word: str, found: list[_Term], tests: list[str], prefixes: Mapping[str, str]
+    snapshot: Askable, word: str, found: list[_Term], places: list[str], prefixes: Mapping[str, str]
 ) -> list[_Term]:
-    """Return the things called `word` that pass the first test that any of them passes, or all.
+    """Return the things called `word` that a property is used with, or else those of a kind that it is, or else all.
 
-    `found` contains things with the name, and things whose IRI ends in it and that pass the first test. If one with
-    exactly the name passes the second test, only those are returned, without reading all names.
+    `found` are those that have the name, and perhaps those whose IRI ends in it and that the property is used with.
+    Where what has exactly the name is of such a kind, nothing else is meant, and not all that is named has to be read.
     """
-    for test, ones in ((tests[0], found), (tests[1], [one for one in found if one in _named(snapshot, word)])):
-        if passed := _passing(snapshot, ones, test):
+    used, other = places
+    if passed := _passing(snapshot, found, used):
+        return passed
+    named = [one for one in _named(snapshot, word) if one in found]
+    for limit in (_SAMPLE, ""):
+        if named and (passed := _alike(snapshot, named, _KINDS.format(other, limit))):
             return passed
+    if passed := _passing(snapshot, terms(snapshot, word, among=f"{{ {used} }}", prefixes=prefixes), used):
+        return passed
     every = terms(snapshot, word, prefixes=prefixes)
-    return _passing(snapshot, every, tests[1]) or every
+    return _alike(snapshot, every, _KINDS.format(other, "")) or every
 
 
-def _passing(snapshot: Askable, found: list[_Term], test: str) -> list[_Term]:
+def _passing(snapshot: Askable, found: Sequence[_Term], test: str) -> list[_Term]:
     """Return the IRIs for which a pattern of `?t` has a match in the store."""
     iris = [one for one in found if isinstance(one, NamedNode)]
     return [one for one in iris if snapshot.query(f"ASK {{ {test.replace('?t', str(one))} }}")]
+
+
+def _alike(snapshot: Askable, found: Sequence[_Term], query: str) -> list[_Term]:
+    """Return those IRIs that are of one of the kinds that a query finds."""
+    rows: Any = snapshot.query(query)
+    kinds = {row[0] for row in rows}
+    listed = " ".join(str(one) for one in found if isinstance(one, NamedNode))
+    pairs: Any = snapshot.query(f"SELECT ?t ?kind WHERE {{ VALUES ?t {{ {listed} }} ?t a ?kind }}")
+    alike = {row[0] for row in pairs if row[1] in kinds}
+    return [one for one in found if one in alike]
 
 
 def terms(

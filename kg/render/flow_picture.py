@@ -1,8 +1,8 @@
-"""A picture of what feeds what, as SVG: boxes from left to right, and between them the names of what passes on.
+"""A dependency picture as SVG: boxes from left to right, with labelled lines between them.
 
-Boxes of a group have one colour and name the group, so that nothing is told by colour alone; a dashed line with a bar
-at its end says that the box asks for what is absent. The same input always gives the same bytes. Colours follow
-`prefers-color-scheme`; `title` and `desc` say the same in words.
+Boxes of a group have one colour and the group's name, so colours carry no extra meaning. A dashed line with a bar at
+its end means that the box requires the absence of its input. The same input always gives the same bytes. Colours follow
+`prefers-color-scheme`; `title` and `desc` describe the picture in words.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.render.layered import Node, Rectangle, lay_out
-from kg.render.svg import ROLE, arrow, bar, before_tip, dimensions, escaped, label, rounded, short
+from kg.render.svg import arrow, bar, before_tip, document, escaped, label, rounded, short
 from kg.render.text import width
 
 if TYPE_CHECKING:
@@ -29,29 +29,16 @@ _PORT: Final = 8
 _CHARACTER: Final = 7.9
 _SMALL: Final = 6.7
 _LONGEST: Final = 40
+_KEY: Final = (
+    "boxes are rules, rounded names what they derive for others; a dashed line with a bar: absence or counting"
+)
 _COLORS: Final = 8
-_LIGHT: Final = ("#1f6f43", "#8a4b08", "#6b3fa0", "#0b5c8a", "#9c2f4f", "#4d5f14", "#5a4a8f", "#7a4a36")
-_DARK: Final = ("#6fcf97", "#f2b26b", "#c39bf0", "#7cc4ee", "#f29bb5", "#c3d46b", "#b0a4ee", "#e0ab94")
-_STYLE: Final = """
-svg { background: #ffffff; font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; }
-.box { fill: #eef3f8; stroke: #34495e; stroke-width: 1.5; } .mark { stroke: none; }
-.passed { fill: #ffffff; stroke: #7b8a99; stroke-width: 1; }
-.way { fill: none; stroke: #6d7f90; stroke-width: 1.5; } .absent { stroke-dasharray: 6 4; stroke: #a3341f; }
-.head { fill: #6d7f90; stroke: none; } .bar { fill: none; stroke: #a3341f; stroke-width: 3; }
-.title { font-size: 17px; font-weight: bold; fill: #17202a; }
-.name { font-size: 13px; font-weight: bold; fill: #17202a; }
-.sub, .key { font-size: 11px; fill: #4d5a66; } .term { font-size: 12px; fill: #17202a; }
-"""
-_DARK_STYLE: Final = """@media (prefers-color-scheme: dark) {
-svg { background: #14191f; } .box { fill: #1f2933; stroke: #9fb3c8; } .passed { fill: #14191f; stroke: #8b9cad; }
-.way { stroke: #8b9cad; } .absent { stroke: #ff8f7a; } .head { fill: #8b9cad; } .bar { stroke: #ff8f7a; }
-.title, .name, .term { fill: #f0f4f8; } .sub, .key { fill: #b3c0cc; }
-"""
+"""Groups that the style tells apart by colour."""
 
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A box with its name, its group, a sentence about it and a note beside its group; without group a name only."""
+    """A box with its name, its group, a sentence and a note; without a group it has a name only."""
 
     key: str
     name: str
@@ -61,13 +48,13 @@ class Box:
 
     @property
     def below(self) -> str:
-        """What stands below the name."""
+        """The text below the name."""
         return f"{self.group}, {self.note}" if self.note else self.group
 
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """A line from one thing to another, by key; `absent`: the target asks for what is not there."""
+    """A line between two boxes, by key; `absent`: the target requires the absence of the source."""
 
     source: str
     target: str
@@ -79,30 +66,18 @@ def draw_flow(title: str, boxes: Sequence[Box], flows: Iterable[Flow]) -> str:
     every = sorted(set(flows), key=lambda flow: (flow.source, flow.target, flow.absent))
     groups = {group: number % _COLORS for number, group in enumerate(sorted({box.group for box in boxes if box.group}))}
     places = lay_out(_nodes(boxes, every), [(flow.source, flow.target) for flow in every])
-    wide = int(max(places.wide, width(title) * 10.3, width(_key_of_signs()) * _SMALL) + 2 * _MARGIN)
+    wide = int(max(places.wide, width(title) * 10.3, width(_KEY) * _SMALL) + 2 * _MARGIN)
     high = int(_HEAD + places.high + _FOOT)
     known = {box.key: box for box in boxes}
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {dimensions(wide, high)} {ROLE}>',
-        f'<title id="title">{escaped(title)}</title>',
-        f'<desc id="desc">{escaped(_description(known, every))}</desc>',
-        f"<style>{_STYLE}{_colors(_LIGHT)}{_DARK_STYLE}{_colors(_DARK)}}}</style>",
+    drawn = [
         f'<text class="title" x="{_MARGIN}" y="32">{escaped(title)}</text>',
-        f'<text class="key" x="{_MARGIN}" y="52">{escaped(_key_of_signs())}</text>',
+        f'<text class="key" x="{_MARGIN}" y="52">{escaped(_KEY)}</text>',
         f'<g transform="translate({_MARGIN} {_HEAD})">',
         *(_draw_flow(flow, known, way) for flow, way in zip(every, places.ways, strict=True)),
         *(line for box in boxes for line in _draw_box(box, places.boxes[box.key], groups)),
         "</g>",
     ]
-    return "\n".join([*parts, "</svg>", ""])
-
-
-def _key_of_signs() -> str:
-    return "boxes are rules, rounded names what they derive for others; a dashed line with a bar: absence or counting"
-
-
-def _colors(colors: Sequence[str]) -> str:
-    return "".join(f".g{number} {{ fill: {color}; }} " for number, color in enumerate(colors)) + "\n"
+    return document("flow", (wide, high), title, _description(known, every), drawn)
 
 
 def _nodes(boxes: Sequence[Box], flows: Sequence[Flow]) -> list[Node]:

@@ -49,7 +49,7 @@ class Rectangle:
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """Where boxes stand, the corners of each way from its source to its target, and the size of all."""
+    """The positions of boxes, the corners of each line from its source to its target, and the total size."""
 
     boxes: Mapping[str, Rectangle]
     ways: tuple[tuple[tuple[float, float], ...], ...]
@@ -73,7 +73,10 @@ def lay_out(nodes: Sequence[Node], links: Sequence[tuple[str, str]]) -> Places:
     ys = [y for one in rectangles for y in (one.y, one.y + one.high)] + [y for way in ways for _, y in way]
     left, top = min(xs, default=0.0), min(ys, default=0.0)
     return Places(
-        {node.key: _moved(one, left, top) for node, one in zip(nodes, rectangles, strict=True)},
+        {
+            node.key: Rectangle(round(one.x - left, 1), round(one.y - top, 1), round(one.wide, 1), round(one.high, 1))
+            for node, one in zip(nodes, rectangles, strict=True)
+        },
         tuple(tuple((round(x - left, 1), round(y - top, 1)) for x, y in way) for way in ways),
         round(max(xs, default=0.0) - left, 1),
         round(max(ys, default=0.0) - top, 1),
@@ -89,7 +92,3 @@ def _described(node: Node, numbers: Mapping[str, int]) -> dict[str, Any]:
 def _rectangle(drawn: Mapping[str, Any]) -> Rectangle:
     wide, high = drawn["size"]["width"], drawn["size"]["height"]
     return Rectangle(drawn["center"]["x"] - wide / 2, drawn["center"]["y"] - high / 2, wide, high)
-
-
-def _moved(one: Rectangle, left: float, top: float) -> Rectangle:
-    return Rectangle(round(one.x - left, 1), round(one.y - top, 1), round(one.wide, 1), round(one.high, 1))

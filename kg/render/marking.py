@@ -1,4 +1,4 @@
-"""A line of source with what is wrong in it underlined, for terminals: the same span wherever an error is shown."""
+"""A source line with its error underlined for terminals, cut to the same span everywhere."""
 
 from __future__ import annotations
 

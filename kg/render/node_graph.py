@@ -1,7 +1,7 @@
-"""A node with its entities and named relations, as figure 6 of the RNKG paper draws one: SVG, DOT or lines of text.
+"""A node with its entities and named relations, as in figure 6 of the RNKG paper: SVG, DOT or lines of text.
 
-The node stands on the left, what it is related to beside it by relation, and what these are of on the right. What rules
-inferred is dashed, what was read is solid. The same relations always give the same bytes.
+The node is on the left, its related entities next to it by relation, and their entities on the right. Inferred
+relations are dashed, extracted ones solid. The same relations always give the same bytes.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING, Final
 
-from kg.render.svg import ROLE, dimensions, escaped, label, short
+from kg.render.svg import document, escaped, label, short
 from kg.render.text import printable, width
 
 if TYPE_CHECKING:
@@ -29,24 +29,14 @@ _NAME: Final = 118
 _CHARACTER: Final = 7.9
 _LONGEST: Final = 44
 _FOOT: Final = 40
-_STYLE: Final = """
-svg { background: #ffffff; font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; }
-.box { fill: #eef3f8; stroke: #34495e; stroke-width: 1.5; } .node { stroke-width: 3; }
-.way { fill: none; stroke: #6d7f90; stroke-width: 1.5; } .inferred { stroke-dasharray: 6 4; }
-.name { font-size: 13px; fill: #17202a; } .title { font-size: 15px; font-weight: bold; fill: #17202a; }
-.relation, .key { font-size: 11px; fill: #4d5a66; }
-@media (prefers-color-scheme: dark) {
-svg { background: #14191f; } .box { fill: #1f2933; stroke: #9fb3c8; } .way { stroke: #8b9cad; }
-.name, .title { fill: #f0f4f8; } .relation, .key { fill: #b3c0cc; }
-}"""
 
 
 @dataclass(frozen=True, slots=True)
 class Relation:
-    """A named relation from one entity to another, by their names; `inferred` where rules alone say so.
+    """A named relation between two entities, by name; `inferred` if only rules derive it.
 
-    `subject` is the name of the node, or of something that the node is related to. Names of other things than the node
-    begin with their kind or have a slash, so that each name is one thing.
+    `subject` is the name of the node, or of an entity related to it. Names of other entities begin with their kind or
+    contain a slash, so names are unique.
     """
 
     subject: str
@@ -65,7 +55,7 @@ class _Place:
 
 
 def node_graph_lines(node: str, relations: Sequence[Relation]) -> list[str]:
-    """Return the relations as text: a line for each, below the node; `(inferred)` where rules say so."""
+    """Return the relations as text: a line for each, below the node; `(inferred)` marks inferred ones."""
     of = {one.subject: [other for other in relations if other.subject == one.subject] for one in relations}
     lines = [printable(node)]
     for name, found in groupby(of.get(node, ()), key=lambda one: one.name):
@@ -98,19 +88,12 @@ def node_graph_svg(node: str, relations: Sequence[Relation]) -> str:
     words = "; ".join(
         f"{one.subject} {one.name} {one.object}{' (inferred)' if one.inferred else ''}" for one in relations
     )
-    return "\n".join(
-        [
-            f'<svg xmlns="http://www.w3.org/2000/svg" {dimensions(int(right), int(high))} {ROLE}>',
-            f'<title id="title">{escaped(f"Node {node} and its relations")}</title>',
-            f'<desc id="desc">{escaped(words)}.</desc>',
-            f"<style>{_STYLE}</style>",
-            *_ways(relations, places),
-            *(line for name, place in places.items() for line in _box(name, place, is_node=name == node)),
-            label("key", _MARGIN, high - _MARGIN, key, longest=len(key)),
-            "</svg>",
-            "",
-        ]
-    )
+    drawn = [
+        *_ways(relations, places),
+        *(line for name, place in places.items() for line in _box(name, place, is_node=name == node)),
+        label("key", _MARGIN, high - _MARGIN, key, longest=len(key)),
+    ]
+    return document("node_graph", (int(right), int(high)), f"Node {node} and its relations", f"{words}.", drawn)
 
 
 def _near_places(node: str, near: Sequence[Relation]) -> tuple[float, dict[str, _Place]]:
@@ -130,7 +113,7 @@ def _near_places(node: str, near: Sequence[Relation]) -> tuple[float, dict[str, 
 
 
 def _far_places(far: Sequence[Relation], places: Mapping[str, _Place], column: float) -> dict[str, _Place]:
-    """Return `places` with what stands in the third column: each near the middle of what leads to it."""
+    """Return `places` with the entities of the third column: each near the middle of its sources."""
     leading: dict[str, list[float]] = {}
     for one in far:
         if one.object not in places:

@@ -1,8 +1,8 @@
-"""The picture of one node as SVG, drawn like a chip: what comes in on the left, what goes out on the right.
+"""The picture of one node as SVG, drawn like a chip: inputs on the left, outputs on the right.
 
-Topics have round ends and solid wires, services square ones and dashed wires, actions cut corners and thick wires,
-so that nothing is told by colour alone. The same node always gives the same bytes. Colours follow
-`prefers-color-scheme`; `title` and `desc` say the same in words.
+Topics have round ends and solid wires, services square ones and dashed wires, actions cut corners and thick wires, so
+colours carry no extra meaning. The same node always gives the same bytes. Colours follow `prefers-color-scheme`;
+`title` and `desc` describe the picture in words.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
-from kg.render.svg import ROLE, dimensions, escaped, label, short
+from kg.render.svg import document, escaped, label, short
 from kg.render.text import width
 
 if TYPE_CHECKING:
@@ -36,22 +36,6 @@ _CHARACTER: Final = 7.85
 _SMALL: Final = 6.65
 _LONGEST: Final = 44
 _LONGEST_LINE: Final = 72
-_STYLE: Final = """
-svg { background: #ffffff; font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; }
-.box { fill: #eef3f8; stroke: #34495e; stroke-width: 2; }
-.port { fill: #ffffff; stroke-width: 1.5; }
-.topic { stroke: #1f6f43; } .service { stroke: #8a4b08; } .action { stroke: #6b3fa0; }
-.wire { fill: none; stroke-width: 2; } .wire.service { stroke-dasharray: 7 4; } .wire.action { stroke-width: 4; }
-.head { stroke: none; } .head.topic { fill: #1f6f43; } .head.service { fill: #8a4b08; } .head.action { fill: #6b3fa0; }
-.title { font-size: 17px; font-weight: bold; fill: #17202a; } .sub, .more { font-size: 12px; fill: #4d5a66; }
-.name { font-size: 13px; font-weight: bold; fill: #17202a; } .type { font-size: 11px; fill: #4d5a66; }
-.group { font-size: 12px; font-style: italic; fill: #4d5a66; } .implicit { opacity: 0.62; }
-@media (prefers-color-scheme: dark) {
-svg { background: #14191f; } .box { fill: #1f2933; stroke: #9fb3c8; } .port { fill: #14191f; }
-.topic { stroke: #6fcf97; } .service { stroke: #f2b26b; } .action { stroke: #c39bf0; }
-.head.topic { fill: #6fcf97; } .head.service { fill: #f2b26b; } .head.action { fill: #c39bf0; }
-.title, .name { fill: #f0f4f8; } .sub, .more, .type, .group { fill: #b3c0cc; }
-}"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +66,7 @@ class _Side:
 
 
 def draw(title: str, lines: Sequence[str], ports: Iterable[Port], *, more: str = "") -> str:
-    """Return the SVG of a node: `lines` stand below its name, `more` tells what is not shown."""
+    """Return the SVG of a node: `lines` are below its name, `more` describes what is not shown."""
     every = sorted(ports, key=lambda port: (port.implicit, port.name, port.type))
     left, right = _side(_LEFT, every), _side(_RIGHT, every)
     texts = [(title, 10.3), *((line, 7.3) for line in lines), (more, 7.3)]
@@ -92,11 +76,7 @@ def draw(title: str, lines: Sequence[str], ports: Iterable[Port], *, more: str =
     box_x = _MARGIN + (left.label_width + _WIRE if left.groups else 0)
     whole = box_x + box + (right.label_width + _WIRE if right.groups else 0) + _MARGIN
     middle = box_x + box / 2
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {dimensions(whole, height + 2 * _MARGIN)} {ROLE}>',
-        f'<title id="title">{escaped(f"Node {title}")}</title>',
-        f'<desc id="desc">{escaped(_description(every, more))}</desc>',
-        f"<style>{_STYLE}</style>",
+    drawn = [
         f'<rect class="box" x="{box_x}" y="{_MARGIN}" width="{box}" height="{height}" rx="10"/>',
         label("title", middle, _MARGIN + 28, title, "middle", _LONGEST_LINE),
         *(
@@ -107,8 +87,8 @@ def draw(title: str, lines: Sequence[str], ports: Iterable[Port], *, more: str =
         *_draw_side(right, _MARGIN + head, outer=whole - _MARGIN, inner=box_x + box, inward=False),
     ]
     if more:
-        parts.append(label("more", middle, _MARGIN + height - 12, more, "middle", _LONGEST_LINE))
-    return "\n".join([*parts, "</svg>", ""])
+        drawn.append(label("more", middle, _MARGIN + height - 12, more, "middle", _LONGEST_LINE))
+    return document("node", (whole, height + 2 * _MARGIN), f"Node {title}", _description(every, more), drawn)
 
 
 def _side(roles: Sequence[str], ports: Sequence[Port]) -> _Side:

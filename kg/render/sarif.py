@@ -1,4 +1,4 @@
-"""Remarks about lines as SARIF 2.1.0 (OASIS), which code hosts show beside the lines, and as GitHub's annotations."""
+"""Remarks about lines as SARIF 2.1.0 (OASIS), shown by code hosts, and as annotations of GitHub."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _KINDS: Final = {"note": "notice"}
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """A line of a file: `uri` is relative to the folder that is checked, or absolute; `words` say what stands there."""
+    """A line of a file: `uri` is relative to the checked folder, or absolute; `words` describe the line."""
 
     uri: str
     line: int | None = None
@@ -28,9 +28,9 @@ class Spot:
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """Something to say about a line; `severity` is error, warning or note.
+    """A remark about a line; `severity` is error, warning or note.
 
-    `related` are lines that have to do with it, `fingerprint` is what stays the same when lines move.
+    `related` are supporting lines, `fingerprint` does not change when lines move.
     """
 
     code: str

@@ -2,36 +2,54 @@
 
 from __future__ import annotations
 
+from functools import cache
 from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.render.text import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
-ROLE: Final = 'role="img" aria-labelledby="title desc"'
-"""Attributes of a picture whose `title` and `desc` say in words what it draws."""
+_STYLES: Final = Path(__file__).parent / "styles"
 _TIP: Final = 7.0
 """How far before its target a line ends, where its head begins."""
 _ROUND: Final = 7.0
 _LONGEST: Final = 38
 
 
-def dimensions(wide: int, high: int) -> str:
-    """Return the attributes for a picture of so many pixels."""
-    return f'width="{wide}" height="{high}" viewBox="0 0 {wide} {high}"'
+def document(style: str, size: tuple[int, int], title: str, words: str, drawn: Iterable[str]) -> str:
+    """Return a picture of so many pixels, which `title` and `words` tell of; `style` names a file in `styles`."""
+    wide, high = size
+    attributes = f'width="{wide}" height="{high}" viewBox="0 0 {wide} {high}" role="img" aria-labelledby="title desc"'
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" {attributes}>',
+        f'<title id="title">{escaped(title)}</title>',
+        f'<desc id="desc">{escaped(words)}</desc>',
+        f"<style>\n{stylesheet(style)}</style>",
+        *drawn,
+        "</svg>",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+@cache
+def stylesheet(name: str) -> str:
+    """Return the style of a kind of picture, for light and dark."""
+    return (_STYLES / f"{name}.css").read_text("utf-8").rstrip("\n")
 
 
 def short(text: str, longest: int = _LONGEST) -> str:
-    """Return `text` with its middle left out when it is long; the whole stands in the title of its group."""
+    """Return `text` with its middle cut if it is long; the full text is in the title of its group."""
     safe = printable(text)
     half = longest // 2
     return safe if len(safe) <= longest else f"{safe[: half - 1]}…{safe[-half:]}"
 
 
 def escaped(text: str) -> str:
-    """Return `text` as it may stand in XML, without signs that steer."""
+    """Return `text` escaped for XML, without control characters."""
     return escape(printable(text), quote=True)
 
 

@@ -1,8 +1,7 @@
-"""What a picture of a system shows: nodes, the channels between them, and which ends lead nowhere.
+"""The content of a picture of a system: nodes, the channels between them, and dangling ends.
 
-A channel is a topic, service or action by its full name. `system_graph` makes the graph of a `kg.facts.System`;
-the modules beside write it as SVG, DOT, Mermaid, JSON and text. Everything is in one order, so that one system always
-gives the same bytes.
+A channel is a topic, service or action by its full name. `system_graph` builds the graph of a `kg.facts.System`; other
+modules write it as SVG, DOT, Mermaid, JSON and text. The order is fixed, so one system always gives the same bytes.
 """
 
 from __future__ import annotations
@@ -34,9 +33,10 @@ class State:
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """A box: an instance, or a namespace with `count` of them. `about` is the type in words, `place` the launch line.
+    """A box: an instance, or a namespace with `count` of them.
 
-    `host` is the key of the member whose process it shares. `reason` says why its interface is not known.
+    `about` describes the type, `place` is the launch line. `host` is the key of the member whose process it shares.
+    `reason` is why its interface is unknown.
     """
 
     key: str
@@ -53,9 +53,9 @@ class Member:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A topic, service or action; `name` has a hole for a part that is not known, and is written code without any name.
+    """A topic, service or action; `name` has holes for unknown parts, or is the code if all of it is unknown.
 
-    It is `open` where its name is not known in full: then nothing can be said of its other ends.
+    It is `open` if its name is partly unknown: then its other ends are unknown too.
     """
 
     key: str
@@ -78,7 +78,7 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class SystemGraph:
-    """A system to be drawn, all in order; `hidden` tells in words what is left out."""
+    """A system to draw, in a fixed order; `hidden` describes what is left out."""
 
     title: str
     members: tuple[Member, ...]
@@ -111,7 +111,7 @@ class Bundle:
 
     @property
     def dangling(self) -> bool:
-        """Tell whether nothing passes: nobody at one side, or only the one member at both."""
+        """Return whether nothing is exchanged: one side is empty, or both are the same member."""
         return not (self.sources and self.targets) or (len({*self.sources, *self.targets}) == 1)
 
 
@@ -156,7 +156,7 @@ def bundles(graph: SystemGraph) -> tuple[Bundle, ...]:
 
 
 def instance_keys(instances: Iterable[NodeInstance]) -> Mapping[str, NodeInstance]:
-    """Return the instances by their names, the second of a name with a number behind it."""
+    """Return the instances by their names; duplicates have a number as suffix."""
     found: dict[str, NodeInstance] = {}
     seen: Counter[str] = Counter()
     for instance in sorted(instances, key=lambda one: (one.name, str(one.started.location))):
@@ -202,7 +202,7 @@ def _member(key: str, instance: NodeInstance, named: Mapping[str, str]) -> Membe
 
 
 def _about(instance: NodeInstance) -> str:
-    """Return what is started: the class of a nodelet or component, else package and executable."""
+    """Return the class of a nodelet or component, else package and executable."""
     started, kind = instance.started, instance.type
     if started.plugin:
         return started.plugin

@@ -1,8 +1,8 @@
-"""The picture of a system as SVG: nodes and the channels between them, from those that give to those that take.
+"""The picture of a system as SVG: nodes and the channels between them, from outputs to inputs.
 
-Channels between the same nodes share one box. An end that leads nowhere stands as a line in its node, with an arrow:
-out of the node where nobody listens, into it where nobody gives. Nodelets and components lie in the box of their host.
-`title` and `desc` say the same in words. The same graph always gives the same bytes.
+Channels between the same nodes share one box. A dangling end is a line in its node, with an arrow out of the node for
+outputs, into it for inputs. Nodelets and components are inside the box of their host. `title` and `desc` describe the
+picture in words. The same graph always gives the same bytes.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from kg.render.layered import Node, Rectangle, lay_out
-from kg.render.svg import ROLE, arrow, before_tip, dimensions, escaped, label, rounded
+from kg.render.svg import arrow, before_tip, document, escaped, label, rounded
 from kg.render.system_graph import Bundle, Channel, Member, State, SystemGraph, bundles
-from kg.render.system_style import NAME, SIGNS, SMALL, STYLE, TERM, outline, wide
+from kg.render.system_style import NAME, SIGNS, SMALL, TERM, outline, wide
 from kg.render.text import width
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class _Loose:
 
 @dataclass(slots=True)
 class _Drawing:
-    """What stands where: the members with their lines, and the bundles that have both sides."""
+    """The layout: the members with their lines, and the bundles that have both sides."""
 
     graph: SystemGraph
     loose: dict[str, list[_Loose]] = field(init=False)
@@ -131,11 +131,7 @@ def system_svg(graph: SystemGraph) -> str:
     across = max(places.wide, legend_wide, width(graph.title) * 10.3, width(notes) * SMALL)
     size_x, size_y = int(across + 2 * _MARGIN), int(_HEAD + places.high + _MARGIN + (22 if notes else 0))
     compared = bool(graph.states())
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {dimensions(size_x, size_y)} {ROLE}>',
-        f'<title id="title">{escaped(graph.title)}</title>',
-        f'<desc id="desc">{escaped(_description(graph))}</desc>',
-        f"<style>{STYLE}</style>",
+    lines = [
         f'<text class="title" x="{_MARGIN}" y="34">{escaped(graph.title)}</text>',
         *legend,
         f'<g transform="translate({_MARGIN} {_HEAD})">',
@@ -154,7 +150,7 @@ def system_svg(graph: SystemGraph) -> str:
         "</g>",
         *([f'<text class="key" x="{_MARGIN}" y="{size_y - 14}">{escaped(notes)}</text>'] if notes else []),
     ]
-    return "\n".join([*parts, "</svg>", ""])
+    return document("system", (size_x, size_y), graph.title, _description(graph), lines)
 
 
 def _within(bundle: Bundle, hosts: Mapping[str, str | None]) -> str | None:
@@ -216,12 +212,9 @@ def _host(member: Member, where: Rectangle) -> str:
 
 
 def _bundle_lines(bundle: Bundle) -> list[str]:
-    names = [f"{SIGNS[one.state]}{one.name}{_clash(one)}" for one in bundle.channels]
+    clashes = (f" ({len(one.types)} types!)" if len(one.types) > 1 else "" for one in bundle.channels)
+    names = [f"{SIGNS[one.state]}{one.name}{clash}" for one, clash in zip(bundle.channels, clashes, strict=True)]
     return names if len(names) <= _MOST_LINES else [*names[: _MOST_LINES - 1], f"+ {len(names) - _MOST_LINES + 1} more"]
-
-
-def _clash(channel: Channel) -> str:
-    return f" ({len(channel.types)} types!)" if len(channel.types) > 1 else ""
 
 
 def _bundle_size(bundle: Bundle) -> tuple[float, float]:

@@ -95,7 +95,8 @@ def _head(member: Member) -> str:
 
 def _below(rows: Iterable[SystemRow]) -> Iterable[str]:
     every = list(rows)
-    names, types = (max((len(text) for text in each), default=0) for each in _columns(every))
+    names = max((len(row.name) for row in every), default=0)
+    types = max((len(row.type) for row in every), default=0)
     for row in every:
         arrow = "→" if row.outward else "←"
         others = ", ".join(row.others) or f"({row.nobody})"
@@ -103,7 +104,3 @@ def _below(rows: Iterable[SystemRow]) -> Iterable[str]:
         yield printable(
             f"  {SIGNS[row.state]}{arrow} {verb} {row.name.ljust(names)}  {row.type.ljust(types)}  {others}"
         )
-
-
-def _columns(rows: list[SystemRow]) -> tuple[list[str], list[str]]:
-    return [row.name for row in rows], [row.type for row in rows]

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from kg.render.system_graph import Channel, Link, Member, State, SystemGraph
+from kg.render.system_graph import Member, State, SystemGraph
 from kg.render.text import count
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Hashable, Mapping
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 
-_Key = TypeVar("_Key", bound="Hashable")
 _Thing = TypeVar("_Thing")
 
 
 def around(graph: SystemGraph, focus: Collection[str], depth: int = 1) -> SystemGraph:
-    """Return what is at most `depth` channels away from the members `focus`, with all channels of those in focus."""
+    """Return the members within `depth` channels of the members `focus`, with all channels of those in focus."""
     ends = graph.ends()
     at: defaultdict[str, set[str]] = defaultdict(set)
     for link in graph.links:
@@ -44,9 +44,9 @@ def around(graph: SystemGraph, focus: Collection[str], depth: int = 1) -> System
 
 
 def collapsed(graph: SystemGraph, expand: Collection[str] = (), most: int = 60) -> SystemGraph:
-    """Return the graph with namespaces as one box each where it has more than `most` boxes.
+    """Return the graph with namespaces as one box each if it has more than `most` boxes.
 
-    As few levels of namespaces as are needed go into one box; those in `expand`, and what is in them, never.
+    As few levels of namespaces as necessary are collapsed; those in `expand`, and their content, never.
     """
     deepest = max((member.name.count("/") - 1 for member in graph.members), default=0)
     found = graph
@@ -64,10 +64,11 @@ def _at_level(graph: SystemGraph, level: int, expand: Collection[str]) -> System
     """Return the graph with one box for the members of each namespace of `level` names."""
     groups = {member.key: _group(member, level) for member in graph.members}
     sizes = Counter(group for group in groups.values() if group)
-    into = {
-        key: f"{group}/*" if group and sizes[group] > 1 and not _kept(group + "/", expand) else key
-        for key, group in groups.items()
-    }
+    into: dict[str, str] = {}
+    for key, group in groups.items():
+        inside = f"{group}/"
+        is_kept = any(inside.startswith(one) or one.startswith(inside) for one in expand)
+        into[key] = f"{group}/*" if group and sizes[group] > 1 and not is_kept else key
     members: dict[str, Member] = {}
     for member in graph.members:
         key = into[member.key]
@@ -95,10 +96,6 @@ def _group(member: Member, level: int) -> str | None:
     return "/" + "/".join(parts[:level]) if len(parts) >= level else None
 
 
-def _kept(namespace: str, expand: Collection[str]) -> bool:
-    return any(namespace.startswith(one) or one.startswith(namespace) for one in expand)
-
-
 def _grown(group: Member | None, key: str, member: Member) -> Member:
     size = (group.count if group else 0) + member.count
     state = member.state if group is None or group.state == member.state else State.CHANGED
@@ -123,37 +120,25 @@ def near_changes(graph: SystemGraph) -> SystemGraph:
 
 def overlaid(before: SystemGraph, after: SystemGraph, changed: Collection[str] = ()) -> SystemGraph:
     """Return both graphs as one, each thing with what became of it; members and channels `changed` are named by key."""
-    members = _states({one.key: one for one in before.members}, {one.key: one for one in after.members})
-    channels = _states({one.key: one for one in before.channels}, {one.key: one for one in after.channels})
-    links = _states({_ends(one): one for one in before.links}, {_ends(one): one for one in after.links})
+    members = _states(before.members, after.members, attrgetter("key"), changed)
+    channels = _states(before.channels, after.channels, attrgetter("key"), changed)
+    links = _states(before.links, after.links, attrgetter("member", "channel", "outward"))
     return SystemGraph(
         after.title,
-        tuple(_member_changed(one, state, changed) for one, state in members.values()),
-        tuple(_channel_changed(one, state, changed) for one, state in channels.values()),
-        tuple(replace(one, state=state) for one, state in links.values()),
+        tuple(replace(one, state=state) for one, state in members),
+        tuple(replace(one, state=state) for one, state in channels),
+        tuple(replace(one, state=state) for one, state in links),
         after.hidden,
     )
 
 
-def _states(before: Mapping[_Key, _Thing], after: Mapping[_Key, _Thing]) -> dict[_Key, tuple[_Thing, str]]:
-    found: dict[_Key, tuple[_Thing, str]] = {}
-    for key in sorted({*before, *after}, key=str):
-        if key not in before:
-            found[key] = after[key], State.NEW
-        elif key not in after:
-            found[key] = before[key], State.GONE
+def _states(
+    before: Iterable[_Thing], after: Iterable[_Thing], key: Callable[[_Thing], Any], changed: Collection[str] = ()
+) -> Iterator[tuple[_Thing, str]]:
+    """Yield the things of both graphs in the order of their keys, each with what became of it."""
+    old, new = {key(one): one for one in before}, {key(one): one for one in after}
+    for name in sorted({*old, *new}, key=str):
+        if name not in new:
+            yield old[name], State.GONE
         else:
-            found[key] = after[key], State.SAME
-    return found
-
-
-def _ends(link: Link) -> tuple[str, str, bool]:
-    return link.member, link.channel, link.outward
-
-
-def _member_changed(member: Member, state: str, changed: Collection[str]) -> Member:
-    return replace(member, state=State.CHANGED if state == State.SAME and member.key in changed else state)
-
-
-def _channel_changed(channel: Channel, state: str, changed: Collection[str]) -> Channel:
-    return replace(channel, state=State.CHANGED if state == State.SAME and channel.key in changed else state)
+            yield new[name], State.NEW if name not in old else State.CHANGED if name in changed else State.SAME

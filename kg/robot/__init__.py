@@ -1,6 +1,6 @@
-"""Running robots: what their computation graph is, what they can do, and doing it.
+"""Running robots: their computation graph, their capabilities, and executing these.
 
-`connection` is the one interface over all middlewares; nothing else in the room knows which one a robot speaks. What
-comes in is a `ComputationGraph`, what rules make of it are the capabilities of `capability`, and what people compose
-of these are the programs of `programs`.
+`connection` is the one interface over all middlewares; no other module depends on the middleware of a robot. A
+`ComputationGraph` is the input, rules infer the capabilities of `capability`, and people compose them to the programs
+of `programs`.
 """

@@ -1,4 +1,4 @@
-"""What systems and packages can do, as rules inferred it: definitions of the ontologies, ways to reach them, proofs."""
+"""Inferred capabilities of systems and packages: definitions from ontologies, interfaces, and proofs."""
 
 from __future__ import annotations
 
@@ -33,24 +33,24 @@ if TYPE_CHECKING:
 
 _SKOS_ALTERNATIVE: Final = f"{v.SKOS}altLabel"
 _PARTS: Final = {"read": frozenset({"response", "result", "feedback"}), "write": frozenset({"request", "goal"})}
-"""The parts of services and actions that hold what a capability of a modality gives or takes."""
+"""The parts of services and actions that hold the values of capabilities, by modality."""
 _TYPES: Final = frozenset({"number", "integer", "boolean", "text", "list"})
 
 
 class Askable(Protocol):
-    """What can be asked in SPARQL: a snapshot, a transaction, a store in memory."""
+    """A target of SPARQL queries: a snapshot, a transaction, a store in memory."""
 
     def query(self, text: str, /, *, prefixes: Mapping[str, str] | None = None) -> Any:
-        """Run a query over all there is."""
+        """Run a query over all graphs."""
 
 
 @dataclass(frozen=True, slots=True)
 class Definition:
     """A capability as the ontologies define it.
 
-    `fields` has for each parameter the places of messages that hold it, `constants` the values of places that are
-    always the same; `implied` are the IRIs of more general capabilities. `rate` is how often a second a command has to
-    be renewed, 0 for never; `moves` is the part of the robot that is moved.
+    `fields` has the fields of messages for each parameter, `constants` the fields with fixed values; `implied` are the
+    IRIs of more general capabilities. `rate` is the number of times per second that a command has to be repeated, 0 for
+    never. `moves` is the part of the robot that is moved.
     """
 
     iri: str
@@ -68,10 +68,10 @@ class Definition:
     moves: str | None = None
 
     def capability(self, *, ways: tuple[Way, ...] = (), implied_by: tuple[str, ...] = ()) -> Capability:
-        """Return it as those see it who use it: with the ways to reach it, and what it follows from.
+        """Return the capability for users: with its interfaces, and the capabilities that it follows from.
 
-        Of its parameters it keeps those that some way has a field for: a drone that takes off by an empty message
-        cannot be told a height. A capability without ways keeps them all.
+        It keeps only parameters with a field in some interface: a drone that takes off by an empty message has no
+        height. A capability without interfaces keeps them all.
         """
         modality: Any = self.modality
         told = {name for way in ways for name in way.fields} if ways else self.fields.keys()
@@ -96,7 +96,7 @@ class Definition:
         return {name: path for name, path in found if path is not None}
 
     def constants_of(self, messages: frozenset[str]) -> dict[str, float | bool | str]:
-        """Return the values of fields of these messages that are always the same, by their paths."""
+        """Return the fixed values of fields of these messages, by their paths."""
         found: dict[str, float | bool | str] = {}
         for text in self.constants:
             place, _, value = text.partition(" = ")
@@ -164,7 +164,7 @@ def _number(text: str | None) -> float | None:
 
 
 def _value(text: str) -> float | bool | str:
-    """Return what a text means as JSON, if it is JSON, else the text itself."""
+    """Return a text decoded as JSON, or the text itself if it is not JSON."""
     with suppress(ValueError):
         value = json.loads(text)
         if isinstance(value, bool | int | float | str):
@@ -175,8 +175,8 @@ def _value(text: str) -> float | bool | str:
 def _path(texts: Iterable[str], messages: frozenset[str], parts: frozenset[str]) -> str | None:
     """Return the path that one of `texts` declares for one of `messages`.
 
-    A text is `std_msgs/Bool data`, or with a part `std_srvs/SetBool request data`. A context names the service as a
-    whole (`std_srvs/SetBool`), which stands for its `parts`.
+    A text is `std_msgs/Bool data`, or with a part `std_srvs/SetBool request data`. A context names the whole service
+    (`std_srvs/SetBool`), which matches its `parts`.
     """
     for text in texts:
         message, _, path = text.rpartition(" ")
@@ -187,7 +187,7 @@ def _path(texts: Iterable[str], messages: frozenset[str], parts: frozenset[str])
 
 
 class _Kinds:
-    """The classes of capabilities: their labels, and what they are kinds of."""
+    """The classes of capabilities with their labels and superclasses."""
 
     def __init__(self, graph: Askable) -> None:
         self._labels: dict[str, str] = {}
@@ -216,21 +216,21 @@ _KINDS: Final[Mapping[str, Literal["topic", "service", "action"]]] = {
     v.bare(v.ACTION_SERVER): "action",
 }
 _Ways = dict[tuple[str, str, str, str], set[str]]
-"""The messages that stand for a capability, by the kind, the name, the type and the node of a way."""
+"""The messages of a capability, by kind, name, type and node of the interface."""
 
 
 def capabilities_of(graph: Askable, whole: str, of: str) -> Capabilities:
-    """Return what the system or package with the IRI `whole` can do, by what a store has inferred; `of` names it."""
+    """Return the inferred capabilities of the system or package with the IRI `whole`; `of` is its name."""
     return read(graph, whole, of, definitions(graph))
 
 
 def held(graph: Askable, whole: str) -> dict[str, str]:
-    """Return the IRIs of what the system or package with the IRI `whole` can do, each with its label."""
+    """Return the IRIs of the capabilities of the system or package with the IRI `whole`, with their labels."""
     return {row["capability"].value: row["label"].value for row in _rows(graph, "capability-holders", whole)}
 
 
 def read(graph: Askable, whole: str, of: str, known: Mapping[str, Definition]) -> Capabilities:
-    """Return the same for definitions that were read before."""
+    """Return the capabilities, given definitions that were read before."""
     having = set(held(graph, whole))
     ways: defaultdict[str, _Ways] = defaultdict(dict)
     for row in _rows(graph, "capability-ways", whole):
@@ -273,7 +273,7 @@ _PACKAGES = """SELECT ?iri ?name ?repository WHERE {
 
 
 def added(subject: Capabilities, base: Capabilities) -> Capabilities:
-    """Return those capabilities that something has and something else does not."""
+    """Return the capabilities that one subject has and another lacks."""
     known = {one.iri for one in base.capabilities}
     return msgspec.structs.replace(
         subject, capabilities=tuple(one for one in subject.capabilities if one.iri not in known)
@@ -284,8 +284,8 @@ def package_iri(snapshot: EmbeddedSnapshot, name: str) -> str:
     """Return the IRI of a package, `name` or `repository:name`.
 
     Raises:
-        UnknownNameError: KG001 when there is none of that name.
-        UsageError: KG003 when there are several.
+        UnknownNameError: KG001 no such package.
+        UsageError: KG003 several packages.
     """
     repository, _, plain = name.rpartition(":")
     rows: Any = snapshot.query(_PACKAGES, substitutions={Variable("name"): pyoxigraph.Literal(plain)})
@@ -308,9 +308,9 @@ _HOLDERS = """SELECT DISTINCT ?node WHERE {
 
 
 def find(capabilities: Capabilities, name: str) -> Capability:
-    """Return the capability that a name means: its own, its label, another name of it, or its IRI.
+    """Return the capability of a name, label, alternative label or IRI.
 
-    Raises RobotError KG818 when there is none, with what was probably meant.
+    Raises RobotError KG818 if there is none, with suggestions.
     """
     wanted = folded(name.strip().removeprefix("capability:"))
     for capability in capabilities.capabilities:
@@ -322,9 +322,9 @@ def find(capabilities: Capabilities, name: str) -> Capability:
 
 
 def proofs(graph: Askable, view: View, rules: tuple[Rule, ...], whole: str, capability: Capability) -> Iterator[Proof]:
-    """Yield for each node of a system or package that has a capability why it does, the shortest way.
+    """Yield the shortest proof of a capability for each node of a system or package that has it.
 
-    `view` is how explanations with these rules see the graph. Raises RuleError KG226 for what rules do not derive.
+    `view` is the graph as explanations with these rules see it. Raises RuleError KG226 if rules do not infer it.
     """
     rows: Any = graph.query(_HOLDERS % (whole, capability.iri))
     predicate = NamedNode(v.bare(v.rnkg("hasCapability")))

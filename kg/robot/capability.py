@@ -1,4 +1,4 @@
-"""What a robot can do, as faces and programs see it: capabilities with their parameters and the ways to reach them."""
+"""Capabilities with their parameters and interfaces, as user interfaces and programs see them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _SERVED_BY: Final = {"service": Role.SERVICES, "action": Role.ACTION_SERVERS}
 
 
 class Parameter(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """Something that a capability is given (`write`) or gives (`read`), under a name that people understand.
+    """An input (`write`) or output (`read`) of a capability, under a name that people understand.
 
     `unit` is a unit of `kg.robot.programs.units` (`m`, `m/s`, `rad`, ...) or None for a plain number or text.
     """
@@ -29,13 +29,14 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Way(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """One way to reach a capability: an end of a node of the system.
+    """An interface of a capability: an end of a node of the system.
 
     `fields` are the paths of message fields by the names of parameters (`{"forward": "linear.x"}`), relative to the
-    message of the topic, the request or response of the service, the goal or feedback or result of the action; a list's
-    field is taken for each element by `[]` (`markers[].id`), and a function of `kg.robot.driving.paths` stands
-    before a path (`yaw(pose.pose.orientation)`, `minimum(ranges)`). `constants` are values of fields that are always
-    the same (`{"header.frame_id": "map"}`). `rate` is how often a second a command has to be renewed, 0 for never.
+    message of the topic, the request or response of the service, the goal or feedback or result of the action. `[]`
+    applies the rest of a path to each element of a list (`markers[].id`), and paths may have functions of
+    `kg.robot.driving.paths` (`yaw(pose.pose.orientation)`, `minimum(ranges)`). `constants` are fields with fixed values
+    (`{"header.frame_id": "map"}`). `rate` is the number of times per second that a command has to be repeated, 0 for
+    never.
     """
 
     kind: Literal["topic", "service", "action"]
@@ -48,13 +49,13 @@ class Way(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Capability(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A capability that a system, or a package, has.
+    """A capability of a system or a package.
 
-    `name` is the local name of the IRI (`drivingAtVelocity`): what programs and commands call it by. `kinds` are the
-    labels of its classes from the most general (Sensing, Movement, RobotKnowledge) to its own. A capability without
-    ways is a general one that others imply. `moves` is the part of the robot that is moved for as long as it is done:
-    of what moves the same part one is done at a time. `unavailable` says why it cannot be read or done now, although
-    the robot has it: all its nodes are inactive (`kg.robot.lifecycle`).
+    `name` is the local name of the IRI (`drivingAtVelocity`), used in programs and commands. `kinds` are the labels of
+    its classes from the most general (Sensing, Movement, RobotKnowledge) to its own. A capability without interfaces is
+    a general one that others imply. `moves` is the part of the robot that it moves: only one such capability at a time
+    may move a part. `unavailable` is the reason why it cannot be used now: all its nodes are inactive
+    (`kg.robot.lifecycle`).
     """
 
     iri: str
@@ -72,12 +73,12 @@ class Capability(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Capabilities(msgspec.Struct, frozen=True, kw_only=True):
-    """What a system can do, sorted by kind and label; `of` names the system, the package or the address."""
+    """The capabilities of a system, sorted by kind and label; `of` names the system, the package or the address."""
 
     of: str
     capabilities: tuple[Capability, ...] = ()
 
 
 def role_of(way: Way, *, reads: bool) -> Role:
-    """Return the role of the nodes that a way leads to."""
+    """Return the role of the nodes that an interface leads to."""
     return _SERVED_BY.get(way.kind, Role.PUBLISHES if reads else Role.SUBSCRIBES)

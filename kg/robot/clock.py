@@ -1,4 +1,4 @@
-"""The time of a robot: that of the wall, or that of a simulation, which may run faster."""
+"""The clock of a robot: wall-clock time, or that of a simulation, which may run faster."""
 
 from __future__ import annotations
 
@@ -20,33 +20,33 @@ Result = TypeVar("Result")
 
 _INSTANT: Final = 1e-9
 _STALLED: Final = 10.0
-"""Seconds of the wall that the time of a robot may stand still before nobody waits for it any more."""
+"""Wall-clock seconds after which a stopped clock counts as stalled."""
 
 
 class Clock(Protocol):
-    """What waits and measures on a robot asks, never the wall itself."""
+    """The clock for all waiting and measuring on a robot."""
 
     def now(self) -> float:
         """Return the time in seconds."""
 
     async def sleep(self, seconds: float) -> None:
-        """Return when so much of this time has passed."""
+        """Sleep for a duration of this clock."""
 
 
 class WallClock:
-    """The time of the machine, in seconds since 1970."""
+    """The wall clock, in seconds since 1970."""
 
     def now(self) -> float:
         """Return the time in seconds."""
         return time.time()
 
     async def sleep(self, seconds: float) -> None:
-        """Return when so many seconds have passed."""
+        """Sleep for a number of seconds."""
         await asyncio.sleep(seconds)
 
 
 class SimulatedClock:
-    """The time that a simulation tells; it stands still between two tellings (`use_sim_time`, topic `/clock`)."""
+    """The time published by a simulation; it stops between two messages (`use_sim_time`, topic `/clock`)."""
 
     def __init__(self) -> None:
         self._now = 0.0
@@ -54,11 +54,11 @@ class SimulatedClock:
         self._sleepers: list[tuple[float, int, asyncio.Future[None]]] = []
 
     def now(self) -> float:
-        """Return the time in seconds that was told last; 0 before any was."""
+        """Return the last published time in seconds; 0 before the first."""
         return self._now
 
     def tell(self, seconds: float) -> None:
-        """Set the time; who sleeps until then wakes up. A time that goes back, after a reset, wakes everyone."""
+        """Set the time and wake sleepers; a time that goes back, after a reset, wakes all."""
         back = seconds < self._now
         self._now = seconds
         while self._sleepers and (back or self._sleepers[0][0] <= seconds):
@@ -67,19 +67,19 @@ class SimulatedClock:
                 sleeper.set_result(None)
 
     async def follow(self, ticks: AsyncIterable[Received]) -> None:
-        """Take the time of the messages of the topic `/clock` as they come."""
+        """Follow the messages of the topic `/clock`."""
         async for tick in ticks:
             now = tick.value["clock"]
             self.tell(now["sec"] + now["nanosec"] / 1e9)
 
     async def begun(self, seconds: float) -> None:
-        """Return when a time was told, or so many seconds of the wall have passed: who measures before starts at 0."""
+        """Return after the first message, or some wall-clock seconds: earlier measurements would start at 0."""
         with suppress(TimeoutError):
             async with asyncio.timeout(seconds):
                 await self.sleep(_INSTANT - self._now)
 
     async def sleep(self, seconds: float) -> None:
-        """Return when so many seconds have been told."""
+        """Sleep for a duration of simulated time."""
         if seconds <= 0:
             await asyncio.sleep(0)
             return
@@ -89,17 +89,17 @@ class SimulatedClock:
 
 
 def stamp(seconds: float) -> dict[str, int]:
-    """Return a time in seconds as messages have it (`time`, builtin_interfaces/Time); it cannot be negative there."""
+    """Return a time in seconds as a message (`time`, builtin_interfaces/Time), where it cannot be negative."""
     whole = int(max(seconds, 0.0))
     return {"sec": whole, "nanosec": min(999_999_999, round((max(seconds, 0.0) - whole) * 1e9))}
 
 
 async def within(clock: Clock, seconds: float, work: Awaitable[Result], *, pauses: bool = False) -> Result:
-    """Return what `work` gives; TimeoutError, and the work cancelled, when so much time of the clock has passed.
+    """Return the result of `work`; TimeoutError, with the work cancelled, after some time of the clock.
 
-    The work has ended in any case when this returns or raises: what it does on being cancelled is waited for.
-    A clock that stands still for ten seconds of the wall has no time left either, but where it `pauses`: what goes on
-    when the simulation does is worth waiting for.
+    The work has ended in any case when this returns or raises, including its cleanup after cancellation. A clock that
+    is stopped for ten wall-clock seconds times out too, unless it `pauses`: then the work may continue with the
+    simulation.
     """
     task = asyncio.ensure_future(work)
     ends = [asyncio.ensure_future(clock.sleep(seconds))]
@@ -116,7 +116,7 @@ async def within(clock: Clock, seconds: float, work: Awaitable[Result], *, pause
 
 
 async def _stalled(clock: Clock) -> None:
-    """Return when the time of a robot has stood still for long."""
+    """Return when the clock of a robot is stalled."""
     before = None
     while before != clock.now():
         before = clock.now()

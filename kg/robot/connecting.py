@@ -1,7 +1,7 @@
-"""Connections by address, and a first look at what runs there.
+"""Connecting to robots by address, and a first look at their graph.
 
-The scheme of an address says which middleware; its module is loaded when it is asked for. Nodes of ROS itself, such as
-`/rosout`, are infrastructure and none of the robot's.
+The scheme of an address names the middleware, whose module is loaded on first use. Nodes of ROS itself, such as
+`/rosout`, are infrastructure and do not count as the robot's.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def of_robot(graph: ComputationGraph) -> ComputationGraph:
-    """Return a computation graph without the nodes that `ontology/implicit.toml` calls infrastructure."""
+    """Return a computation graph without the nodes that `ontology/implicit.toml` lists as infrastructure."""
     pattern = _pattern(graph.ros)
     if not any(pattern.fullmatch(one.name) for one in graph.nodes):
         return graph
@@ -62,9 +62,9 @@ SCHEMES: Final = {
 
 
 def default_address() -> str:
-    """Return the address that the environment names: `$ROS_MASTER_URI`, or `$ROS_DOMAIN_ID` where ROS 2 is set up.
+    """Return the address from the environment: `$ROS_MASTER_URI`, or `$ROS_DOMAIN_ID` if ROS 2 is set up.
 
-    There `$RMW_IMPLEMENTATION` says whether Zenoh is spoken, and `$ROS_DISTRO` which discovery messages are.
+    For ROS 2, `$RMW_IMPLEMENTATION` selects Zenoh, and `$ROS_DISTRO` the form of discovery messages.
     """
     if os.environ.get("ROS_VERSION") == "2":
         domain = os.environ.get("ROS_DOMAIN_ID") or "0"
@@ -77,18 +77,17 @@ def default_address() -> str:
 
 
 async def connect(address: str, *, name: str = "/kg", types: Types | None = None) -> Connection:
-    """Become a node of the system at an address; `types` are message types that are known beforehand.
+    """Join the system at an address as a node; `types` are known message types.
 
     Raises:
-        RobotError: KG801 for an address of another form or a middleware that is not installed, KG802 when nothing
-            answers there.
+        RobotError: KG801 an invalid address or missing middleware, KG802 no answer.
     """
     opened: Connection = await import_module(SCHEMES[scheme_of(address)]).connect(address, name, types)
     return opened
 
 
 def scheme_of(address: str) -> str:
-    """Return the scheme of an address; RobotError KG801 for one of another form."""
+    """Return the scheme of an address; RobotError KG801 for an invalid one."""
     scheme = address.partition(":")[0]
     if scheme not in SCHEMES:
         known = ", ".join(f"{one}://" for one in SCHEMES if one not in {"memory", "wss"})
@@ -97,17 +96,17 @@ def scheme_of(address: str) -> str:
 
 
 def is_recording(address: str) -> bool:
-    """Tell whether an address is that of a recording, which cannot be commanded."""
+    """Return whether an address is that of a recording, which cannot be commanded."""
     return address.startswith("bag:")
 
 
 def not_commanded(address: str) -> RobotError:
-    """Return the error of who commands a recording (KG851)."""
+    """Return the error for commands to a recording (KG851)."""
     return RobotError("KG851", f"{address} is a recording: it can be read, not commanded")
 
 
 def _meant(address: str, known: str) -> str:
-    """Return what to write in place of an address: the master's, where it is given as $ROS_MASTER_URI has it."""
+    """Return the suggested address for one in the form of `$ROS_MASTER_URI`."""
     if address.endswith((".bag", ".mcap", ".db3")):
         return f"A recording is written bag://{address}."
     host = address.removeprefix("http://").rstrip("/")
@@ -116,21 +115,20 @@ def _meant(address: str, known: str) -> str:
     return f"An address begins with {known}."
 
 
-_DISCOVERED: Final = 2
-"""The version of ROS whose nodes are found by waiting, since no master lists them."""
+_DISCOVERED: Final = 2  # the version of ROS whose nodes are discovered over time, since no master lists them
 
 
 def address_of(settings: Settings) -> str:
-    """Return the address of the robot in force: that of the settings, else that of the environment."""
+    """Return the address of the robot: that of the settings, else that of the environment."""
     return settings.robot or default_address()
 
 
 @asynccontextmanager
 async def connected(address: str) -> AsyncIterator[Connection]:
-    """Be a node of the system at an address for a while, of a name that no other process has.
+    """Join the system at an address as a node with a unique name, inside the context.
 
     Raises:
-        RobotError: KG801 for an address of another form, KG802 when nothing answers there.
+        RobotError: KG801 an invalid address, KG802 no answer.
     """
     connection = await connect(address, name=f"/kg_{os.getpid()}")
     try:
@@ -140,10 +138,10 @@ async def connected(address: str) -> AsyncIterator[Connection]:
 
 
 async def inhabited(connection: Connection) -> ComputationGraph:
-    """Return the computation graph of a robot; RobotError KG802 when there is no node but ours and those of ROS itself.
+    """Return the computation graph of a robot; RobotError KG802 if it has no nodes of its own.
 
-    A master whose robot does not run answers to everybody, and lists `/rosout`. A domain of
-    DDS answers to everybody, too: one without nodes is a wrong number, or a robot that does not run.
+    A master without a robot still answers, and lists `/rosout`. Any DDS domain can be joined: one without nodes is a
+    wrong number, or its robot is not running. Our own nodes and those of ROS itself do not count.
     """
     loop = asyncio.get_running_loop()
     begun = loop.time()

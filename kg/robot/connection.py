@@ -1,8 +1,8 @@
 """The one interface over all middlewares: a robot's computation graph, its topics, services and actions.
 
 Names are absolute (`/cmd_vel`), types are `package/Type` in ROS 1 and ROS 2 alike. Messages are plain values: a dict of
-fields by name, lists, numbers, texts, and bytes for arrays of bytes; times are `{"sec": ..., "nanosec": ...}`.
-A `Connection` is one node of the graph that it looks at. Everything runs in one event loop.
+fields by name, lists, numbers, texts, and bytes for arrays of bytes; times are `{"sec": ..., "nanosec": ...}`. A
+`Connection` is one node of the graph. Everything runs in one event loop.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 Value: TypeAlias = dict[str, Any]
 """A message as plain values."""
 FAILURES: Final = (KgError, ArithmeticError, AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError)
-"""What the code that answers may raise: to the client it is the failure of the service or goal."""
+"""Exceptions of service and action callbacks that are reported to the client as failures."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class LiveNode:
-    """A node that runs; `problem` says in words why less is known of it than of others, as for one that is dead.
+    """A running node; `problem` is the reason for missing information, such as a dead node.
 
-    `state` is that of a managed node of ROS 2 (`kg.robot.lifecycle`); None for others, or while it is not known.
+    `state` is that of a managed node of ROS 2 (`kg.robot.lifecycle`); None for others, or while it is unknown.
     """
 
     name: str
@@ -40,7 +40,7 @@ class LiveNode:
 
 @dataclass(frozen=True, slots=True)
 class LiveEnd:
-    """One end of a topic, service or action; the type is None where nobody tells it."""
+    """An end of a topic, service or action; the type is None if it is unknown."""
 
     node: str
     role: Role
@@ -51,7 +51,7 @@ class LiveEnd:
 
 @dataclass(frozen=True, slots=True, order=True)
 class GraphProblem:
-    """Something that a peer did wrong: a code (KG8xx), whose it is, and what happened."""
+    """An error of a peer: its code (KG8xx), the peer, and a description."""
 
     code: str
     subject: str
@@ -60,7 +60,7 @@ class GraphProblem:
 
 @dataclass(frozen=True, slots=True)
 class RecordedTopic:
-    """How many messages of a topic a recording has, and how many seconds the recording lasts."""
+    """The number of messages of a topic in a recording, and the duration of the recording in seconds."""
 
     name: str
     count: int
@@ -69,10 +69,9 @@ class RecordedTopic:
 
 @dataclass(frozen=True, slots=True)
 class ComputationGraph:
-    """What runs and how it communicates, sorted; actions are folded: their hidden topics and services are left out.
+    """Nodes and their communication, sorted; actions are folded, without their hidden topics and services.
 
-    `complete` tells whether the graph was watched long enough to be called the whole one; `recorded` is what only a
-    recording tells.
+    `complete` is whether the graph was watched long enough to be complete; `recorded` has data of recordings only.
     """
 
     ros: int
@@ -85,7 +84,7 @@ class ComputationGraph:
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """A message that came, with the time on the connection's clock and the node that sent it, if it is known."""
+    """A received message, with the time on the connection's clock and the node that sent it, if it is known."""
 
     value: Value
     at: float
@@ -93,155 +92,155 @@ class Received:
 
 
 class Subscription(Protocol):
-    """Messages of a topic as they come, oldest first; when too many wait, the oldest are dropped and counted."""
+    """The messages of a topic, oldest first; when the queue is full, the oldest are dropped and counted."""
 
     @property
     def dropped(self) -> int:
-        """How many messages were dropped."""
+        """Number of dropped messages."""
 
     def __aiter__(self) -> AsyncIterator[Received]:
-        """Return the messages; the iteration ends when the subscription is closed or the connection is lost."""
+        """Iterate over messages until the subscription is closed or the connection is lost."""
 
     async def aclose(self) -> None:
-        """Stop receiving."""
+        """Close the subscription."""
 
 
 class Publication(Protocol):
-    """A topic that this node writes to."""
+    """A topic that this node publishes."""
 
     @property
     def peers(self) -> int:
-        """How many subscribers are connected."""
+        """Number of connected subscribers."""
 
     async def publish(self, value: Value) -> None:
-        """Send a message; RobotError KG805 when the value does not fit the type, KG803 when the robot is lost."""
+        """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the robot is lost."""
 
     async def aclose(self) -> None:
-        """Stop offering the topic."""
+        """Stop publishing the topic."""
 
 
 class Goal(Protocol):
-    """A goal that an action server was given."""
+    """A goal sent to an action server."""
 
     def feedback(self) -> AsyncIterator[Value]:
-        """Yield feedback as it comes, until the goal has ended."""
+        """Yield feedback until the goal has ended."""
 
     async def result(self) -> Value:
-        """Return the result; RobotError KG809 with the status when the goal was aborted, rejected or cancelled."""
+        """Return the result; RobotError KG809 with the status if the goal was aborted, rejected or cancelled."""
 
     async def cancel(self) -> None:
-        """Ask the server to end the goal; `result` tells when it has."""
+        """Request cancellation of the goal; `result` returns when it has ended."""
 
 
 class Canceller(Protocol):
-    """Cancels goals of one action, whoever gave them."""
+    """Cancels goals of one action, whoever sent them."""
 
     async def cancel(self, identity: str) -> None:
-        """Ask the server to end a goal; RobotError KG803 when it does not answer."""
+        """Request cancellation of a goal; RobotError KG803 if the server does not answer."""
 
 
 class Serving(Protocol):
-    """A service or action that this node answers."""
+    """A service or action that this node serves."""
 
     async def aclose(self) -> None:
-        """Stop answering."""
+        """Stop serving."""
 
 
 class Connection(Protocol):
-    """A node of ours in the system of a robot."""
+    """Our node in the system of a robot."""
 
     @property
     def ros(self) -> int:
-        """The version of ROS that is spoken: 1 or 2."""
+        """The version of ROS: 1 or 2."""
 
     @property
     def address(self) -> str:
-        """Where it is connected to: `ros1://host:port`, `dds://DOMAIN`, `zenoh://host:port`, `bag://FILE`, `memory://NAME`."""
+        """Its address: `ros1://host:port`, `dds://DOMAIN`, `zenoh://host:port`, `bag://FILE`, `memory://NAME`."""
 
     @property
     def name(self) -> str:
-        """The name of our node, absolute."""
+        """The absolute name of our node."""
 
     @property
     def clock(self) -> Clock:
-        """The time of the robot."""
+        """The clock of the robot."""
 
     @property
     def types(self) -> Types:
-        """The types of messages that are known; it learns those that peers tell."""
+        """The known message types, including those learned from peers."""
 
     async def graph(self) -> ComputationGraph:
-        """Return the computation graph without our own node; RobotError KG802 when the robot does not answer."""
+        """Return the computation graph without our own node; RobotError KG802 if the robot does not answer."""
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
-        """Yield the graph as it is, and again each time that it has changed, within a second of the change."""
+        """Yield the current graph, and again within a second of each change."""
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Subscription:
-        """Receive the messages of a topic; without `kind` its type is asked for.
+        """Subscribe to a topic; without `kind` its type is looked up.
 
         Raises:
-            RobotError: KG804 when the type is not known and nobody tells it, KG806 when the topic has another type.
+            RobotError: KG804 the type is unknown to us and all peers, KG806 the topic has another type.
         """
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> Publication:
-        """Offer a topic; `latch` keeps the last message for those that come later (ROS 2: transient local)."""
+        """Advertise a topic; `latch` keeps the last message for later subscribers (ROS 2: transient local)."""
 
     async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
         """Call a service and return the response.
 
         Raises:
-            RobotError: KG807 when nobody serves it, KG808 when it failed, KG803 when the time was over.
+            RobotError: KG807 no server, KG808 a failure, KG803 a timeout.
         """
 
     async def send_goal(
         self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None
     ) -> Goal:
-        """Give an action a goal; KG807 when nobody serves it within so many seconds, KG809 when it is rejected.
+        """Send a goal to an action; KG807 if there is no server within some seconds, KG809 if it rejects the goal.
 
         `identity` is the identity of the goal, 32 hexadecimal digits, by which other nodes can cancel it; by default a
         random one.
         """
 
     async def canceller(self, action: str, kind: str) -> Canceller:
-        """Return what cancels goals of an action by their identities; RobotError KG804 for an unknown type."""
+        """Return an object that cancels goals of an action by identity; RobotError KG804 for an unknown type."""
 
     async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Serving:
-        """Answer a service; an exception of `answer` is the failure that the client sees."""
+        """Serve a service; an exception of `answer` is reported to the client as a failure."""
 
     async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> Serving:
-        """Carry out goals, one at a time: a new one cancels the one before; what `carry_out` returns is the result."""
+        """Serve an action, one goal at a time: a new goal cancels the previous one. `carry_out` returns the result."""
 
     async def wait_lost(self) -> str:
-        """Return, when the connection is lost, why; never before."""
+        """Return the reason when the connection is lost; never before."""
 
     async def aclose(self) -> None:
-        """Leave the graph; everything that was opened is closed."""
+        """Leave the graph, and close everything."""
 
 
 class Accepted(Protocol):
-    """A goal that our own action server carries out."""
+    """A goal that our own action server executes."""
 
     @property
     def goal(self) -> Value:
-        """What is to be done."""
+        """The message of the goal."""
 
     @property
     def cancelled(self) -> bool:
-        """Whether the client, or a newer goal, asks to stop; `carry_out` then returns what it has."""
+        """Whether the client, or a newer goal, requests cancellation; `carry_out` then returns its result so far."""
 
     async def feedback(self, value: Value) -> None:
-        """Tell the client how far it is."""
+        """Send feedback to the client."""
 
     def abort(self, reason: str) -> None:
-        """Note that the goal could not be reached; the result is sent as that of an aborted goal."""
+        """Record that the goal was aborted; the result is sent as that of an aborted goal."""
 
 
 def goal_lost(action: str, what: str) -> RobotError:
-    """Return the error of a goal of `action` whose server, or the robot, was lost while it was carried out (KG803)."""
+    """Return the error of a goal of `action` whose server, or the robot, was lost during execution (KG803)."""
     message = f"{what} was lost while executing `{action}`; the robot may still be moving"
     return RobotError("KG803", message, hint="Check whether the robot is moving, then restart the node.")
 
 
 def reason(error: BaseException) -> str:
-    """Return in words why code failed that answers a service or carries out a goal."""
+    """Return a description of the failure of a service or action callback."""
     return error.message if isinstance(error, KgError) else str(error)

@@ -1,27 +1,23 @@
-"""What is waited for: messages that come, and changes that are told."""
+"""Queues of messages and notifications of changes."""
 
 from __future__ import annotations
 
 import asyncio
 from collections import deque
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Final, Generic, NamedTuple, TypeVar
+from typing import Final, Generic, NamedTuple, TypeVar
 
 from kg.errors import RobotError
 from kg.robot.connection import Received, Value
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterator
-
-
 Item = TypeVar("Item")
 
-_MOST_FEEDBACK: Final = 1000
-"""So much feedback waits for who may not read it."""
+_MOST_FEEDBACK: Final = 1000  # maximum number of queued feedback messages
 
 
 class Inbox(Generic[Item]):
-    """A queue that drops the oldest when it is full; iterated until it is closed, by one reader at a time."""
+    """A queue that drops the oldest item when it is full; iterated until it is closed, by one reader at a time."""
 
     def __init__(self, size: int, on_close: Callable[[], None]) -> None:
         self.dropped = 0
@@ -31,13 +27,13 @@ class Inbox(Generic[Item]):
         self._on_close = on_close
 
     def put(self, item: Item) -> None:
-        """Take an item; the oldest makes room when too many wait."""
+        """Add an item; the oldest is dropped if the queue is full."""
         self.dropped += len(self._waiting) == self._waiting.maxlen
         self._waiting.append(item)
         self._news.set()
 
     def end(self) -> None:
-        """Let the iteration end after what waits."""
+        """End the iteration after the queued items."""
         self._closed = True
         self._news.set()
 
@@ -51,14 +47,14 @@ class Inbox(Generic[Item]):
             await self._news.wait()
 
     async def aclose(self) -> None:
-        """Take nothing more, and forget what waits."""
+        """Close the queue and discard its items."""
         self._waiting.clear()
         self.end()
         self._on_close()
 
 
 class Raw(NamedTuple):
-    """A message as its bytes, with the time that it came at and the node that sent it, if it is known."""
+    """An encoded message, with the time of its arrival and the node that sent it, if it is known."""
 
     content: bytes
     at: float
@@ -66,9 +62,9 @@ class Raw(NamedTuple):
 
 
 class Messages:
-    """Messages of a topic that are decoded when they are read: what is dropped unread is not decoded either.
+    """Messages of a topic that are decoded when they are read; dropped ones are not decoded.
 
-    `decode` makes a value of the bytes, `report` gets the error of what is none, with the node that sent it.
+    `decode` converts the bytes, `report` receives the error of an invalid message, with the node that sent it.
     """
 
     def __init__(
@@ -83,7 +79,7 @@ class Messages:
 
     @property
     def dropped(self) -> int:
-        """How many messages were dropped since they came faster than they were read."""
+        """Number of messages dropped because they arrived faster than they were read."""
         return self._inbox.dropped
 
     async def __aiter__(self) -> AsyncIterator[Received]:
@@ -97,28 +93,30 @@ class Messages:
 
 
 class GoalProgress:
-    """What the client of a goal waits for: feedback as it comes, and the result, or why there is none."""
+    """The client's side of a goal: its feedback, and the result or the reason for its absence."""
 
     def __init__(self) -> None:
         self._told: Inbox[Value] = Inbox(_MOST_FEEDBACK, lambda: None)
         self._done: asyncio.Future[Value] = asyncio.get_running_loop().create_future()
-        self._done.add_done_callback(lambda done: done.cancelled() or done.exception())  # nobody has to wait for it
+        self._done.add_done_callback(
+            lambda done: done.cancelled() or done.exception()
+        )  # the result need not be awaited
 
     async def feedback(self) -> AsyncIterator[Value]:
-        """Yield feedback as it comes, until the goal has ended."""
+        """Yield feedback until the goal has ended."""
         async for value in self._told:
             yield value
 
     async def result(self) -> Value:
-        """Return the result; RobotError KG809 with the status when the goal was aborted, rejected or cancelled."""
+        """Return the result; RobotError KG809 with the status if the goal was aborted, rejected or cancelled."""
         return await asyncio.shield(self._done)
 
     def take_feedback(self, value: Value) -> None:
-        """Take feedback of the server."""
+        """Add feedback of the server."""
         self._told.put(value)
 
     def end(self, outcome: Value | RobotError) -> None:
-        """Take the result, or why there is none; the first one counts."""
+        """Set the result, or the reason for its absence; the first one counts."""
         if not self._done.done():
             if isinstance(outcome, RobotError):
                 self._done.set_exception(outcome)
@@ -128,19 +126,19 @@ class GoalProgress:
 
 
 class Changes:
-    """Something that changes, for those who look at it whenever it may be another thing."""
+    """Notification of changes to a value."""
 
     def __init__(self) -> None:
         self._watchers: set[asyncio.Event] = set()
 
     def tell(self) -> None:
-        """Let everyone look again."""
+        """Notify all watchers."""
         for watcher in self._watchers:
             watcher.set()
 
     @contextmanager
     def news(self) -> Iterator[asyncio.Event]:
-        """Give an event that is set at each change."""
+        """Yield an event that is set at each change."""
         news = asyncio.Event()
         self._watchers.add(news)
         try:
@@ -149,7 +147,7 @@ class Changes:
             self._watchers.discard(news)
 
     async def values(self, look: Callable[[], Item | None]) -> AsyncGenerator[Item]:
-        """Yield what `look` gives, and again each time that it gives another thing; it ends with None."""
+        """Yield the result of `look`, and again whenever it changes; ends with None."""
         last: Item | None = None
         with self.news() as news:
             while (found := look()) is not None:

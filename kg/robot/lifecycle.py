@@ -1,7 +1,7 @@
-"""The life cycle of nodes of ROS 2: which state each managed node is in, and what the robot cannot do for it.
+"""Lifecycle of ROS 2 nodes: states of managed nodes, and the capabilities that are unavailable because of them.
 
-Source: design.ros2.org/articles/node_lifecycle.html. A managed node tells its state by the service `~/get_state`, and
-each change by the topic `~/transition_event`. It does its work in the state `active` alone.
+Source: design.ros2.org/articles/node_lifecycle.html. A managed node reports its state by the service `~/get_state`, and
+changes by the topic `~/transition_event`. It works only in the state `active`.
 """
 
 from __future__ import annotations
@@ -37,18 +37,16 @@ _STATES: Final = {
     14: "deactivating",
     15: "processing an error",
 }
-"""The states of lifecycle_msgs/State; what a node tells as 0 is unknown."""
+"""The states of lifecycle_msgs/State; 0 is unknown."""
 _GET_STATE: Final = "lifecycle_msgs/GetState"
 _EVENT: Final = "lifecycle_msgs/TransitionEvent"
-_PATIENCE: Final = 1.0
-"""Seconds that a node may take to tell its state."""
-_AGAIN: Final = 2.0
-"""Seconds after which a node that is not active is asked again, for the event may have been missed."""
+_PATIENCE: Final = 1.0  # seconds to wait for a node to report its state
+_AGAIN: Final = 2.0  # seconds after which an inactive node is polled again, in case an event was missed
 
 
 @dataclass(slots=True)
 class _Followed:
-    """A managed node; `restless` is set while it is not known to be active, `asked` once it was asked."""
+    """A managed node; `restless` is set while it is not known to be active, `asked` after the first poll."""
 
     node: LiveNode
     state: str | None = None
@@ -58,7 +56,7 @@ class _Followed:
 
 
 class States:
-    """The states of the managed nodes of a robot, followed from when they are first seen until `close`.
+    """The states of the managed nodes of a robot, followed from their first appearance until `close`.
 
     `changed` is called when a state has changed.
     """
@@ -70,7 +68,7 @@ class States:
         self._closed = False
 
     def of(self, graph: ComputationGraph) -> ComputationGraph:
-        """Return a graph whose managed nodes have their states, as far as they are known; follow those that are new."""
+        """Return a graph with the known states of its managed nodes, and follow new ones."""
         managed = {
             end.node
             for end in graph.ends
@@ -78,7 +76,7 @@ class States:
         }
         nodes = {node.name: node for node in graph.nodes if node.name in managed}
         for name, known in list(self._followed.items()):
-            if nodes.get(name) != known.node:  # it has gone, or another process has the name now
+            if nodes.get(name) != known.node:  # it is gone, or another process has its name now
                 self._followed.pop(name).tasks.cancel()
         for name in nodes.keys() - self._followed.keys() if not self._closed else ():
             self._begin(nodes[name])
@@ -88,13 +86,13 @@ class States:
         return replace(graph, nodes=tuple(replace(one, state=states.get(one.name)) for one in graph.nodes))
 
     async def told(self) -> None:
-        """Return when each node that is followed has told its state, or had the time to."""
+        """Return when each followed node has reported its state, or timed out."""
         waiting = [one.asked.wait() for one in self._followed.values()]
         with suppress(TimeoutError):
             await asyncio.wait_for(asyncio.gather(*waiting), _PATIENCE)
 
     def close(self) -> None:
-        """Follow none any more."""
+        """Stop following nodes."""
         self._closed = True
         for one in self._followed.values():
             one.tasks.cancel()
@@ -116,7 +114,7 @@ class States:
             await one.restless.wait()
 
     async def _listen(self, one: _Followed) -> None:
-        with suppress(RobotError):  # where there is no such topic, asking again does
+        with suppress(RobotError):  # without the topic, polling is enough
             events = await self._connection.subscribe(f"{one.node.name}/transition_event", _EVENT)
             try:
                 async for event in events:
@@ -136,7 +134,7 @@ class States:
 
 
 def idle(graph: ComputationGraph, name: str, role: Role) -> tuple[LiveNode, ...]:
-    """Return the nodes with an end where all of them are managed and none is active; none where one works."""
+    """Return the nodes with an end if all of them are managed and none is active; empty if one works."""
     return _idle(graph, {end.node for end in graph.ends if end.name == name and end.role is role})
 
 
@@ -146,14 +144,14 @@ def _idle(graph: ComputationGraph, names: set[str]) -> tuple[LiveNode, ...]:
 
 
 def in_words(nodes: Iterable[LiveNode]) -> str:
-    """Return which states nodes are in: `/map_server is inactive`."""
+    """Describe the states of nodes: `/map_server is inactive`."""
     return ", ".join(f"{node.name} is {node.state}" for node in nodes)
 
 
 def available(capabilities: Capabilities, graph: ComputationGraph) -> Capabilities:
-    """Return the same capabilities, those marked that all nodes with a way to them are not active for.
+    """Return capabilities, marked as unavailable if no node with an interface to them is active.
 
-    A general one is marked when all are that imply it.
+    A general one is marked if all capabilities that imply it are.
     """
     if all(node.state in {None, ACTIVE} for node in graph.nodes):
         return capabilities
@@ -169,7 +167,7 @@ def available(capabilities: Capabilities, graph: ComputationGraph) -> Capabiliti
 
     def reason(name: str) -> str | None:
         if name not in why:
-            why[name] = None  # whatever implies itself says nothing
+            why[name] = None  # a capability that implies itself is no evidence
             one = known[name]
             told = [in_words(nodes(way, one)) for way in one.ways]
             told = told or [reason(specific) or "" for specific in one.implied_by if specific in known]

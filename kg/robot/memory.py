@@ -1,19 +1,20 @@
-"""A robot within this process: what tests and the simulation talk to; `memory://NAME` names one.
+"""A robot inside this process, for tests and the simulation; `memory://NAME` names one.
 
     with Bus("office", ros=1, clock=SimulatedClock()) as bus:
         robot = bus.join("/robot")                  # a node; as many as are wanted
-        face = await connect("memory://office")     # another one, as anybody connects to any robot
+        face = await connect("memory://office")     # another one, as for any robot
 
-What is sent is checked and completed by the types of messages, so that what does not fit is found as on a real wire.
+Messages are validated and completed by their types, so errors are found as on a real middleware.
 """
 
 from __future__ import annotations
 
 import asyncio
 from collections import deque
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from copy import deepcopy
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 from urllib.parse import urlsplit
 
 from kg.errors import RobotError
@@ -35,14 +36,10 @@ from kg.robot.inbox import Changes, GoalProgress, Inbox
 from kg.robot.messages import Types
 from kg.robot.tasks import spawn
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
-    from types import TracebackType
-
 
 @dataclass(slots=True)
 class Topic:
-    """The two sides of a topic; the first end says the type."""
+    """The two sides of a topic; the first end sets the type."""
 
     kind: str
     publications: list[MemoryPublication] = field(default_factory=list)
@@ -50,7 +47,7 @@ class Topic:
 
 
 class MemorySubscription(Inbox[Received]):
-    """Messages of a topic as they come."""
+    """The messages of a topic."""
 
     def __init__(self, owner: MemoryConnection, topic: str, kind: str, queue: int) -> None:
         super().__init__(queue, self._leave)
@@ -66,7 +63,7 @@ class MemorySubscription(Inbox[Received]):
 
 
 class MemoryPublication:
-    """A topic that a node writes to."""
+    """A topic that a node publishes."""
 
     def __init__(self, owner: MemoryConnection, topic: str, kind: str, *, latch: bool) -> None:
         self.kind = kind
@@ -79,7 +76,7 @@ class MemoryPublication:
 
     @property
     def peers(self) -> int:
-        """How many subscribers are connected."""
+        """Number of connected subscribers."""
         return len(self._side.subscriptions)
 
     @property
@@ -87,7 +84,7 @@ class MemoryPublication:
         return self._owner.bus.topics[self._topic]
 
     async def publish(self, value: Value) -> None:
-        """Send a message; RobotError KG805 when the value does not fit the type, KG803 when the robot is lost."""
+        """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the robot is lost."""
         self._owner.present()
         if self not in self._side.publications:
             raise RobotError("KG803", f"`{self._topic}` is not offered any more")
@@ -99,13 +96,13 @@ class MemoryPublication:
         await asyncio.sleep(0)
 
     async def aclose(self) -> None:
-        """Stop offering the topic."""
+        """Stop publishing the topic."""
         self._side.publications = [one for one in self._side.publications if one is not self]
         self._owner.bus.changed()
 
 
 class Service:
-    """A service that a node answers."""
+    """A service that a node serves."""
 
     def __init__(
         self, owner: MemoryConnection, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]
@@ -118,14 +115,14 @@ class Service:
         self._running: set[asyncio.Future[Value]] = set()
 
     async def call(self, request: Value) -> Value:
-        """Return the response; RobotError KG808 when the node that answers failed, KG803 when it was lost."""
+        """Return the response; RobotError KG808 if the server failed, KG803 if it was lost."""
         work = asyncio.ensure_future(self._respond(request))
         self._running.add(work)
         try:
             return await asyncio.shield(work)
         except asyncio.CancelledError:
             if not work.cancelled():
-                raise  # the client gave up; the node still answers
+                raise  # the client gave up; the server continues
             raise RobotError("KG803", f"`{self.node}` was lost while it answered `{self._name}`") from None
         finally:
             work.add_done_callback(self._running.discard)
@@ -138,20 +135,20 @@ class Service:
             raise RobotError("KG808", f"`{self._name}` failed: {reason(error)}") from None
 
     def end(self) -> None:
-        """Answer nothing more; who waits learns that the node is lost."""
+        """Stop serving; waiting clients get an error."""
         for work in self._running:
             work.cancel()
         if self._owner.bus.services.get(self._name) is self:
             del self._owner.bus.services[self._name]
 
     async def aclose(self) -> None:
-        """Stop answering."""
+        """Stop serving."""
         self.end()
         self._owner.bus.changed()
 
 
 class MemoryGoal(GoalProgress):
-    """A goal as its client sees it."""
+    """The client's side of a goal."""
 
     def __init__(self, client: MemoryConnection, work: _Work) -> None:
         super().__init__()
@@ -159,28 +156,28 @@ class MemoryGoal(GoalProgress):
         self._work = work
 
     async def cancel(self) -> None:
-        """Ask the server to end the goal."""
+        """Request cancellation of the goal."""
         self._client.present()
         self._work.cancelled = True
         await asyncio.sleep(0)
 
 
 class MemoryCanceller:
-    """Cancels goals of an action whoever gave them, by their identities."""
+    """Cancels goals of an action by their identities, whoever sent them."""
 
     def __init__(self, bus: Bus, action: str) -> None:
         self._bus = bus
         self._action = action
 
     async def cancel(self, identity: str) -> None:
-        """Ask the server to end a goal."""
+        """Request cancellation of a goal."""
         if server := self._bus.actions.get(self._action):
             server.cancel(identity)
         await asyncio.sleep(0)
 
 
 class _Work:
-    """A goal as its server sees it: `Accepted`."""
+    """The server's side of a goal: `Accepted`."""
 
     def __init__(self, server: ActionServer, goal: Value, identity: str | None, client: MemoryConnection) -> None:
         self.identity = identity
@@ -191,17 +188,17 @@ class _Work:
         self._server = server
 
     async def feedback(self, value: Value) -> None:
-        """Tell the client how far it is."""
+        """Send feedback to the client."""
         self.client.take_feedback(self._server.complete("Feedback", value))
         await asyncio.sleep(0)
 
     def abort(self, reason: str) -> None:
-        """Note that the goal could not be reached."""
+        """Record that the goal was aborted."""
         self.failure = reason
 
 
 class ActionServer:
-    """An action that a node carries out."""
+    """An action server of a node."""
 
     def __init__(
         self, owner: MemoryConnection, name: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
@@ -216,11 +213,11 @@ class ActionServer:
         self._worker: asyncio.Task[None] | None = None
 
     def complete(self, name: str, value: Value) -> Value:
-        """Return a value of one of the messages of the action, checked and completed."""
+        """Return a message of the action, validated and completed."""
         return self._owner.types.complete(f"{self.kind}_{name}", value)
 
     def accept(self, client: MemoryConnection, goal: Value, identity: str | None) -> MemoryGoal:
-        """Take a goal; those before it are cancelled."""
+        """Accept a goal; previous ones are cancelled."""
         work = _Work(self, goal, identity, client)
         for earlier in self._goals:
             earlier.cancelled = True
@@ -255,7 +252,7 @@ class ActionServer:
         return result
 
     def end(self) -> None:
-        """Carry out nothing more; who waits learns that the node is lost."""
+        """Stop executing goals; waiting clients get an error."""
         if self._worker is not None:
             self._worker.cancel()
         for work in self._goals:
@@ -265,13 +262,13 @@ class ActionServer:
             del self._owner.bus.actions[self._name]
 
     async def aclose(self) -> None:
-        """Stop answering."""
+        """Stop serving."""
         self.end()
         self._owner.bus.changed()
 
 
 class MemoryConnection:
-    """A node of a bus; `Bus.join` makes it."""
+    """A node of a bus, created by `Bus.join`."""
 
     def __init__(self, bus: Bus, name: str, types: Types) -> None:
         self.bus = bus
@@ -285,22 +282,22 @@ class MemoryConnection:
 
     @property
     def clock(self) -> Clock:
-        """The time of the robot, the same for all nodes."""
+        """The clock of the robot, shared by all nodes."""
         return self.bus.clock
 
     def present(self) -> None:
-        """Raise RobotError KG803 when the connection is lost, or closed."""
+        """Raise RobotError KG803 if the connection is lost or closed."""
         if self._gone:
             raise RobotError("KG803", f"the robot at {self.address} is lost: {self._why or 'the connection is closed'}")
 
     async def graph(self) -> ComputationGraph:
-        """Return the computation graph without our own node; RobotError KG802 when the connection is lost."""
+        """Return the computation graph without our own node; RobotError KG802 if the connection is lost."""
         if self._gone:
             raise RobotError("KG802", f"the robot at {self.address} does not answer: {self._why or 'closed'}")
         return self.bus.graph(without=self.name)
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
-        """Yield the graph as it is, and again each time that it has changed; it ends with the connection."""
+        """Yield the current graph, and again after each change; ends with the connection."""
         return self.bus.changes.values(lambda: None if self._gone else self.bus.graph(without=self.name))
 
     @property
@@ -308,7 +305,7 @@ class MemoryConnection:
         return self._why is not None or self._left
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> MemorySubscription:
-        """Receive the messages of a topic; RobotError KG804 or KG806 as every connection."""
+        """Subscribe to a topic; RobotError KG804 or KG806 as every connection."""
         self.present()
         side = self.bus.topics.get(topic)
         if kind is None and (side is None or not (side.publications or side.subscriptions)):
@@ -322,7 +319,7 @@ class MemoryConnection:
         return subscription
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> MemoryPublication:
-        """Offer a topic; `latch` keeps the last message for those that come later."""
+        """Advertise a topic; `latch` keeps the last message for later subscribers."""
         self.present()
         side = self._side(topic, kind)
         publication = MemoryPublication(self, topic, kind, latch=latch)
@@ -345,7 +342,7 @@ class MemoryConnection:
             if one.types.knows(kind):
                 self.types.define(kind, one.types.definition(kind))
                 return
-        self.types.fields(kind)  # says that it is not known
+        self.types.fields(kind)  # raises that it is unknown
 
     async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
         """Call a service and return the response; RobotError KG803, KG807 or KG808 as every connection."""
@@ -364,7 +361,7 @@ class MemoryConnection:
     async def send_goal(
         self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None
     ) -> MemoryGoal:
-        """Give an action a goal; RobotError KG807 when nobody serves it within so many seconds."""
+        """Send a goal to an action; RobotError KG807 if there is no server within some seconds."""
         self.present()
         value = self.types.complete(f"{kind}_Goal", goal)
         try:
@@ -376,7 +373,7 @@ class MemoryConnection:
         return server.accept(self, value, identity)
 
     async def canceller(self, action: str, kind: str) -> MemoryCanceller:  # noqa: ARG002 - all actions cancel alike
-        """Return what cancels goals of an action."""
+        """Return an object that cancels goals of an action."""
         self.present()
         return MemoryCanceller(self.bus, action)
 
@@ -388,7 +385,7 @@ class MemoryConnection:
             return self.bus.actions[action]
 
     async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
-        """Answer a service; the newest of several that offer it is asked."""
+        """Serve a service; the newest of several servers is called."""
         self.present()
         self.types.fields(f"{kind}_Request")
         self.bus.services[service] = Service(self, service, kind, answer)
@@ -398,7 +395,7 @@ class MemoryConnection:
     async def serve_action(
         self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
     ) -> ActionServer:
-        """Carry out goals, one at a time."""
+        """Serve an action, one goal at a time."""
         self.present()
         self.types.fields(f"{kind}_Goal")
         self.bus.actions[action] = ActionServer(self, action, kind, carry_out)
@@ -406,7 +403,7 @@ class MemoryConnection:
         return self.bus.actions[action]
 
     async def wait_lost(self) -> str:
-        """Return, when the connection is lost, why; never before."""
+        """Return the reason when the connection is lost; never before."""
         if self._why is not None:
             return self._why
         if self._lost is None:
@@ -414,14 +411,14 @@ class MemoryConnection:
         return await asyncio.shield(self._lost)
 
     def lose(self, why: str) -> None:
-        """Be lost, as by a broken cable: what was open ends, and whoever waits learns why."""
+        """Lose the connection, as by a broken cable: everything is closed, and waiters get the reason."""
         self._why = why
         if self._lost is not None and not self._lost.done():
             self._lost.set_result(why)
         self._leave()
 
     async def aclose(self) -> None:
-        """Leave the graph; everything that was opened is closed."""
+        """Leave the graph, and close everything."""
         self._left = True
         self._leave()
 
@@ -442,19 +439,19 @@ class MemoryConnection:
 
 
 class Bus:
-    """A system of nodes in this process, known by its name until it is closed.
+    """A system of nodes in this process, found by its name until it is closed.
 
     Args:
-        name: what `memory://NAME` calls it.
-        ros: the version of ROS whose messages are spoken.
-        clock: the time of all its nodes; that of the wall when none is given.
-        types: the types of messages that nodes know which bring none.
+        name: that of `memory://NAME`.
+        ros: the version of ROS whose messages are used.
+        clock: the clock of all nodes, by default the wall clock.
+        types: the message types of nodes that bring none.
     """
 
     _known: ClassVar[dict[str, Bus]] = {}
 
     def __init__(self, name: str, *, ros: int = 1, clock: Clock | None = None, types: Types | None = None) -> None:
-        """Raise RobotError KG801 when another bus of that name is open."""
+        """Raise RobotError KG801 if another bus of that name is open."""
         if name in self._known:
             raise RobotError("KG801", f"this process already has a robot `memory://{name}`")
         self.name = name
@@ -472,11 +469,11 @@ class Bus:
 
     @classmethod
     def named(cls, name: str) -> Bus | None:
-        """Return the bus of that name, None when there is none."""
+        """Return the bus of a name, None if there is none."""
         return cls._known.get(name)
 
     def join(self, name: str, types: Types | None = None) -> MemoryConnection:
-        """Become a node of the bus; like ROS 1, a node of a name that is there already throws that one out."""
+        """Join the bus as a node; like in ROS 1, a node of the same name is shut down."""
         absolute = name if name.startswith("/") else f"/{name}"
         self.cut(absolute, "another node with the same name joined")
         node = MemoryConnection(self, absolute, types or self.types)
@@ -485,13 +482,13 @@ class Bus:
         return node
 
     def cut(self, name: str, why: str) -> None:
-        """Take a node off without its doing, as a broken cable or a crash does; it learns that it is lost."""
+        """Disconnect a node from outside, as a broken cable or a crash does; its connection is lost."""
         node = self.nodes.get(name)
         if node is not None:
             node.lose(why)
 
     def close(self) -> None:
-        """End the system: all nodes are lost, and the name is free."""
+        """Close the system: all nodes are lost, and the name is free."""
         for name in list(self.nodes):
             self.cut(name, "the system ended")
         self._known.pop(self.name, None)
@@ -499,17 +496,15 @@ class Bus:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def changed(self) -> None:
-        """Wake up who watches the graph."""
+        """Notify the watchers of the graph."""
         self.changes.tell()
 
     def graph(self, without: str | None = None) -> ComputationGraph:
-        """Return the computation graph, without one node if one is named."""
+        """Return the computation graph, without the named node."""
         nodes = sorted(LiveNode(name, f"{self.address}{name}") for name in self.nodes if name != without)
         ends = {(one.name, one.role, one.node): one for one in self._ends() if one.node != without}
         return ComputationGraph(
@@ -528,7 +523,7 @@ class Bus:
 
 
 async def connect(address: str, name: str, types: Types | None = None) -> MemoryConnection:
-    """Become a node of the bus that `memory://NAME` names; RobotError KG802 when this process has none of that name."""
+    """Join the bus of `memory://NAME` as a node; RobotError KG802 if this process has none of that name."""
     bus = Bus.named(urlsplit(address).netloc)
     if bus is None:
         raise RobotError("KG802", f"no robot `{address}` in this process")

@@ -1,13 +1,14 @@
-"""The parameters of running nodes: what they are, and other values for them.
+"""Reading and setting the parameters of running nodes.
 
-In ROS 2 each node has its own, which it tells, describes and sets by services (rcl_interfaces); in ROS 1 all are on the
-master, where those of a node are below its name. A value is a text as a parameter file has it: `0.5`, `[1, 2]`, `true`.
+In ROS 2 each node has its own, with services to list, describe and set them (rcl_interfaces). In ROS 1 all are on the
+master, those of a node below its name. A value is a text as in a parameter file: `0.5`, `[1, 2]`, `true`.
 """
 
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeGuard
+from collections.abc import Callable, Mapping
+from typing import Any, Final, Protocol, TypeGuard
 
 import msgspec
 from yaml import BaseLoader, YAMLError
@@ -19,14 +20,9 @@ from kg.robot.connection import Connection, GraphProblem, Value
 from kg.similar import did_you_mean
 from kg.yamltext import load_yaml
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-
 _LIST: Final = "rcl_interfaces/ListParameters"
 _LISTING: Final = "/list_parameters"
-_PATIENCE: Final = 5.0
-"""Seconds that a node may take to answer."""
+_PATIENCE: Final = 5.0  # seconds to wait for an answer of a node
 _UNSET: Final = "not set"
 _TYPES: Final[tuple[tuple[str, str], ...]] = (
     (_UNSET, ""),
@@ -40,17 +36,17 @@ _TYPES: Final[tuple[tuple[str, str], ...]] = (
     ("double array", "double_array_value"),
     ("string array", "string_array_value"),
 )
-"""The types of rcl_interfaces/ParameterType by their numbers, as `ros2 param` calls them, with their fields."""
+"""The types of rcl_interfaces/ParameterType by their numbers, under the names of `ros2 param`, with their fields."""
 _NUMBERS: Final = {name: number for number, (name, _) in enumerate(_TYPES)}
 _TRUTH: Final = {"true": True, "false": False}
 _OF_PYTHON: Final[Mapping[type, str]] = {bool: "boolean", int: "integer", float: "double", str: "string"}
 
 
 class NodeParameter(msgspec.Struct, frozen=True, kw_only=True):
-    """A parameter of a running node, with what the node tells of it.
+    """A parameter of a running node, with its description.
 
     `type` is a name of `ros2 param describe`, or in ROS 1 also `list` or `mapping`. `minimum`, `maximum` and `step`
-    limit numbers; `constraints` are others, in words. `dynamic` parameters take values of any type.
+    limit numbers; `constraints` are others, in words. `dynamic` parameters accept values of any type.
     """
 
     node: str
@@ -73,20 +69,20 @@ class _Server(Protocol):
         """Return the names of all parameters."""
 
     async def parameter(self, name: str) -> Any:
-        """Return a parameter, None when it is not set."""
+        """Return a parameter, None if it is not set."""
 
     async def set_parameter(self, name: str, value: Any) -> None:
         """Set a parameter."""
 
 
 async def read(connection: Connection, node: str | None = None) -> tuple[list[NodeParameter], list[GraphProblem]]:
-    """Return the parameters of a robot, or of one of its nodes, and the problems of nodes that do not tell theirs.
+    """Return the parameters of a robot or one of its nodes, and the problems of nodes that did not answer.
 
     In ROS 1 the node may be any namespace.
 
     Raises:
-        RobotError: KG843 for a node that is not there, KG851 for a recording, KG852 for ROS 1 over a
-            bridge, and those of a call where one node alone is asked.
+        RobotError: KG843 an unknown node, KG851 a recording, KG852 ROS 1 over a bridge, and those of a call if only one
+            node is read.
     """
     if is_recording(connection.address):
         raise RobotError("KG851", f"{connection.address} is a recording, which has no parameters")
@@ -99,7 +95,7 @@ async def read(connection: Connection, node: str | None = None) -> tuple[list[No
 async def find(connection: Connection, node: str, name: str, *, new: bool = False) -> NodeParameter:
     """Return one parameter of a node; raises as `read`.
 
-    A `new` one, which is to be set, need not be there in ROS 1, where everybody can add parameters.
+    In ROS 1, a `new` one, which is to be set, need not exist, since any node may add parameters.
     """
     found, _ = await read(connection, None if new and _is_server(connection) else node)
     known = {_joined(one.node, one.name): one for one in found}
@@ -113,10 +109,10 @@ async def find(connection: Connection, node: str, name: str, *, new: bool = Fals
 
 
 async def write(connection: Connection, parameter: NodeParameter, value: Any) -> NodeParameter:
-    """Set a parameter to a value that `parsed` returned, and return the parameter as the node has it then.
+    """Set a parameter to a value returned by `parsed`, and return the parameter as the node then reports it.
 
     Raises:
-        RobotError: KG843 with the node's reason when it refuses the value, and those of a call.
+        RobotError: KG843 with the node's reason if it refuses the value, and those of a call.
     """
     if _is_server(connection):
         await connection.set_parameter(_joined(parameter.node, parameter.name), value)
@@ -134,11 +130,11 @@ async def write(connection: Connection, parameter: NodeParameter, value: Any) ->
 
 
 def parsed(parameter: NodeParameter, text: str) -> Any:
-    """Return the value that a text stands for.
+    """Return the value in a text.
 
     Raises:
-        RobotError: KG843 when it is of another type than the node describes, or out of its limits (it is never moved
-            into them), or when the parameter is read-only.
+        RobotError: KG843 another type than the node describes, outside of its limits (it is never clamped), or the
+            parameter is read-only.
     """
     if parameter.read_only:
         raise _refused(parameter, "it is read-only")
@@ -198,7 +194,9 @@ async def _read_nodes(connection: Connection, node: str | None) -> tuple[list[No
         raise RobotError("KG852", f"{connection.address} is a bridge, over which kg reads no parameters of ROS 1")
     graph = of_robot(await connection.graph())
     services = {end.name for end in graph.ends if end.role is Role.SERVICES and end.type == _LIST}
-    nodes = {name.removesuffix(_LISTING) for name in services if name.endswith(_LISTING)}  # a bridge may tell no nodes
+    nodes = {
+        name.removesuffix(_LISTING) for name in services if name.endswith(_LISTING)
+    }  # a bridge may not report nodes
     if node is not None:
         called = f"/{node.strip('/')}"
         if called not in nodes:
@@ -241,7 +239,7 @@ def _parameter(node: str, name: str, kind: str, value: Any, told: Mapping[str, A
 
 
 async def _values(connection: Connection, node: str, names: list[str]) -> list[tuple[str, Any]]:
-    """Return types and values; a node with one that is not set may tell none at once, so that it is asked for each."""
+    """Return types and values, one request each: a node with an unset parameter may omit all values."""
     told = (await _ask(connection, node, "GetParameters", {"names": names}))["values"]
     if len(told) != len(names):
         each = await asyncio.gather(*(_ask(connection, node, "GetParameters", {"names": [name]}) for name in names))
@@ -303,7 +301,7 @@ def _elements(parameter: NodeParameter, text: str) -> list[str]:
 
 
 def _guessed(parameter: NodeParameter, text: str) -> Any:
-    """Return a value of the type that its notation in YAML has."""
+    """Return a value with the type of its YAML notation."""
     try:
         value = load_yaml(text)
     except YAMLError:

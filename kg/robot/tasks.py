@@ -1,30 +1,28 @@
-"""Tasks: work that goes on beside, whose errors are told, and ends with who began it.
+"""Background tasks: their errors are reported, and they end with their owner.
 
-Work that nobody may ever await is begun by `spawn`, or by the `Tasks` of the one that it ends with. Where the one who
-begins it also awaits it, whatever happens, `asyncio.ensure_future` is enough: the error is raised there.
+Use `spawn`, or the `Tasks` of an owner, for a task that might never be awaited. If its creator always awaits it,
+`asyncio.ensure_future` is enough: the error is raised there.
 """
 
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Awaitable, Coroutine
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Coroutine
+from typing import Any, TypeVar
 
 Result = TypeVar("Result")
 
 
 def spawn(work: Coroutine[Any, Any, Result], what: str) -> asyncio.Task[Result]:
-    """Begin work that nobody may ever await; an error that ends it is reported at once as that of `what`."""
+    """Start a task that might never be awaited; an error that ends it is reported at once as one of `what`."""
     task = asyncio.create_task(work)
     task.add_done_callback(partial(_over, what))
     return task
 
 
 class Tasks:
-    """The work that goes on for one owner, and ends with it."""
+    """The background tasks of one owner, which end with it."""
 
     def __init__(self) -> None:
         self._running: set[asyncio.Task[Any]] = set()
@@ -33,23 +31,23 @@ class Tasks:
         return len(self._running)
 
     def spawn(self, work: Coroutine[Any, Any, Result], what: str) -> asyncio.Task[Result]:
-        """Begin work as `kg.robot.tasks.spawn` does."""
+        """Start a task as `kg.robot.tasks.spawn` does."""
         task = spawn(work, what)
         self.hold(task)
         return task
 
     def hold(self, task: asyncio.Task[Any]) -> None:
-        """Let a task end with the owner that somebody else has begun."""
+        """Let an existing task end with the owner."""
         self._running.add(task)
         task.add_done_callback(self._running.discard)
 
     def cancel(self) -> None:
-        """End all of it, without waiting for that."""
+        """Cancel all tasks without waiting."""
         for task in self._running:
             task.cancel()
 
     async def done(self) -> None:
-        """Return when all of it is done, by itself."""
+        """Return when all tasks have finished by themselves."""
         await asyncio.gather(*self._running, return_exceptions=True)
 
 
@@ -59,13 +57,13 @@ def _over(what: str, task: asyncio.Task[Any]) -> None:
 
 
 def report(what: str, error: BaseException) -> None:
-    """Report an error to the handler of the loop, which logs it where nobody has set another."""
+    """Report an error to the handler of the event loop, which logs it by default."""
     told = f"{what} failed: {error}"
     asyncio.get_running_loop().call_exception_handler({"message": told, "exception": error})
 
 
 async def ended(*tasks: asyncio.Future[Any]) -> None:
-    """Cancel tasks and return when they have ended, however they do."""
+    """Cancel tasks and return when they have ended, in any way."""
     for task in tasks:
         task.cancel()
     if tasks:
@@ -73,7 +71,7 @@ async def ended(*tasks: asyncio.Future[Any]) -> None:
 
 
 async def finished(work: Coroutine[Any, Any, Result]) -> Result:
-    """Return what work gives that has to come to its end: who is impatient, and cancels us again and again, waits."""
+    """Return the result of work that must complete: repeated cancellations of the caller wait for it."""
     task = asyncio.ensure_future(work)
     cancelled: asyncio.CancelledError | None = None
     while not task.done():
@@ -87,7 +85,7 @@ async def finished(work: Coroutine[Any, Any, Result]) -> Result:
 
 
 async def outcome(work: Awaitable[Result]) -> Result | BaseException:
-    """Return what code that is not ours gives, or what it raised, whatever that is; cancelling us cancels it."""
+    """Return the result or exception of code of others; cancelling the caller cancels it."""
     task = asyncio.ensure_future(work)
     try:
         await asyncio.wait({task})
@@ -100,7 +98,7 @@ async def outcome(work: Awaitable[Result]) -> Result | BaseException:
 
 
 async def first(one: Awaitable[Result], other: Awaitable[Any]) -> tuple[Result] | None:
-    """Await two things at a time: return in a tuple what the one gives, or None when the other is there before it.
+    """Await two things at once: return the result of the first in a tuple, or None if the second finishes earlier.
 
     The later one is cancelled; an error of either is raised.
     """

@@ -7,7 +7,7 @@ done in two threads, while a third interns what they give.
 
 from __future__ import annotations
 
-from collections import deque
+from collections import defaultdict, deque
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import groupby, islice
@@ -260,9 +260,13 @@ def union_of(parts: Iterable[Facts], pages: Pages | None = None) -> Facts:
     if len(every) == 1:
         return every[0].copy()
     found = Facts(pages=pages)
-    for predicate in {predicate for part in every for predicate in part.predicates}:
-        columns = [part.keys(predicate) for part in every if part.keys(predicate).size]
-        found.replace(predicate, columns[0] if len(columns) == 1 else distinct(np.concatenate(columns)))
+    # There may be a thousand sets, with few of all predicates each.
+    columns: defaultdict[int, list[Keys]] = defaultdict(list)
+    for part in every:
+        for predicate, keys in part:
+            columns[predicate].append(keys)
+    for predicate, pieces in columns.items():
+        found.replace(predicate, pieces[0] if len(pieces) == 1 else distinct(np.concatenate(pieces)))
     return found
 
 

@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.errors import Fix, Place, RuleError
 from kg.rules.files import HEADINGS, Documentation
 from kg.similar import asked, similar

@@ -1,26 +1,27 @@
-"""The index on disk: one file per generation, `.kg/cache/search/{generation}` (`kg.search.kept`).
+"""The index of the search on disk: one file a generation, marked with the version of its code and data.
 
-A file contains a line of JSON that describes the parts, and the parts themselves: JSON and arrays. Documents are
-decoded one by one, when a hit shows them.
+A file holds a line of JSON that describes the parts, and the parts themselves: JSON and arrays. Documents are decoded
+one by one, when a hit shows them.
 """
 
 from __future__ import annotations
 
 import fcntl
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Final
+from functools import cache
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any, Final
 
 import msgspec
 import numpy as np
 
+from kg import resources
 from kg.search.documents import Document, PackageDocument
 from kg.search.index import Columns, Index
-from kg.search.kept import keep, kept
 from kg.search.reading import Concept
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
+from kg.store import kept as files
 
 _FOLDER: Final = "search"
 _COLUMNS: Final = ("text", "names", "features")
@@ -122,3 +123,31 @@ def _index(header: _Header, content: bytes, at: int) -> Index:
         np.frombuffer(parts["order"], np.int32),
         np.frombuffer(parts["started"], np.float32),
     )
+
+
+_VERSION_BYTES: Final = 4
+_DATA: Final = ("search.toml", "composing.toml")  # files in the folder `ontology` that what is kept depends on
+
+
+def keep(folder: Path, generation: str, parts: Iterable[bytes]) -> None:
+    """Write the content of a generation to a folder, and delete that of others.
+
+    Raises:
+        OSError: it could not be written; the previous files are unchanged.
+    """
+    files.keep(folder, generation, _version(), parts)
+
+
+def kept(folder: Path, generation: str) -> bytes | None:
+    """Return the cached content of a generation; None if missing or unusable."""
+    return files.kept(folder, generation, _version())
+
+
+@cache
+def _version() -> int:
+    """Return a checksum of the code of this package and its data files."""
+    code = sorted(Path(__file__).resolve().parent.rglob("*.py"))
+    digest = blake2b(digest_size=_VERSION_BYTES)
+    for path in (*code, *(resources.folder("ontology") / name for name in _DATA)):
+        digest.update(path.read_bytes())
+    return int.from_bytes(digest.digest(), "little")

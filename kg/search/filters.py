@@ -21,8 +21,7 @@ _TYPED: Final = {
     "services": ("services", "action_servers"),
     "calls": ("clients", "action_clients"),
 }
-_MOST: Final = 8
-"""Number of values listed in an error, to fit a line."""
+_MOST: Final = 8  # so many values are named in an error; they fit a line
 _NONE: Final = "No node has any; `kg nodes` lists the nodes."
 
 

@@ -24,8 +24,7 @@ _FORMS: Final = frozenset({"node", "nodelet", "component", "nodes", "main", "ros
 
 _STARTED: Final = ("executable", "script")
 _LOADED: Final = ("nodelet", "component", "plugin")
-_LEAST: Final = 2
-"""Least number of shared interfaces that is not a coincidence."""
+_LEAST: Final = 2  # so many interfaces in common are no chance
 _KINDS: Final = {"executable": 0, "script": 1, "component": 2, "nodelet": 3, "plugin": 4}
 
 

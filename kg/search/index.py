@@ -30,8 +30,7 @@ if TYPE_CHECKING:
     Floats: TypeAlias = NDArray[np.float32]
     Places: TypeAlias = NDArray[np.int32]
 
-_MUCH: Final = 5.0
-"""Logarithm of the number of starts of a node that is used everywhere."""
+_MUCH: Final = 5.0  # the logarithm of as many starts as a node has that is used everywhere
 _ENOUGH: Final = 1000
 
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg import resources
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 FILE: Final = "search.toml"
 """The file of the lexicon in the folder `ontology`."""

@@ -17,12 +17,9 @@ ROLES: Final = ("subscribes", "publishes", "services", "clients", "action_server
 
 
 _PIECE: Final = 2
-_LEAST_LETTERS: Final = 4
-"""Shorter words resemble too many others."""
-_ALIKE: Final = 0.75
-"""Least share of common bigrams for two spellings of one word."""
-_ENDING: Final = 2
-"""A word with this many extra letters at its end may be a newer version: yolox."""
+_LEAST_LETTERS: Final = 4  # A shorter word is like too many others
+_ALIKE: Final = 0.75  # words of which so many pieces of two letters are the same are spellings of one
+_ENDING: Final = 2  # A word with so many letters more at its end may be a newer version of the other: yolox
 _FEW: Final = 4
 
 

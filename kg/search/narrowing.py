@@ -1,6 +1,6 @@
-"""Select the question that narrows the hits best: the property whose values split them most evenly.
+"""Which question narrows hits best: the property whose values split them most evenly.
 
-Each possible answer is the value of a filter (`kg.search.options`), so answering adds a filter.
+Each value that a question offers is one of a filter (`kg.search.filters`), so an answer is a filter more.
 """
 
 from __future__ import annotations
@@ -26,8 +26,7 @@ QUESTIONS: Final = {
     "package": "Which package?",
 }
 """Questions by the filter of their answers; those that are easy for users come first."""
-_MOST: Final = 6
-"""Number of answers offered, the most frequent ones."""
+_MOST: Final = 6  # so many answers are offered, the most frequent ones
 _OTHER: Final = frozenset(
     ("rosgraph_msgs/Log", "tf2_msgs/TFMessage", "tf/tfMessage", "diagnostic_msgs/DiagnosticArray")
 )

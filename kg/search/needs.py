@@ -52,13 +52,10 @@ _IN, _OUT, _BOTH = "in", "out", "both"
 _SIDES: Final = {_IN: ("subscribes",), _OUT: ("publishes",), _BOTH: ("subscribes", "publishes")}
 _MOST: Final = 2000
 """Number of characters that are read: a request is a sentence or two, and the time is quadratic in the length."""
-_LONGEST: Final = 6
-"""Number of words of the longest phrase in the lexicon."""
-_TOLD: Final = 3
-"""After this many significant words, `for` begins an aside."""
+_LONGEST: Final = 6  # so many words has the longest phrase of the lexicon
+_TOLD: Final = 3  # behind so many significant words, `for` begins an aside
 _SHORT_NAME: Final = 2
-_OF_EVERY: Final = ("ros", "msg", "msgs")
-"""Names that apply to every node."""
+_OF_EVERY: Final = ("ros", "msg", "msgs")  # names that tell nothing of a node
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +168,7 @@ def _versions(text: str) -> list[Wish]:
         found.append((_DISTRIBUTIONS[name.lower()], name))
     if len({version for version, _ in found}) > 1:
         return []
-    return [Wish("ros", (f"ros:{version}",), words, strict=True) for version, words in found]
+    return [Wish("ros", (f"ros:{version}",), said, strict=True) for version, said in found]
 
 
 @lru_cache(maxsize=1)
@@ -241,7 +238,7 @@ def _matches(tokens: Sequence[_Token], known: dict[tuple[str, ...], object]) -> 
 def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
     """Yield a wording for every significant word, once each, with the synonyms of the phrase that contains it."""
     seen: set[str] = set()
-    typed = {token.whole for token in tokens} | {token.stem for token in tokens}
+    said = {token.whole for token in tokens} | {token.stem for token in tokens}
     spans = dict(_matches(tokens, names.synonyms))  # type: ignore[arg-type]  # only the keys are looked at
     end = 0
     others: tuple[tuple[str, ...], ...] = ()
@@ -251,7 +248,7 @@ def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
             others = names.synonyms.get(tuple(one.stem for one in tokens[at:end]), ())
         if token.stem not in seen and (not is_stop(token.word) or token.name):
             seen.add(token.stem)
-            yield _wording(token, [one for one in others if not typed.issuperset(one)], names)
+            yield _wording(token, [one for one in others if not said.issuperset(one)], names)
 
 
 def _wording(token: _Token, synonyms: Sequence[tuple[str, ...]], names: Names) -> Wording:
@@ -274,11 +271,11 @@ def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
         if tokens[begin].aside:
             continue
         stems = tuple(token.stem for token in tokens[begin:end])
-        phrase = " ".join(token.word for token in tokens[begin:end])
+        said = " ".join(token.word for token in tokens[begin:end])
         for kind in _SIDES.get(_side(tokens, begin, end), ()):
             features = tuple(feature for type_ in phrases[stems] for feature in names.types(kind, type_))
             if features:
-                yield Wish(kind, features, phrase)
+                yield Wish(kind, features, said)
 
 
 def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
@@ -302,7 +299,7 @@ def _hardware(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
     for begin, end in _matches(tokens, names.concepts):  # type: ignore[arg-type]  # only the keys are looked at
         if tokens[begin].aside:
             continue
-        phrase = " ".join(token.word for token in tokens[begin:end])
+        said = " ".join(token.word for token in tokens[begin:end])
         for feature in names.concepts[tuple(token.stem for token in tokens[begin:end])]:
             if feature.startswith("hardware:"):
-                yield Wish("hardware", (feature,), phrase)
+                yield Wish("hardware", (feature,), said)

@@ -26,10 +26,8 @@ if TYPE_CHECKING:
     from kg.search.needs import Alternative, Need, Wish, Wording
 
 _RAREST: Final = 2.0
-_ABOUT: Final = ("ros", "license", "kind", "package")
-"""Filters unrelated to the function of a node."""
-_FILTERED: Final = 0.01
-"""Least score of nodes that fulfil the filters, whatever the words."""
+_ABOUT: Final = ("ros", "license", "kind", "package")  # filters that tell nothing of what a node does
+_FILTERED: Final = 0.01  # what fulfils the filters is a hit, whatever else the words say
 
 
 def scores(index: Index, need: Need) -> Floats:

@@ -40,8 +40,7 @@ _KINDS: Final = {
     "plugin": "its description says",
 }
 _CLASSES: Final = {"hardware": "works with {}", "function": "is for {}", "capability": "can {}"}
-_EXCERPT: Final = 90
-"""Largest number of characters of a text in a reason."""
+_EXCERPT: Final = 90  # so many characters of a text stand in a reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,10 +74,10 @@ def _weights(index: Index, need: Need, place: int) -> dict[str, float]:
     """Return the score of each term of the need for a node."""
     found: dict[str, float] = {}
     for wording in need.wordings:
-        information = share(index, need, wording)
+        told = share(index, need, wording)
         for one in wording.alternatives:
             for term in one.terms:
-                value = information * one.weight * index.text.value(term, place)
+                value = told * one.weight * index.text.value(term, place)
                 found[term] = max(value, found.get(term, 0.0))
     return {term: value for term, value in found.items() if value > 0}
 
@@ -92,8 +91,8 @@ def _of_wishes(
         for end in node.ends:
             if end.role in _ROLES.get(wish.kind, (wish.kind,)) and f"{end.role}:{end.type}" in features:
                 words = terms(f"{anonymous(end.name or '')} {(end.type or '').rpartition('/')[2]}")
-                score = sum(weights.get(term, 0.0) for term in set(words))
-                yield Reason(f"{_VERBS[end.role]} {end.type}", weight + score / 2, end.path, end.line)
+                said = sum(weights.get(term, 0.0) for term in set(words))
+                yield Reason(f"{_VERBS[end.role]} {end.type}", weight + said / 2, end.path, end.line)
                 break
         labels = {"hardware": node.hardware, "function": node.functions, "capability": node.capabilities}
         if wish.kind in labels:

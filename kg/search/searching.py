@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _REASONS = 5
-_DIGITS = 4
-"""Number of decimals of compared scores, so the order of floating-point sums has no effect."""
+_DIGITS = 4  # scores are compared to so many decimals, so that sums of floats in another order change nothing
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,15 +6,13 @@ Stems are those of the Snowball algorithm for English (Porter 2001), which needs
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from snowballstemmer.english_stemmer import EnglishStemmer
 
 from kg.search.lexicon import lexicon
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _WORD: Final = re.compile(
     r"\d[dD](?![a-zA-Z])"  # 2D, 3d

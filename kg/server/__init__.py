@@ -1,1 +1,1 @@
-"""The SPARQL endpoint and the pages: HTTP in, `kg.query.readers` and `kg.views` below; no logic of its own."""
+"""The SPARQL endpoint and the web pages: HTTP over `kg.query.readers` and `kg.views`, without logic of its own."""

@@ -1,7 +1,6 @@
-"""The application: routes, what they share, and what begins and ends with it.
+"""The application: its routes, shared state, start-up and shutdown.
 
-A module of routes has `ROUTES`. The middlewares stand in `kg.server.safety`, errors become answers in
-`kg.server.errors`.
+A module of routes has `ROUTES`. Middlewares are in `kg.server.safety`; `kg.server.errors` turns errors into responses.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from starlette.middleware import Middleware
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from kg.errors import UsageError
+from kg.errors import Place, StoreError, UsageError
 from kg.pipeline.updating.writer import Writer
 from kg.query.readers.pool import Readers
 from kg.server import (
@@ -39,6 +38,7 @@ from kg.server.robot import routes as robot
 from kg.server.robot.session import Session
 from kg.server.safety import login
 from kg.server.state import State
+from kg.store.following import Following
 from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 
     from kg.server.options import Options
     from kg.settings import Settings
+    from kg.store.layout import Layout
 
 _FOLDER: Final = Path(__file__).parent
 
@@ -54,11 +55,14 @@ def create_app(settings: Settings, options: Options) -> Starlette:
     """Return the application that serves the store of the settings.
 
     Raises:
-        StoreError: KG301 there is no store.
+        StoreError: KG301 there is no store, KG225 the server that has the data does not answer, KG309 the data is on a
+            server, and `options.write` is set.
         UsageError: KG002 the root path is the address of a page.
     """
     _check_root(options.root_path)
     layout = layout_of(settings)
+    if layout.address is not None:
+        _check_server(layout, options)
 
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
@@ -89,8 +93,17 @@ def create_app(settings: Settings, options: Options) -> Starlette:
     return app
 
 
+def _check_server(layout: Layout, options: Options) -> None:
+    """Refuse a server that has the data but does not answer (StoreError KG225), and changes of it (KG309)."""
+    if options.write:
+        hint = "Leave out --write, and send changes to the server itself."
+        message = "`kg serve` does not change the data of another server"
+        raise StoreError("KG309", message, place=Place(layout.name), hint=hint)
+    Following(layout).check()
+
+
 def _routes() -> list[BaseRoute]:
-    """Return all routes; those that programs ask most stand first, for they are tried in this order."""
+    """Return all routes, the most requested first, since they are tried in this order."""
     watching = (health, metrics, openapi, login, errors)
     before = (protocol, protocol_update, graph_store, jobs, *watching, robot, views)
     files = [Mount(f"/{name}", StaticFiles(directory=_FOLDER / name, check_dir=False)) for name in ("static", "vendor")]
@@ -98,7 +111,7 @@ def _routes() -> list[BaseRoute]:
 
 
 def _check_root(root: str) -> None:
-    """Refuse a root path (UsageError KG002) that is ambiguous: `/store/x` might have lost a root path `/store`."""
+    """Refuse an ambiguous root path (UsageError KG002): `/store/x` might have lost a root path `/store`."""
     taken = {route.path.split("/")[1] for route in _routes() if isinstance(route, Route | Mount)}
     if root and root.split("/")[1] in taken:
         message = f"the root path {root} begins like an address of kg itself"

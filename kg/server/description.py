@@ -1,4 +1,4 @@
-"""What the endpoint says of itself: SPARQL 1.1 Service Description, and how much data there is (VoID)."""
+"""The endpoint's description of itself: SPARQL 1.1 Service Description, and the size of its data (VoID)."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _FORMAT_NAMES: Final = {
     "trig": "TriG",
     "nquads": "N-Quads",
 }
-"""Our formats to the names that W3C registers for them (https://www.w3.org/ns/formats/)."""
+"""Our format names, mapped to the names registered at W3C (https://www.w3.org/ns/formats/)."""
 
 _COUNTS: Final = "SELECT ?g (COUNT(*) AS ?n) WHERE { GRAPH ?g { ?s ?p ?o } } GROUP BY ?g ORDER BY ?g"
 _COUNT: Final = "SELECT (COUNT(*) AS ?n) WHERE { ?s ?p ?o }"
@@ -56,10 +56,10 @@ _KEPT: Final = 4
 
 
 async def description(request: Request) -> Response:
-    """Return the description of the endpoint at the address that was used, in a format of graphs.
+    """Return the description of the endpoint at the requested address, in an RDF format.
 
     Raises:
-        RequestError: KG523 when the client accepts none of these.
+        RequestError: KG523 the client accepts none of these formats.
     """
     choices = choose(request.headers.get("accept"), Parameters(request.scope["query_string"]).formats)
     if "graph" not in choices:
@@ -107,7 +107,7 @@ def _graph(graph: BlankNode, count: int | None) -> Iterator[Triple]:
 
 
 def _updates(endpoint: str) -> Iterator[Triple]:
-    """Describe the service that takes updates, which stands beside the one for queries."""
+    """Describe the update service, which is separate from the query service."""
     service = BlankNode("updates")
     yield Triple(service, _TYPE, _sd("Service"))
     yield Triple(service, _sd("endpoint"), NamedNode(endpoint.rstrip("/").rpartition("/")[0] + "/update"))
@@ -121,9 +121,9 @@ def _sd(name: str) -> NamedNode:
 
 
 async def _counts(request: Request) -> _Counts | None:
-    """Return the triples of the default graph and of each named one; None where counting takes too long.
+    """Return the number of triples of the default graph and of each named graph; None if counting takes too long.
 
-    Counts are kept for the data that they are of, since the same numbers come again until it changes.
+    Counts are cached until the data changes.
     """
     shared = state(request)
     key = (str(shared.readers.layout.root), str(shared.readers.layout.current()), not shared.options.no_union)

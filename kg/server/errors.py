@@ -1,7 +1,7 @@
-"""Errors as HTTP answers of one shape, whatever the route: RFC 9457 for programs, text for curl, a page for browsers.
+"""Errors as HTTP responses of one shape on every route: RFC 9457 for programs, text for curl, a page for browsers.
 
-The members are those of `KgError` (`code`, `message`, `hint`, the place) and `docs`, where the code is explained,
-beside `type`, `title` and `status` of RFC 9457. Routes raise; nothing else writes errors.
+The members are those of `KgError` (`code`, `message`, `hint`, the place), `docs` with the address of the explanation,
+and `type`, `title` and `status` of RFC 9457. Routes raise errors; only this module writes them.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from starlette.routing import Route
 
 from kg.errors import CATALOGUE, KgError, Place, QueryError, RobotError
 from kg.render.marking import marked
-from kg.server.addresses import url
+from kg.server.addresses import NAVIGATION, url
 from kg.server.leaving import GONE, ClientLeftError
 from kg.server.prose import inline
 from kg.server.records import record
@@ -29,53 +29,31 @@ if TYPE_CHECKING:
 
 
 STATUS: Final[Mapping[str, int]] = {
-    "KG001": 404,
-    "KG226": 404,
-    "KG301": 503,
-    "KG302": 503,
-    "KG303": 503,
-    "KG304": 507,
-    "KG305": 503,
-    "KG306": 503,
-    "KG422": 404,
-    "KG502": 403,
-    "KG503": 503,
-    "KG504": 406,
-    "KG507": 503,
-    "KG508": 503,
-    "KG509": 503,
-    "KG510": 503,
-    "KG512": 409,
-    "KG521": 404,
-    "KG522": 405,
-    "KG523": 406,
-    "KG524": 415,
-    "KG525": 413,
-    "KG526": 414,
-    "KG527": 421,
-    "KG528": 403,
-    "KG529": 401,
-    "KG530": 403,
-    "KG531": 429,
-    "KG532": 408,
-    "KG533": 503,
-    "KG534": 403,
-    "KG535": 431,
-    "KG536": 412,
-    "KG560": 409,
-    "KG561": 403,
-    "KG563": 415,
-    "KG564": 404,
-    "KG568": 503,
-    "KG802": 503,
-    "KG803": 503,
-    "KG845": 404,
-    "KG846": 503,
-    "KG847": 409,
-    "KG849": 409,
-    "KG900": 500,
+    code: status
+    for status, codes in {
+        401: "KG529",
+        403: "KG502 KG528 KG530 KG534 KG561",
+        404: "KG001 KG226 KG422 KG521 KG564 KG845",
+        405: "KG522",
+        406: "KG504 KG523",
+        408: "KG532",
+        409: "KG512 KG560 KG847 KG849",
+        412: "KG536",
+        413: "KG525",
+        414: "KG526",
+        415: "KG524 KG563",
+        421: "KG527",
+        429: "KG531",
+        431: "KG535",
+        500: "KG900",
+        501: "KG309",
+        502: "KG225",
+        503: "KG301 KG302 KG303 KG305 KG306 KG503 KG507 KG508 KG509 KG510 KG533 KG568 KG802 KG803 KG846",
+        507: "KG304",
+    }.items()
+    for code in codes.split()
 }
-"""Code to HTTP status; those that are not here are the fault of the request: 400."""
+"""HTTP status of each code; codes missing here are client errors: 400."""
 
 _NUMBER: Final = {"type": ["integer", "null"], "minimum": 1}
 _SHORT: Final = {"type": "string"}
@@ -87,11 +65,11 @@ PROBLEM: Final[Mapping[str, Any]] = {
         **dict.fromkeys(("line", "column", "endLine", "endColumn"), _NUMBER),
     },
 }
-"""What an error looks like, as JSON Schema; all members are always there."""
+"""JSON Schema of an error; all members are always present."""
 
 _OF_STATUS: Final = {status: code for code, status in STATUS.items() if "KG520" <= code <= "KG533"} | {403: "KG530"}
 _PASSING: Final = ("KG302", "KG503", "KG507", "KG508", "KG509", "KG531", "KG533", "KG568", "KG803", "KG846")
-"""What may be over when the same is asked again; a deadline counts waiting too."""
+"""Codes of errors that may be gone when the request is repeated; a deadline includes time in the queue."""
 _HEADERS: Final = {
     **{code: {"Retry-After": "1"} for code in _PASSING},
     "KG529": {"WWW-Authenticate": 'Bearer realm="kg"'},
@@ -100,18 +78,18 @@ _JSON: Final = re.compile(r"json|application/\*", re.IGNORECASE)
 
 
 class RequestError(KgError):
-    """A request that is refused; `headers` go with the answer."""
+    """A refused request; `headers` are added to the response."""
 
     def __init__(
         self, code: str, message: str, *, hint: str | None = None, headers: Mapping[str, str] | None = None
     ) -> None:
-        """Raise `LookupError` for a code that the catalogue does not have."""
+        """Raise `LookupError` for a code that is not in the catalogue."""
         super().__init__(code, message, hint=hint)
         self.headers = dict(headers or {})
 
 
 class DefectError(Exception):
-    """A defect of ours, named by the identity that the client was told; its cause is what happened."""
+    """A defect in kg, with the identity reported to the client; its `__cause__` is the original error."""
 
 
 def problem(error: KgError) -> dict[str, Any]:
@@ -134,13 +112,13 @@ def problem(error: KgError) -> dict[str, Any]:
 
 
 def _span(error: KgError) -> tuple[int | None, int | None, int | None, int | None]:
-    """Return the line and the column of what is wrong and those behind it, counted from one in code points."""
+    """Return start and end of the faulty part as lines and columns, counted from one in code points."""
     place = error.place if isinstance(error, QueryError | RobotError) else None
     return (place.span() if place else None) or (None, None, None, None)
 
 
 def answer(request: HTTPConnection, error: KgError) -> Response:
-    """Return the answer that tells an error to the client of a request, in the form that it asks for."""
+    """Return the response that reports an error, in the form that the client accepts."""
     members = problem(error)
     record(request).outcome = error.code
     headers = {**_HEADERS.get(error.code, {}), **getattr(error, "headers", {}), "Cache-Control": "no-store"}
@@ -154,7 +132,7 @@ def answer(request: HTTPConnection, error: KgError) -> Response:
 
 
 def _form(request: HTTPConnection) -> str:
-    """Return `html` for browsers, `text` for those who read in a terminal, `json` for all others."""
+    """Return `html` for browsers, `text` for terminals, `json` for all others."""
     accept = request.headers.get("accept", "*/*")
     if request.url.path.startswith("/api/") or _JSON.search(accept):
         return "json"
@@ -165,7 +143,7 @@ def _form(request: HTTPConnection) -> str:
 
 
 def _text(members: Mapping[str, Any], place: Place | None = None) -> str:
-    """Return an error for a terminal, with the line underlined that it is in, where the request had it."""
+    """Return an error for a terminal, with the faulty line underlined if the request contains it."""
     where = f"line {members['line']}, column {members['column']}: " if members["line"] else ""
     lines = [f"{members['code']}: {where}{members['message']}"]
     if where and place and place.excerpt:
@@ -173,14 +151,11 @@ def _text(members: Mapping[str, Any], place: Place | None = None) -> str:
     return "\n".join([*lines, members["hint"], ""])
 
 
-_NAVIGATION: Final = ("Search", "Systems", "Query", "Rules", "Robot")
-
-
 def _page(members: Mapping[str, Any]) -> str:
-    """Return a page that needs no template: errors must be told when templates fail too."""
+    """Return a page without a template, since a template might be what failed."""
     title = f"{members['code']}: {members['title']}"
     start, static = url("/"), url("/static")
-    pages = "".join(f'<li><a href="{url("/" + name.lower())}">{name}</a></li>' for name in _NAVIGATION)
+    pages = "".join(f'<li><a href="{url(address)}">{name}</a></li>' for address, name in NAVIGATION.items())
     place = f"<p>Line {members['line']}, column {members['column']}</p>" if members["line"] else ""
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(title)}</title>'
@@ -197,7 +172,7 @@ def _page(members: Mapping[str, Any]) -> str:
 
 
 def as_error(request: HTTPConnection, error: HTTPException) -> KgError:
-    """Return the error of `kg` that says what Starlette raised about a request."""
+    """Return the error of `kg` for an exception that Starlette raised about a request."""
     code = _OF_STATUS.get(error.status_code, "KG520")
     said = {
         "KG521": f"no page or endpoint at {request.url.path}",
@@ -225,11 +200,11 @@ HANDLERS: Final[dict[type[Exception], Callable[[Request, Exception], Awaitable[R
     HTTPException: _of_http,
     ClientLeftError: _of_nobody,
 }
-"""Kind of exception to what answers it, as Starlette takes them."""
+"""Handlers by kind of exception, as Starlette takes them."""
 
 
 async def handled(request: Request, error: KgError | ClientLeftError) -> Response:
-    """Return what answers an error, as the routes do."""
+    """Return the response to an error, as the routes do."""
     return await (_of_kg if isinstance(error, KgError) else _of_nobody)(request, error)
 
 
@@ -251,4 +226,4 @@ async def _explained(request: Request) -> Response:
 
 
 ROUTES: Final = [Route("/errors/{code}", _explained)]
-"""Where the codes are explained."""
+"""Addresses at which codes are explained."""

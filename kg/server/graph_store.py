@@ -1,7 +1,7 @@
 """`/store`: graphs as resources (SPARQL 1.1 Graph Store HTTP Protocol).
 
-A graph is named by `?graph=IRI`, or it is the unnamed one (`?default`), or it is what stands below `/store/`: then its
-name is the address of the request.
+A graph is named by `?graph=IRI`, or is the default graph (`?default`), or is a resource below `/store/`, whose name is
+the address of the request.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ _ALL: Final = "CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }"
 
 
 def _graph(request: Request, parameters: Parameters) -> NamedNode | None:
-    """Return the graph that a request is about; None for the unnamed one.
+    """Return the graph that a request is about; None for the default graph.
 
     Raises:
-        RequestError: KG520 for none, more than one, or what is not an IRI.
+        RequestError: KG520 none or several are named, or the name is not an IRI.
     """
     path = _raw_path(request)
     below = path.partition(_ROOT)[2] not in {"", "/"}
@@ -61,7 +61,7 @@ def _graph(request: Request, parameters: Parameters) -> NamedNode | None:
 
 
 def _raw_path(request: Request) -> str:
-    """Return the path as it was sent, for `%2F` and `/` are two names."""
+    """Return the path as it was sent, since `%2F` and `/` name different graphs."""
     raw: bytes = request.scope.get("raw_path") or request.scope["path"].encode()
     return raw.partition(b"?")[0].decode("ascii", "replace")
 
@@ -92,7 +92,7 @@ async def _get(request: Request) -> Response:
 
 
 async def _exists(request: Request, graph: NamedNode) -> bool:
-    """Tell whether a graph is there, if without triples."""
+    """Return whether a graph exists, even without triples."""
     shared = state(request)
     question = Question(text=f"ASK {{ GRAPH {graph} {{ }} }}", formats={"boolean": "csv"}, union=False)
     async with shared.readers.ask(question, seconds=shared.options.seconds, client=client(request)) as found:
@@ -107,13 +107,7 @@ async def _put(request: Request) -> Response:
     changing = writer(request)
     parameters = Parameters(request.scope["query_string"])
     graph = _graph(request, parameters)
-    put = partial(
-        changing.put_graph,
-        graph and graph.value,
-        await _parts(request),
-        base=_base(request, graph),
-        seconds=patience(request, parameters),
-    )
+    put = partial(changing.put_graph, graph and graph.value, await _parts(request), base=_base(request, graph))
     return _done(await _on_condition(request, parameters, graph, put))
 
 
@@ -122,13 +116,7 @@ async def _post(request: Request) -> Response:
     parameters = Parameters(request.scope["query_string"])
     is_new = _raw_path(request).rstrip("/") == _ROOT and "graph" not in parameters and "default" not in parameters
     graph = _new(request) if is_new else _graph(request, parameters)
-    post = partial(
-        changing.post_graph,
-        graph and graph.value,
-        await _parts(request),
-        base=_base(request, graph),
-        seconds=patience(request, parameters),
-    )
+    post = partial(changing.post_graph, graph and graph.value, await _parts(request), base=_base(request, graph))
     updated = await _on_condition(request, parameters, None if is_new else graph, post)
     return _done(updated, graph.value if is_new and graph else None)
 
@@ -137,25 +125,26 @@ async def _delete(request: Request) -> Response:
     changing = writer(request)
     parameters = Parameters(request.scope["query_string"])
     graph = _graph(request, parameters)
-    delete = partial(changing.delete_graph, graph and graph.value, seconds=patience(request, parameters))
+    delete = partial(changing.delete_graph, graph and graph.value)
     return _done(await _on_condition(request, parameters, graph, delete))
 
 
 async def _on_condition(
     request: Request, parameters: Parameters, graph: NamedNode | None, change: Callable[..., Awaitable[Updated]]
 ) -> Updated:
-    """Make a change if its condition holds; the unnamed graph and the store, which are None, are always there."""
+    """Make a change if its condition holds; the default graph and the store (None) always exist."""
     exists = partial(_exists, request, graph) if graph else None
+    change = partial(change, seconds=patience(request, parameters))
     return await on_condition(request, parameters, lambda snapshot: change(snapshot=snapshot), exists)
 
 
 def _new(request: Request) -> NamedNode:
-    """Return a name below the store that no graph has."""
+    """Return an unused name below the store."""
     return NamedNode(address(request, f"{_ROOT}/{secrets.token_hex(8)}"))
 
 
 def _base(request: Request, graph: NamedNode | None) -> str:
-    """Return what the relative IRIs of the content are relative to (section 4.1 of the protocol)."""
+    """Return the base of the relative IRIs of the content (section 4.1 of the protocol)."""
     return graph.value if graph else address(request)
 
 
@@ -165,10 +154,10 @@ def _done(updated: Updated, created: str | None = None) -> Response:
 
 
 async def _parts(request: Request) -> list[tuple[bytes, str]]:
-    """Return the RDF of a request, each part with its media type.
+    """Return the RDF of a request in parts, each with its media type.
 
     Raises:
-        RequestError: KG524 for a type or an encoding that is not read, KG520 for a form without files.
+        RequestError: KG524 unsupported media type or encoding, KG520 a form without files.
     """
     in_utf8(request)
     kind = media_type(request)

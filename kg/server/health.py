@@ -1,4 +1,4 @@
-"""Whether the server lives and can read its store: `/health`, which asks no reader and so answers under any load."""
+"""`/health`: whether the server is alive and can read its store; needs no reader, so it responds under any load."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 async def _health(request: Request) -> Response:
     """Answer 200 with the snapshot in force, its age in seconds and the readers; 503 when there is no store.
 
+    A store on another server must have answered when it was last looked at, else 502.
+
     Requests that the server makes itself do not count, as in the list of jobs.
     """
     shared = state(request)
@@ -25,6 +27,9 @@ async def _health(request: Request) -> Response:
     generation = layout.in_force()
     if generation is None:
         raise StoreError("KG301", "the store's data has been deleted")
+    following = shared.readers.following
+    if following is not None and following.failure is not None:
+        raise following.failure
     jobs = sum(not job.own for job in shared.readers.jobs.values())
     waiting = shared.readers.stats().waiting
     return JSONResponse(
@@ -41,4 +46,4 @@ async def _health(request: Request) -> Response:
 
 
 ROUTES: Final = [Route("/health", _health)]
-"""Where who watches the server asks."""
+"""Addresses for supervisors of the server."""

@@ -1,7 +1,7 @@
-"""`/jobs`: what runs; `/jobs/{id}`: how far a query is, and its end.
+"""`/jobs`: running queries; `/jobs/{id}`: progress of one query, and its cancellation.
 
-Whoever knows the identity of a job may look at it and cancel it. A client chooses it (`job=`) or reads it in
-`X-Kg-Job`; without the token nobody is told those of others.
+A client that knows the identity of a job may read and cancel it. It chooses the identity (`job=`) or reads it in
+`X-Kg-Job`. Without the token, clients do not get the identities of other clients' jobs.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def _told(job: Job, *, whole: bool) -> dict[str, Any]:
-    """Return what is told of a job; to those who do not know it neither its identity nor its text."""
+    """Return the public description of a job, without identity and text for clients that do not know them."""
     told = {"seconds": round(job.elapsed, 3), "rows": job.rows}
     return {"id": job.identity, "query": job.text, **told} if whole else told
 
@@ -45,7 +45,7 @@ async def _one(request: Request) -> Response:
 
 
 async def _cancel(request: Request) -> Response:
-    """End a job; one that has ended already, or never was, is none afterwards either."""
+    """Cancel a job; succeeds also for a job that has finished or never existed."""
     state(request).readers.cancel(request.path_params["identity"])
     return Response(status_code=204)
 

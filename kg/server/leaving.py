@@ -1,4 +1,4 @@
-"""Clients that leave before they are answered: what is done for them ends."""
+"""Cancellation of work for clients that disconnect before their response."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ if TYPE_CHECKING:
 _T = TypeVar("_T")
 
 GONE: Final = 499
-"""The status that the log has of a client that did not wait; nobody reads it."""
+"""Status in the log for a client that disconnected; nobody receives it."""
 _PATIENCE: Final = 0.05
-"""Seconds before it is watched whether the client is still there: most requests are answered by then."""
+"""Seconds before the connection is watched: most requests are finished by then."""
 
 
 class ClientLeftError(Exception):
-    """Nobody waits for the answer any more."""
+    """The client disconnected."""
 
 
 async def while_connected(receive: Receive, work: Awaitable[_T]) -> _T:
-    """Return what `work` does; when the client closes the connection before, it is cancelled.
+    """Return the result of `work`; it is cancelled when the client closes the connection.
 
     Raises:
-        ClientLeftError: the client did.
-        RequestError: KG525, KG532 for the body of a request of which none was expected.
+        ClientLeftError: the client disconnected.
+        RequestError: KG525, KG532 for an unexpected request body.
     """
     watch = _Watch(receive)
     later = watch.loop.call_later(_PATIENCE, watch.begin)
@@ -35,7 +35,7 @@ async def while_connected(receive: Receive, work: Awaitable[_T]) -> _T:
         return await work
     except asyncio.CancelledError:
         if watch.ended and watch.task.uncancel() == 0:
-            # What it raises is why, else the client left.
+            # Its exception is the reason, or else the client disconnected.
             watch.ended.result()
             raise ClientLeftError from None
         raise
@@ -45,7 +45,7 @@ async def while_connected(receive: Receive, work: Awaitable[_T]) -> _T:
 
 
 class _Watch:
-    """Cancels the task that made it when the client leaves; it begins once most requests are answered."""
+    """Cancels the task that created it when the client disconnects; it starts after most requests have finished."""
 
     def __init__(self, receive: Receive) -> None:
         self.loop = asyncio.get_running_loop()
@@ -57,12 +57,12 @@ class _Watch:
         self._watcher: asyncio.Task[None] | None = None
 
     def begin(self) -> None:
-        """Watch from now on."""
+        """Start watching."""
         self._watcher = self.loop.create_task(self._disconnect())
         self._watcher.add_done_callback(self._end)
 
     def stop(self) -> None:
-        """Watch no more."""
+        """Stop watching."""
         if self._watcher is not None:
             self._watcher.remove_done_callback(self._end)
             self._watcher.cancel()

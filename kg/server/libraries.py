@@ -1,7 +1,7 @@
-"""The libraries that pages load in the browser: which are there, under what licence, and how they are named.
+"""The libraries that pages load in the browser: which are installed, their licences and addresses.
 
-`frontend/build.py` puts them into `kg/server/vendor`. Without them pages show tables instead of pictures, and a plain
-field instead of the editor.
+`frontend/build.py` installs them into `kg/server/vendor`. Without them, pages show tables instead of pictures, and a
+plain text field instead of the editor.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _VENDOR: Final = Path(__file__).parent / "vendor"
 
 
 class Library(msgspec.Struct, frozen=True):
-    """One package: `notice` is the file with the text of its licence, beside `file`, the module."""
+    """A package: `file` is the module, `notice` the file with the text of its licence."""
 
     name: str
     version: str
@@ -48,12 +48,12 @@ def _manifest() -> _Manifest:
 
 
 def libraries() -> tuple[Library, ...]:
-    """Return the libraries that are there, by name; none when they were not built."""
+    """Return the installed libraries by name; empty if they were not built."""
     return _manifest().libraries
 
 
 def import_map() -> str:
-    """Return the text of the pages' import map: from the name of a library to its address on this server."""
+    """Return the text of the pages' import map, from the name of each library to its address on this server."""
     return json.dumps({"imports": {name: url(path) for name, path in _manifest().imports.items()}}, sort_keys=True)
 
 

@@ -1,7 +1,7 @@
-"""The log of requests and of slow queries: lines to standard error or a file, never the token, never standard output.
+"""Logs of requests and of slow queries: lines to standard error or a file, never to standard output.
 
-A line of the log of requests names a query by its digest; only the log of slow queries, which has to be asked for,
-tells the text.
+The token is never logged. The request log identifies a query by its digest; only the log of slow queries, which is off
+by default, contains its text.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _DEFECTS: Final = logging.getLogger("kg.server.defects")
 
 
 class Log:
-    """What one server says about its requests."""
+    """The logs of one server."""
 
     def __init__(self, options: Options) -> None:
         self._form = options.log
@@ -35,7 +35,7 @@ class Log:
         self._slow_log = options.slow_log
 
     def request(self, request: HTTPConnection, found: Record) -> None:
-        """Write the line of a request that has been answered, and that of its query if it was slow."""
+        """Log a finished request, and its query if it was slow."""
         seconds = found.seconds
         if self._form != "off":
             _REQUESTS.info(self._line(_members(request, found, seconds)))
@@ -70,7 +70,7 @@ class Log:
 
     @staticmethod
     def defect(error: DefectError) -> None:
-        """Write what happened, under the identity that the client was told."""
+        """Log a defect under the identity reported to the client."""
         _DEFECTS.error("%s KG900 %s\n%s", _now(), error, "".join(traceback.format_exception(error.__cause__)).rstrip())
 
 
@@ -97,7 +97,7 @@ def _now() -> str:
 
 
 class _Told(logging.Filter):
-    """Leave out what this module tells itself."""
+    """Filter out records that this module has logged itself."""
 
     def filter(self, record: logging.LogRecord) -> bool:
         raised = record.exc_info[1] if record.exc_info else None
@@ -105,7 +105,7 @@ class _Told(logging.Filter):
 
 
 def configure() -> None:
-    """Let the logs of this process go to standard error, each line as it is."""
+    """Send the logs of this process to standard error, one line each."""
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(logging.Formatter("%(message)s"))
     logger = logging.getLogger("kg.server")

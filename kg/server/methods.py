@@ -1,4 +1,4 @@
-"""Routes that answer each HTTP method in a way of its own, OPTIONS on all, and 405 with Allow for the rest.
+"""Routes with a handler for each HTTP method, OPTIONS on all, and 405 with `Allow` for other methods.
 
 Source: RFC 9110, sections 9.3.7 and 15.5.6.
 """
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def route(path: str, **endpoints: Endpoint) -> Route:
-    """Return the route of `path`: `GET=...` answers GET and HEAD, `PUT=...` answers PUT, and so on."""
+    """Return the route of `path`: `GET=...` handles GET and HEAD, `PUT=...` handles PUT, and so on."""
     if "GET" in endpoints:
         endpoints.setdefault("HEAD", endpoints["GET"])
 
@@ -34,7 +34,7 @@ def route(path: str, **endpoints: Endpoint) -> Route:
 
 
 async def not_allowed(request: Request, error: Exception) -> Response:
-    """Answer a method that a route does not have: OPTIONS by what it has, any other by 405."""
+    """Respond to a method without a handler: OPTIONS with the list of methods, any other with 405."""
     allowed = ", ".join(sorted({*_allowed(error), "OPTIONS"}))
     if request.method == "OPTIONS":
         return Response(status_code=204, headers={"Allow": allowed})
@@ -42,7 +42,7 @@ async def not_allowed(request: Request, error: Exception) -> Response:
 
 
 async def not_found(request: Request, error: Exception) -> Response:
-    """Redirect `/nodes/` to `/nodes`; answer other addresses without a route by 404."""
+    """Redirect `/nodes/` to `/nodes`; respond 404 to other addresses without a route."""
     path = request.url.path.rstrip("/")
     scope = {**request.scope, "path": path}
     if path != request.url.path and any(one.matches(scope)[0] is not Match.NONE for one in request.app.routes):

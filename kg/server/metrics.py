@@ -1,4 +1,4 @@
-"""What a server counts, for Prometheus: `/metrics`."""
+"""`/metrics`: counters of the server for Prometheus."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Metrics:
         self._outcomes: dict[str, Counter] = {}
 
     def count(self, method: str, found: Record) -> None:
-        """Count a request that has been answered."""
+        """Count a finished request."""
         key = (method if method in _METHODS else "other", found.status)
         if key not in self._children:
             self._children[key] = self._requests.labels(key[0], str(found.status))
@@ -65,7 +65,7 @@ class Metrics:
                 self._cached.inc()
 
     def text(self, request: Request) -> bytes:
-        """Return all figures, those of the readers and the store as they are now."""
+        """Return all figures, with the current ones of the readers and the store."""
         shared = state(request)
         self._running.set(len(shared.readers.jobs))
         self._readers.set(shared.options.readers)
@@ -85,4 +85,4 @@ async def _metrics(request: Request) -> Response:
 
 
 ROUTES: Final = [Route("/metrics", _metrics)]
-"""Where Prometheus reads."""
+"""Addresses that Prometheus reads."""

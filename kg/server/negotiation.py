@@ -1,19 +1,18 @@
-"""Which format an answer is written in: the header Accept (RFC 9110, section 12.5.1), or a name in a link.
+"""Content negotiation: the format of a response, by the header `Accept` or by name in a link.
 
-What kind of answer a query has is known only when it runs, so that one format is chosen for each kind.
+The kind of result of a query is known only when it runs, so a format is chosen for each kind. Source: RFC 9110, section
+12.5.1.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.server.errors import RequestError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 _RESULTS_JSON: Final = "application/sparql-results+json"
 _RESULTS_XML: Final = "application/sparql-results+xml"
@@ -30,7 +29,7 @@ RESULTS: Final[Sequence[tuple[str, str]]] = (
     ("text/markdown", "markdown"),
     ("application/vnd.apache.parquet", "parquet"),
 )
-"""Media type and format of rows and of yes or no, the one that is preferred first."""
+"""Media types and formats of rows and booleans, the preferred one first."""
 
 GRAPH: Final[Sequence[tuple[str, str]]] = (
     ("text/turtle", "turtle"),
@@ -45,10 +44,9 @@ GRAPH: Final[Sequence[tuple[str, str]]] = (
     ("application/xml", "rdfxml"),
     ("text/xml", "rdfxml"),
 )
-"""Media type and format of graphs, the one that is preferred first."""
+"""Media types and formats of graphs, the preferred one first."""
 
-_N3: Final = (("text/n3", "turtle"), ("text/rdf+n3", "turtle"))
-"""Media types of Notation3, of which Turtle is a part."""
+_N3: Final = (("text/n3", "turtle"), ("text/rdf+n3", "turtle"))  # media types of Notation3, of which Turtle is a subset
 _KINDS: Final = {"rows": RESULTS, "boolean": RESULTS, "graph": (*GRAPH, *_N3)}
 
 _NAMES: Final = {
@@ -67,9 +65,9 @@ _NAMES: Final = {
     "md": "markdown",
     "ndjson": "jsonl",
 }
-"""Other names of formats."""
+"""Aliases of formats."""
 _AS_GRAPH: Final = {"json": "jsonld", "xml": "rdfxml", "jsonld": "json", "rdfxml": "xml"}
-"""The format of the other kinds of answers that a name stands for as well."""
+"""The format of a graph result for the name of a format of rows."""
 
 _WORD: Final = r"[!#$%&'*+.^_`|~0-9A-Za-z-]+"
 _QUOTED: Final = r'"(?:[^"\\]|\\.)*"'
@@ -82,20 +80,20 @@ _QUALITY: Final = re.compile(r"0(?:\.[0-9]{0,3})?|1(?:\.0{0,3})?")
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A format and the media type that it is sent as."""
+    """A format and its media type."""
 
     format: str
     media_type: str
 
     @property
     def content_type(self) -> str:
-        """The header Content-Type."""
+        """The header `Content-Type`."""
         return f"{self.media_type}; charset=utf-8" if self.media_type.startswith("text/") else self.media_type
 
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """A range of media types with its quality; `*` stands for any type or subtype."""
+    """A media range with its quality; `*` matches any type or subtype."""
 
     type: str
     subtype: str
@@ -103,7 +101,7 @@ class Range:
     charset: str | None = None
 
     def precision(self, media_type: str) -> int:
-        """Return how closely the range names a media type: 3 itself, 2 its type, 1 anything, 0 not at all."""
+        """Return how closely the range names a media type: 3 exactly, 2 its type, 1 anything, 0 not at all."""
         if self.charset not in {None, "utf-8", "utf8", "*"}:
             return 0
         kind, _, subtype = media_type.partition("/")
@@ -113,7 +111,7 @@ class Range:
 
 
 def ranges(accept: str) -> list[Range]:
-    """Return the media ranges of a header Accept, as it has them; elements that are none are left out."""
+    """Return the media ranges of a header `Accept`; malformed elements are skipped."""
     return [found for element in _elements(accept) if (found := _range(element))]
 
 
@@ -123,7 +121,7 @@ def _elements(accept: str) -> Iterator[str]:
         match = _ELEMENT.match(accept, start)
         end = match.end() if match else start
         if end < len(accept) and accept[end] != ",":
-            return  # a quotation that does not end
+            return  # an unterminated quotation
         yield accept[start:end]
         start = end + 1
 
@@ -140,7 +138,7 @@ def _range(element: str) -> Range | None:
 
 
 def _parameters(text: str) -> dict[str, str] | None:
-    """Return what stands behind a media range by name; None for what are not parameters."""
+    """Return the parameters of a media range by name; None if they are malformed."""
     found: dict[str, str] = {}
     position = 0
     while position < len(text):
@@ -155,10 +153,9 @@ def _parameters(text: str) -> dict[str, str] | None:
 
 
 def best(accept: Sequence[Range], offered: Iterable[tuple[str, str]]) -> Choice | None:
-    """Return what fits the ranges, of which there is one at least, best; None when nothing does.
+    """Return the best match for one or more ranges; None if nothing matches.
 
-    Of each media type, the closest range counts. Of types with the same quality, those named come first, and of
-    these the first named; what is offered first decides the rest.
+    The closest range for each media type counts. Ties are resolved by the client's order, then by ours.
     """
     leading = (0.0, 0, 0)
     found = None
@@ -172,13 +169,13 @@ def best(accept: Sequence[Range], offered: Iterable[tuple[str, str]]) -> Choice 
 
 @lru_cache(maxsize=1024)
 def choose(accept: str | None, named: tuple[str, ...] = ()) -> Mapping[str, Choice]:
-    """Return the format of each kind of answer (`rows`, `boolean`, `graph`) that the client takes.
+    """Return the format for each kind of result (`rows`, `boolean`, `graph`) that the client accepts.
 
     `named` has formats by name or media type. The first known one wins; clients such as SPARQLWrapper send several.
-    Without one, `accept` decides, the header. If it allows anything, an unknown name is an error.
+    Without any, the header `accept` decides. If it allows anything, an unknown name is an error.
 
     Raises:
-        RequestError: KG523 when there is no format for any kind.
+        RequestError: KG523 no format for any kind.
     """
     for name in named:
         if found := _named(name.strip().lower()):
@@ -215,7 +212,7 @@ def _named(name: str) -> dict[str, Choice]:
 
 
 def prefers_pages(accept: str | None) -> bool:
-    """Tell whether the client would have a page before anything else, as browsers do when a link is followed."""
+    """Return whether the client prefers HTML to everything else, as browsers do when they follow a link."""
     if not accept or "text/html" not in accept:
         return False
     wanted = ranges(accept)

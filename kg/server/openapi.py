@@ -1,6 +1,6 @@
-"""`/openapi.json`: the server described for programs (OpenAPI 3.1), from its routes and the signatures of its views.
+"""`/openapi.json`: the server's OpenAPI 3.1 description, from its routes and the signatures of its views.
 
-What the description of the server says of each address beyond its route: parameters, bodies, answers.
+This module adds the parameters, bodies and responses of each address.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ _GRAPH: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """One method at one address; `bodies` are media types to schemas, `answers` statuses to media types."""
+    """A method at an address; `bodies` maps media types to schemas, `answers` maps statuses to media types."""
 
     summary: str
     parameters: tuple[dict[str, Any], ...] = ()
@@ -179,7 +179,7 @@ OPERATIONS: Final[Mapping[tuple[str, str], Operation]] = {
     ("POST", "/robot/read"): Operation("Let an open page follow values.", bodies=_JSON, answers=_DONE),
     ("POST", "/robot/here"): Operation("Say that somebody is at an open page.", bodies=_JSON, answers=_DONE),
 }
-"""Method and address to what is known of them; pages are described by their routes alone."""
+"""Operations by method and address; pages are described by their routes alone."""
 
 
 def describe(routes: list[BaseRoute]) -> dict[str, Any]:
@@ -211,7 +211,7 @@ def describe(routes: list[BaseRoute]) -> dict[str, Any]:
 
 
 def _operations(routes: list[BaseRoute]) -> Iterator[tuple[str, str, Operation]]:
-    """Yield each address and method with what is known of it."""
+    """Yield each address and method with its operation."""
     for route in routes:
         if not isinstance(route, Route):
             continue
@@ -280,7 +280,7 @@ def _answer(kinds: tuple[str, ...]) -> dict[str, Any]:
 
 
 async def _openapi(request: Request) -> Response:
-    """Answer the description; modules of views are loaded for it, beside the loop that answers others."""
+    """Respond with the description; the modules of views are loaded in a thread, outside of the event loop."""
     shared = request.app.state
     if not hasattr(shared, "openapi"):
         shared.openapi = await asyncio.to_thread(describe, request.app.routes)
@@ -288,4 +288,4 @@ async def _openapi(request: Request) -> Response:
 
 
 ROUTES: Final = [Route("/openapi.json", _openapi)]
-"""Where programs learn what there is."""
+"""Addresses of the description."""

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from kg import forms
 from kg.settings import declared, setting
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 _DURATION: Final = forms.number(0.001)  # no timer is finer
 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Where a server listens, who may use it, and its limits.
+    """The address, access rules and limits of a server.
 
-    Whom a server lets in is not set in files: a `kg.toml` that comes with a checkout must not open it.
+    Access rules cannot be set in files: a `kg.toml` in a checkout must not open a server to others.
 
-    Three fields are not settings: `token` comes from `$KG_TOKEN`; one client may have `per_client` queries at a time;
-    `connections` are answered at a time, and as many wait for a request.
+    Three fields are not settings: `token` comes from `$KG_TOKEN`, `per_client` is the maximum number of concurrent
+    queries of one client, and `connections` the maximum number of requests being handled, and of idle connections.
     """
 
     host: str = setting(

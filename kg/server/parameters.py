@@ -1,4 +1,4 @@
-"""What a request says: its parameters, those of the address and of a form alike, and the type of its body."""
+"""Request parameters, from the address and from a form, and the media type of the body."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Parameters:
     """The parameters of a request, in its order; those of the address come before those of a form."""
 
     def __init__(self, address: bytes, form: bytes = b"") -> None:
-        """Raise RequestError KG520 for what is not in UTF-8."""
+        """Raise RequestError KG520 for parameters that are not in UTF-8."""
         self._values: dict[str, list[str]] = {}
         for part in (address, form):
             if part:
@@ -40,15 +40,15 @@ class Parameters:
         return name in self._values
 
     def pairs(self) -> list[tuple[str, str]]:
-        """Return names and values."""
+        """Names and values of all parameters."""
         return [(name, value) for name, values in self._values.items() for value in values]
 
     def all(self, name: str) -> tuple[str, ...]:
-        """Return the values of a parameter that may stand more than once."""
+        """Return all values of a parameter."""
         return tuple(self._values.get(name, ()))
 
     def one(self, name: str) -> str | None:
-        """Return the value of a parameter; RequestError KG520 when it stands more than once."""
+        """Return the value of a parameter; RequestError KG520 if it is repeated."""
         values = self._values.get(name)
         if values and len(values) > 1:
             raise RequestError("KG520", f"the parameter `{name}` is given {len(values)} times; give it once")
@@ -56,15 +56,15 @@ class Parameters:
 
     @property
     def formats(self) -> tuple[str, ...]:
-        """The formats that are named, of which some may be unknown or empty."""
+        """The requested formats; they might be unknown or empty."""
         return tuple(filter(None, self.all("format") + self.all("output")))
 
     def starting(self, prefix: str) -> dict[str, str]:
-        """Return the parameters whose names start with `prefix`, without it."""
+        """Return the parameters whose names start with `prefix`, without the prefix."""
         return {name.removeprefix(prefix): self.one(name) or "" for name in self._values if name.startswith(prefix)}
 
     def number(self, name: str, *, least: float = 0) -> float | None:
-        """Return the value of a parameter as a number of at least `least`; RequestError KG520 for another."""
+        """Return the value of a parameter as a number of at least `least`; RequestError KG520 for others."""
         text = self.one(name)
         if text is None:
             return None
@@ -77,7 +77,7 @@ class Parameters:
         return number
 
     def whole(self, name: str, *, most: int = 1 << 62) -> int | None:
-        """Return the value of a parameter as a whole number from 0 to `most`; RequestError KG520 for another."""
+        """Return the value of a parameter as an integer from 0 to `most`; RequestError KG520 for others."""
         text = self.one(name)
         if text is None:
             return None
@@ -94,12 +94,12 @@ class Parameters:
 
 
 def media_type(request: Request) -> str:
-    """Return the media type of the body in small letters, without parameters; empty when none is told."""
+    """Return the media type of the body in lower case, without parameters; empty if it is not given."""
     return request.headers.get("content-type", "").partition(";")[0].strip().lower()
 
 
 def in_utf8(request: Request) -> None:
-    """Refuse a body that is told to be in another encoding than UTF-8: RequestError KG524."""
+    """Raise RequestError KG524 for a body declared in another encoding than UTF-8."""
     for parameter in request.headers.get("content-type", "").lower().split(";")[1:]:
         name, _, value = parameter.partition("=")
         if name.strip() == "charset" and value.strip(' "') not in {"utf-8", "utf8", "us-ascii"}:
@@ -107,7 +107,7 @@ def in_utf8(request: Request) -> None:
 
 
 def body_text(request: Request, body: bytes) -> str:
-    """Return a body as text; RequestError KG524 for another encoding than UTF-8, KG520 where it is not that."""
+    """Return a body as text; RequestError KG524 for another declared encoding than UTF-8, KG520 for invalid UTF-8."""
     in_utf8(request)
     try:
         return body.decode("utf-8-sig")

@@ -1,4 +1,4 @@
-"""Changes on a condition: the headers `If-Match` and `If-None-Match` (RFC 9110, section 13.1), and `snapshot`."""
+"""Conditional changes: the headers `If-Match` and `If-None-Match` (RFC 9110, section 13.1), and `snapshot`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _TAG: Final = r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"'
 _ELEMENT: Final = rf"[ \t]*(?:{_TAG}[ \t]*)?"
 _LIST: Final = re.compile(f"(?:{_ELEMENT},)*{_ELEMENT}")
-"""Tags with commas between, which they may also have within; elements may be empty (RFC 9110, section 5.6.1.2)."""
+"""A list of entity tags, which may contain commas; elements may be empty (RFC 9110, section 5.6.1.2)."""
 _ANY: Final = "*"
 _MATCH: Final = "If-Match"
 _NONE_MATCH: Final = "If-None-Match"
@@ -34,13 +34,13 @@ async def on_condition(
 ) -> Updated:
     """Make a change if the request has no condition, or its condition holds.
 
-    `change` is given the identity of the only data that it may change, None for any; `exists` tells whether what is to
-    be changed is there, by default always. A tag matches when it is one of the data in force, whatever was read of it:
-    tags of answers begin with the identity of their data, which may also stand alone.
+    `change` receives the identity of the only data that it may change, None for any. `exists` returns whether the
+    target exists, by default true. A tag matches if it belongs to the current data, whatever was read: entity tags
+    begin with the identity of the data, which may also be used alone.
 
     Raises:
-        RequestError: KG536 when the condition does not hold, KG520 when it is malformed.
-        KgError: as `change`; KG512 when the data is not that of `snapshot`.
+        RequestError: KG536 the condition does not hold, KG520 it is malformed.
+        KgError: as `change`; KG512 the current data is not that of `snapshot`.
     """
     named = parameters.one("snapshot")
     match, none_match = (", ".join(request.headers.getlist(name)).strip() for name in (_MATCH, _NONE_MATCH))
@@ -68,7 +68,7 @@ async def on_condition(
 
 
 def _snapshots(name: str, value: str) -> set[str]:
-    """Return the identities of the data that the tags of a list are of; weak ones never match where a match is wanted.
+    """Return the identities of the data in a list of tags; weak tags never match where a match is required.
 
     Source: RFC 9110, sections 13.1.1 and 13.1.2.
     """

@@ -1,18 +1,16 @@
-"""Texts of rules and queries as HTML: documentation in paragraphs, lists and code, and source with its tokens marked.
+"""HTML for the texts of rules and queries: paragraphs, lists and code, and source with highlighted tokens.
 
-What comes in is text and stays text; only the elements made here are markup.
+All input is escaped; only elements created here are markup.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from itertools import groupby
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from markupsafe import Markup, escape
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _ITEM: Final = re.compile(r"(?:[-*]|\d+[.)]) +")
 _CODE: Final = re.compile(r"`([^`\n]+)`")
@@ -31,12 +29,12 @@ _BREAKS: Final = re.compile(r"(?<=[/_])(?=[^/_])|(?<=[a-z])(?=[A-Z])")
 
 
 def breakable(text: str) -> Markup:
-    """Return a name or path with places where a line may end: behind `/` and `_`, and between words in one."""
+    """Return a name or path with break opportunities: after `/` and `_`, and between joined words."""
     return Markup("<wbr>").join(_BREAKS.split(text))
 
 
 def prose(text: str) -> Markup:
-    """Return a text as paragraphs, lists (lines that begin with `-` or a number) and code (lines set in)."""
+    """Return a text as paragraphs, lists (lines that begin with `-` or a number) and code (indented lines)."""
     return Markup("\n").join(_block(kind, list(lines)) for kind, lines in groupby(text.splitlines(), _kind) if kind)
 
 
@@ -63,7 +61,7 @@ def _block(kind: str, lines: list[str]) -> Markup:
 
 
 def inline(text: str) -> Markup:
-    """Return a text without blocks, what stands in backticks as code."""
+    """Return a text without blocks, with parts in backticks as code."""
     parts = (
         Markup("<code>{}</code>").format(part) if place % 2 else escape(part)
         for place, part in enumerate(_CODE.split(text))
@@ -72,13 +70,13 @@ def inline(text: str) -> Markup:
 
 
 def source(text: str) -> Markup:
-    """Return SPARQL, Turtle or SRL as lines with the ids `L1`, `L2`, ..., each token marked by its kind."""
+    """Return SPARQL, Turtle or SRL as lines with the ids `L1`, `L2`, ..., each token marked with its kind."""
     lines = Markup("").join(_tokens(text)).split("\n")
     return Markup("").join(Markup('<span id="L{}">{}\n</span>').format(*pair) for pair in enumerate(lines, 1))
 
 
 def _tokens(text: str) -> Iterator[Markup]:
-    """Yield the parts of a text; a token of several lines is marked in each of them."""
+    """Yield the tokens of a text; a token of several lines is repeated for each of them."""
     end = 0
     for match in _TOKEN.finditer(text):
         yield escape(text[end : match.start()])

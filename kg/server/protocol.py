@@ -26,13 +26,13 @@ _METHODS: Final = frozenset({"GET", "HEAD", "POST", "QUERY"})
 
 
 class Endpoint:
-    """Answer queries, and pass all else on: the way through the routes costs more than a cheap query."""
+    """Handle queries before routing, which costs more than a cheap query; pass other requests on."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer a request; raises what fails behind the beginning of an answer."""
+        """Handle a request; raises errors that occur after the response has begun."""
         if scope["type"] != "http" or scope["path"] not in _PATHS or scope["method"] not in _METHODS:
             await self._app(scope, receive, send)
             return
@@ -52,11 +52,11 @@ async def _query(request: Request) -> Response:
 
 
 def _is_followed(request: Request) -> bool:
-    """Tell whether a person followed a link to the endpoint in a browser: the page of queries shows the same."""
+    """Return whether a person followed a link to the endpoint in a browser, which the query page handles."""
     if request.method != "GET" or not prefers_pages(header(request.scope, b"accept")):
         return False
     return "format" not in request.query_params and "output" not in request.query_params
 
 
 ROUTES = [route(path, GET=_query, POST=_query, QUERY=_query) for path in _PATHS]
-"""The same for methods that queries do not have, which are refused or told what there is."""
+"""The same route for methods other than those of queries, which are refused or described."""

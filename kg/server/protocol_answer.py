@@ -1,8 +1,8 @@
-"""The answer to a query, sent so that whatever comes with status 200 is whole.
+"""The response to a query; a response with status 200 is complete.
 
-An answer is held until its end is known: in memory, and once that is much in a temporary file. Status and headers are
-then true, and what fails on the way is an error with a status of its own. With `stream=true` it is sent while it is
-found; a failure then ends the connection before the end of the body, which HTTP clients report.
+A response is buffered until its end is known, in memory or, if it is large, in a temporary file. Status and headers are
+then correct, and a failure is an error with its own status. With `stream=true` it is sent as results arrive. A failure
+then closes the connection before the end of the body, which HTTP clients report.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _PIECE: Final = 256 << 10
 
 
 class Held:
-    """Bytes that are held until all of them are there: in memory up to 8 MB, else in a file that has no name."""
+    """A buffer for bytes: in memory up to 8 MB, beyond that in an unnamed file."""
 
     def __init__(self, most: int) -> None:
         self.size = 0
@@ -47,11 +47,11 @@ class Held:
         self._file: IO[bytes] | None = None
 
     def add(self, part: bytes) -> None:
-        """Hold a further part.
+        """Append bytes.
 
         Raises:
-            QueryError: KG511 when that makes more than there may be.
-            StoreError: KG304 when the disk is full.
+            QueryError: KG511 the limit of bytes is exceeded.
+            StoreError: KG304 the disk is full.
         """
         self.size += len(part)
         if self.size > self._most:
@@ -65,7 +65,7 @@ class Held:
             self._parts.clear()
 
     def pieces(self) -> list[bytes] | IO[bytes]:
-        """Return all that is held: as a list of parts, or as a file at its beginning; raises as `add`."""
+        """Return the content: as a list of parts, or as a file at its beginning; raises as `add`."""
         if self._file is None:
             return self._parts
         with translated(tempfile.gettempdir()):
@@ -73,14 +73,14 @@ class Held:
         return self._file
 
     def close(self) -> None:
-        """Let go of what is held."""
+        """Release the buffer."""
         self._parts = []
         if self._file:
             self._file.close()
 
 
 class _HeldResponse(Response):
-    """What was held, which has a length."""
+    """The response from a buffer, with its length."""
 
     def __init__(self, held: Held, headers: dict[str, str]) -> None:
         super().__init__(None, 200, {**headers, "Content-Length": str(held.size)})
@@ -101,7 +101,7 @@ class _HeldResponse(Response):
 
 
 async def answer(request: Request, asked: Asked) -> Response:
-    """Return the answer to a query; raises KgError for what fails before anything was sent, and ClientLeftError."""
+    """Return the response to a query; raises KgError for failures before the first byte, and ClientLeftError."""
     record(request).query = asked.question.text
     readers = state(request).readers
     if _unchanged(request, asked):
@@ -119,7 +119,7 @@ async def answer(request: Request, asked: Asked) -> Response:
 
 
 def _unchanged(request: Request, asked: Asked) -> bool:
-    """Tell whether the client has the answer; only those that are the same each time got a tag to ask with."""
+    """Return whether the client's copy is current; only repeatable results have an entity tag."""
     tags = header(request.scope, b"if-none-match")
     if tags is None:
         return False
@@ -149,7 +149,7 @@ def _asking(request: Request, asked: Asked) -> AbstractAsyncContextManager[Answe
 
 
 def _changed(request: Request, asked: Asked, error: QueryError) -> KgError:
-    """Return the error as it is, or with a link where it says that the data wanted is no longer there."""
+    """Return the error, with a link added if it reports that the requested data no longer exists."""
     if error.code != "KG512":
         return error
     link = f'<{asked.link(request, snapshot=None)}>; rel="latest-version"'
@@ -157,7 +157,7 @@ def _changed(request: Request, asked: Asked, error: QueryError) -> KgError:
 
 
 def _headers(asked: Asked, found: Answer | Kept) -> dict[str, str]:
-    """Return the headers that are known when an answer begins."""
+    """Return the headers known at the start of the response."""
     headers = {
         "Content-Type": asked.choices[found.head.kind].content_type,
         "Vary": "Accept",
@@ -171,7 +171,7 @@ def _headers(asked: Asked, found: Answer | Kept) -> dict[str, str]:
 
 
 def _counted(request: Request, asked: Asked, found: Answer | Kept) -> dict[str, str]:
-    """Return the headers that are known when an answer ends."""
+    """Return the headers known at the end of the response."""
     assert found.end is not None  # noqa: S101 - all its parts were read
     record(request).rows = found.end.rows
     headers = {"X-Kg-Rows": str(found.end.rows), "Server-Timing": f"query;dur={found.end.seconds * 1000:.1f}"}
@@ -183,7 +183,7 @@ def _counted(request: Request, asked: Asked, found: Answer | Kept) -> dict[str, 
 
 
 async def _streamed(request: Request, asked: Asked) -> Response:
-    """Return a response of which the first part is there, so that what fails before it is an error as any other."""
+    """Return a streamed response with its first part ready; earlier failures are reported like any other error."""
     stack = AsyncExitStack()
     try:
         found, parts, first = await while_connected(request.receive, _begun(request, asked, stack))
@@ -197,14 +197,14 @@ async def _streamed(request: Request, asked: Asked) -> Response:
 
 
 async def _begun(request: Request, asked: Asked, running: AsyncExitStack) -> tuple[Answer, AsyncIterator[bytes], bytes]:
-    """Return an answer that `running` ends, its parts but the first, and the first."""
+    """Return an answer that `running` closes, its remaining parts, and the first part."""
     found = await running.enter_async_context(_asking(request, asked))
     parts = found.parts()
     return found, parts, await anext(parts, b"")
 
 
 class _StreamedResponse(Response):
-    """What is sent while it is found; where that fails it stops before the end of the body."""
+    """A streamed response; on failure it stops before the end of the body."""
 
     def __init__(
         self, first: bytes, parts: AsyncIterator[bytes], running: AsyncExitStack, headers: dict[str, str]
@@ -217,7 +217,7 @@ class _StreamedResponse(Response):
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:  # noqa: ARG002 - ASGI's signature
         async with self._running:
-            # What goes wrong from here on ends the connection before the body has an end, which clients notice.
+            # From here on, a failure closes the connection before the end of the body, which clients detect.
             await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
             with suppress(KgError, ClientLeftError):
                 await while_connected(receive, self._send(send))

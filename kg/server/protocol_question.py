@@ -1,4 +1,4 @@
-"""A request for a query, read: SPARQL 1.1 Protocol, section 2.1, and the parameters that are ours.
+"""Parsing of query requests: SPARQL 1.1 Protocol, section 2.1, and our own parameters.
 
 `format`, `timeout`, `limit`, `offset`, `snapshot`, `stream`, `job` and `$variable` are described in docs/endpoint.md.
 """
@@ -31,19 +31,17 @@ if TYPE_CHECKING:
 QUERY: Final = "application/sparql-query"
 """The media type of a query."""
 
-_REMEMBERED: Final = 512
-"""How many requests are known as they are written, so that they need not be read again."""
-_REMEMBERED_BYTES: Final = 4096
-"""How long the body of one of them may be."""
+_REMEMBERED: Final = 512  # how many parsed requests are cached by their text
+_REMEMBERED_BYTES: Final = 4096  # maximum size in bytes of the body of a cached request
 _JOB: Final = re.compile(r"[A-Za-z0-9_-]{16,128}")
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A query as it was asked: what readers get (`message` is `question` as it is sent), and how the answer goes back.
+    """A parsed query request: `message` is `question` encoded for a reader.
 
-    `choices` has the format of each kind of answer, `seconds` is the deadline, `job` the identity that the client
-    chose. With `stream` the answer is sent while it is found.
+    `choices` has the format for each kind of result, `seconds` is the deadline, `job` the identity that the client
+    chose. With `stream`, the response is sent as results arrive.
     """
 
     question: Question
@@ -55,11 +53,11 @@ class Asked:
     digest: str
 
     def tag(self, snapshot: str) -> str:
-        """Return the entity tag of the answer that the data of an identity has (RFC 9110, section 8.8.3)."""
+        """Return the entity tag of the response for the data of an identity (RFC 9110, section 8.8.3)."""
         return f'"{snapshot}-{self.digest}"'
 
     def link(self, request: Request, **changed: str | None) -> str:
-        """Return the address of the same request with some parameters changed, or without those that are None."""
+        """Return the address of the same request with some parameters changed; parameters that are None are removed."""
         pairs = [
             (name, value) for name, value in Parameters(request.scope["query_string"]).pairs() if name not in changed
         ]
@@ -68,22 +66,23 @@ class Asked:
 
 
 def digest(message: bytes, choices: Mapping[str, Choice]) -> str:
-    """Return what tells requests apart whose answers are not the same bytes."""
+    """Return a digest that distinguishes requests whose responses are not the same bytes."""
     sent = sorted((kind, choice.content_type) for kind, choice in choices.items())
     return hashlib.sha256(message + msgspec.msgpack.encode(sent)).hexdigest()[:24]
 
 
 async def asked(request: Request) -> Asked | None:
-    """Return the query of a request; None for a GET without one, which asks for the service description.
+    """Return the query of a request; None for a GET without one, which requests the service description.
 
     Raises:
-        RequestError: KG520 a parameter, KG523 no format is acceptable, KG524 the type of the body, KG534 above a limit.
+        RequestError: KG520 invalid parameter, KG523 no acceptable format, KG524 unsupported media type of the body,
+            KG534 above a limit.
     """
     scope = request.scope
     body = b"" if scope["method"] in {"GET", "HEAD"} else await body_of(request.receive)
     if len(body) > _REMEMBERED_BYTES:
         return _asked(request, body)
-    # The client is told apart from others by nothing but its token.
+    # Clients differ only by the token.
     said = (scope["method"], scope["path"], scope["query_string"], tuple(scope["headers"]), body)
     key = (*said, scope["http_version"], scope["scheme"], is_trusted(request))
     known = state(request).asked
@@ -169,7 +168,7 @@ def _seconds(request: Request, parameters: Parameters) -> float:
 
 
 def _rows(request: Request, parameters: Parameters) -> int | None:
-    """Return the cap of rows; an answer that is streamed has none but that which the client asks for."""
+    """Return the limit of rows; a streamed response has only the client's own limit."""
     most = state(request).options.rows
     wanted = parameters.whole("limit")
     if wanted is not None and wanted > most and not is_trusted(request) and not parameters.flag("stream"):

@@ -25,7 +25,7 @@ _UPDATE: Final = "application/sparql-update"
 
 
 def writer(request: Request) -> Writer:
-    """Return what changes the store; RequestError KG530 where the server reads only."""
+    """Return the writer of the store; RequestError KG530 if the server is read-only."""
     found = state(request).writer
     if found is None:
         raise RequestError("KG530", "this server reads only")
@@ -33,12 +33,12 @@ def writer(request: Request) -> Writer:
 
 
 def patience(request: Request, parameters: Parameters) -> float:
-    """Return how many seconds a change may take; whoever may change the store may raise it."""
+    """Return the deadline of a change in seconds; clients with the token may raise it."""
     return parameters.number("timeout", least=0.001) or state(request).options.update_seconds
 
 
 def counted(updated: Updated) -> dict[str, str]:
-    """Return the headers that say what a change did."""
+    """Return the headers that report the size of a change."""
     return {
         "X-Kg-Snapshot": updated.snapshot,
         "X-Kg-Added": str(updated.added),

@@ -1,4 +1,4 @@
-"""What is noted of a request while it is answered, for the log and the metrics."""
+"""Data recorded about a request while it is handled, for the log and the metrics."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _KEY: Final = "kg.record"
 
 @dataclass(slots=True)
 class Record:
-    """One request: routes fill in `query` (its text), `rows`, and `cached`; errors their code as the `outcome`."""
+    """One request: routes set `query` (its text), `rows` and `cached`; errors set their code as `outcome`."""
 
     began: float = field(default_factory=time.perf_counter)
     query: str | None = None
@@ -24,21 +24,21 @@ class Record:
     outcome: str = "ok"
     status: int = 0
     sent: int = 0
-    """Bytes of the body of the answer."""
+    """Bytes sent of the body of the response."""
 
     @property
     def seconds(self) -> float:
-        """How long ago the request came."""
+        """Seconds since the request arrived."""
         return time.perf_counter() - self.began
 
     @property
     def digest(self) -> str | None:
-        """A name for the text of the query that does not tell it: the same text has the same."""
+        """Digest of the text of the query, which identifies it without revealing it."""
         return None if self.query is None else hashlib.sha256(self.query.encode("utf-8", "replace")).hexdigest()[:12]
 
 
 def record(request: HTTPConnection) -> Record:
-    """Return the record of a request, which the log reads when it has been answered."""
+    """Return the record of a request, which is logged after the response."""
     found: Record | None = request.scope.get(_KEY)
     if found is None:
         found = request.scope[_KEY] = Record()

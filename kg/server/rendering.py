@@ -1,10 +1,10 @@
-"""Pages from templates: what all of them share, and what templates can call.
+"""Rendering of pages: shared context and template functions.
 
     async def start(request):
         found = await view(request, "overview")
         return page(request, "start.html", title="Start", twin="/api/overview", overview=found)
 
-Everything that comes from data is escaped by the templates; `href` makes links of addresses of the web alone.
+Templates escape all data; `href` creates links only to web addresses.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from starlette.responses import HTMLResponse
 
 from kg.server import libraries
-from kg.server.addresses import url
+from kg.server.addresses import NAVIGATION, url
 from kg.server.prose import breakable, inline, prose, source
 from kg.server.safety.headers import policy
 from kg.server.safety.tokens import is_trusted
@@ -29,33 +29,28 @@ from kg.server.views import answer
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-_NAVIGATION: Final = (
-    ("/", "Start"),
-    ("/nodes", "Nodes"),
-    ("/systems", "Systems"),
-    ("/query", "Query"),
-    ("/rules", "Rules"),
-    ("/robot", "Robot"),
-)
 _WEB: Final = {"http", "https", "vscode"}
 
 
 async def view(request: Request, name: str, /, **arguments: str) -> Any:
-    """Return what the view `name` answers, decoded; raises as `Readers.call`."""
+    """Return the decoded result of the view `name`; raises as `Readers.call`."""
     return msgspec.json.decode(await answer(request, name, **arguments))
 
 
 def page(
     request: Request, template: str, *, title: str, twin: str = "", status: int = 200, **context: Any
 ) -> HTMLResponse:
-    """Return a page: `title` is its name, `twin` the address of the same as JSON, the rest what the template takes."""
+    """Return a page.
+
+    `title` is its name, `twin` the address of the same data as JSON, and the rest is passed to the template.
+    """
     server = state(request)
     import_map = libraries.import_map()
     shared = {
         "title": title,
         "twin": twin,
         "path": request.url.path,
-        "navigation": _NAVIGATION,
+        "navigation": tuple(NAVIGATION.items()),
         "search_text": request.query_params.get("q", "") if request.url.path == "/search" else "",
         "snapshot": server.readers.layout.current(),
         "writable": server.options.write,
@@ -71,7 +66,7 @@ def page(
 
 @cache
 def environment() -> Environment:
-    """Return the templates, with what they call: `url`, and filters of this module and of kg.server.prose."""
+    """Return the template environment with its functions: `url`, and filters of this module and of kg.server.prose."""
     found = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
@@ -86,15 +81,15 @@ def environment() -> Environment:
 
 
 def _number(value: float) -> str:
-    """Return a number with its thousands apart."""
+    """Return a number with thousands separators."""
     return f"{value:,}"
 
 
 def _href(address: str | None) -> str:
-    """Return an address that may stand in a link; empty for others, such as `javascript:`."""
+    """Return a web address; empty for others, such as `javascript:`."""
     return address if address and urlsplit(address).scheme in _WEB else ""
 
 
 def _moment(read: str | None) -> str:
-    """Return a moment in ISO 8601 to the minute, as people read it."""
+    """Format an ISO 8601 time for people, to the minute."""
     return f"{read[:10]} {read[11:16]}" if read else ""

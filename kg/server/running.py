@@ -1,6 +1,4 @@
-"""Running the server until it is told to stop.
-
-A server that stops gracefully, and tells who started it when it is ready and when it stops.
+"""Runs the server: checks its options, reports to systemd when it is ready, and stops it gracefully.
 
 The first SIGTERM or Ctrl-C: nothing new is taken, and what runs has its grace; then its readers are killed, so that it
 is answered with an error. The second: now. A terminal that is closed (SIGHUP) counts as the first, unless the process
@@ -23,10 +21,12 @@ from typing import TYPE_CHECKING, Final
 
 import uvicorn
 
+from kg.errors import UsageError
 from kg.server import logs
 from kg.server.app import create_app
-from kg.server.safety import starting
 from kg.server.safety.connections import guarded
+from kg.server.safety.hosts import is_loopback
+from kg.server.safety.tokens import LEAST, Tokens
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
@@ -37,12 +37,12 @@ if TYPE_CHECKING:
     from kg.server.options import Options
     from kg.settings import Settings
 
-_LAST_WORDS: Final = 2.0
-"""Seconds to tell clients whose work was ended."""
+
+_LAST_WORDS: Final = 2.0  # seconds to report cancelled work to clients
 
 
 def notify(message: str) -> bool:
-    """Tell systemd a state (`sd_notify(3)`); False where nobody asked for it."""
+    """Send a state to systemd (`sd_notify(3)`); return False if it is not listening."""
     address = os.environ.get("NOTIFY_SOCKET", "")
     if not address.startswith(("/", "@")):
         return False
@@ -56,9 +56,9 @@ def notify(message: str) -> bool:
 
 
 class Server(uvicorn.Server):
-    """Uvicorn's server; `ready` is called when it answers, `leave` awaited when it is told to stop.
+    """Uvicorn's server; `ready` is called when it listens, `leave` is awaited at the start of shutdown.
 
-    `end` ends work that has outlived `grace` seconds; `suspend` is awaited before the process is suspended.
+    `end` cancels work after `grace` seconds; `suspend` is awaited before the process is suspended.
     """
 
     def __init__(  # noqa: PLR0913 - what happens when
@@ -81,7 +81,7 @@ class Server(uvicorn.Server):
         self._end = end
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Begin to listen, and say so."""
+        """Begin to listen, and call `ready`."""
         await super().startup(sockets)
         self._expect_suspension()
         notify("READY=1")
@@ -97,7 +97,7 @@ class Server(uvicorn.Server):
             self._suspending = asyncio.ensure_future(self._suspended())
 
     async def _suspended(self) -> None:
-        """Stop what must not go on, then do what Ctrl-Z does by default; return when the process runs again."""
+        """Stop the robot, then suspend as Ctrl-Z does by default; return when the process resumes."""
         try:
             await self._suspend()
         finally:
@@ -106,7 +106,7 @@ class Server(uvicorn.Server):
             self._expect_suspension()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """End what runs when its grace is over."""
+        """Cancel running work after its grace period."""
         notify("STOPPING=1")
         leaving = asyncio.ensure_future(self._leave())
         waiting = asyncio.get_running_loop().call_later(self._grace, self._end)
@@ -120,7 +120,7 @@ class Server(uvicorn.Server):
             await leaving
 
     async def _hurry(self) -> None:
-        """End everything as soon as we are told to for the second time."""
+        """Cancel everything at once on the second signal."""
         while not self.force_exit:  # noqa: ASYNC110 - a handler of signals may set no event of a loop
             await asyncio.sleep(0.1)
         self._end()
@@ -129,7 +129,7 @@ class Server(uvicorn.Server):
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
-        """Handle, while the server runs, what uvicorn handles and SIGHUP, which it leaves to end the process."""
+        """Handle uvicorn's signals, and SIGHUP, while the server runs."""
         mine = threading.current_thread() is threading.main_thread()
         if not mine or signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
             with super().capture_signals():
@@ -143,25 +143,25 @@ class Server(uvicorn.Server):
             signal.signal(signal.SIGHUP, earlier)
 
     def _hang_up(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002 - the signature of a handler
-        """Stop gracefully; the kernel and the shell both tell of a closed terminal, so that twice is no hurry."""
+        """Stop gracefully; kernel and shell both send SIGHUP for a closed terminal, so a second one does not hurry."""
         self.should_exit = True
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002 - the signature of a handler
-        """Stop gracefully when told for the first time, at once when told again."""
+        """Stop gracefully on the first signal, at once on the second."""
         self.force_exit = self.should_exit
         self.should_exit = True
 
 
 def serve(settings: Settings, options: Options, announce: Callable[[str], None] = lambda _address: None) -> None:
-    """Serve the store of the settings until a signal ends it; `announce` is told the address.
+    """Serve the store of the settings until a signal; `announce` is called with the address.
 
     Raises:
-        StoreError: KG301 there is no store.
-        UsageError: KG540 others would get in, KG541 the token cannot be used, KG542 the address is taken.
+        StoreError: KG301 no store.
+        UsageError: KG540 the server would be open to others, KG541 unusable token, KG542 address in use.
     """
-    starting.check(options)
+    check(options)
     app = create_app(settings, options)
-    listening = starting.listen(options)
+    listening = listen(options)
     logs.configure()
     config = uvicorn.Config(
         app,
@@ -186,7 +186,7 @@ def serve(settings: Settings, options: Options, announce: Callable[[str], None] 
 
 
 def _begin(announce: Callable[[str], None], address: str) -> None:
-    """Announce the address; what was loaded until now is never garbage, and need not be looked at again."""
+    """Announce the address, and exclude the objects loaded so far from garbage collection."""
     gc.freeze()
     announce(address)
 
@@ -204,8 +204,57 @@ async def _suspend(app: Starlette) -> None:
 
 
 def _end(app: Starlette) -> None:
-    """End all that runs."""
+    """Cancel all running work."""
     if hasattr(app.state, "server"):
         readers = app.state.server.readers
         for identity in tuple(readers.jobs):
             readers.cancel(identity)
+
+
+def check(options: Options) -> None:
+    """Refuse options that would open the server to others by accident.
+
+    Raises:
+        UsageError: KG540 other machines could read without a token, KG541 the token is missing or unusable, KG002
+            disallowed origins.
+    """
+    given = options.token is not None or options.token_file is not None
+    if given and not _usable(options):
+        where = f"the file {options.token_file}" if options.token_file else "KG_TOKEN"
+        raise UsageError("KG541", f"{where} holds no token of at least {LEAST} characters")
+    if options.write and not given:
+        raise UsageError("KG541", "write access needs a token, but none is set")
+    if not is_loopback(options.host) and not given and not options.open_to_all:
+        raise UsageError("KG540", f"{options.host} is reachable from other machines, but no token is set")
+    for origin in options.origins:
+        if not _is_origin(origin):
+            hint = "List origins one by one, as in `--cors https://example.org`."
+            raise UsageError("KG002", f"{origin!r} is not an origin of a site", hint=hint)
+
+
+def _usable(options: Options) -> bool:
+    token = Tokens(options.token, options.token_file).current
+    return token is not None and len(token) >= LEAST and token.isascii() and token.isprintable() and " " not in token
+
+
+def _is_origin(text: str) -> bool:
+    scheme, separator, host = text.partition("://")
+    return scheme in {"http", "https"} and bool(separator and host) and not set(host) & set("/?#@* ")
+
+
+def listen(options: Options) -> socket.socket:
+    """Return a listening socket for the options; UsageError KG542 if the address is not available."""
+    if not 0 <= options.port < 1 << 16:
+        raise UsageError("KG542", f"{options.port} is not a port", hint="Ports go from 0, for a free one, to 65535.")
+    try:
+        family, kind, _, _, address = socket.getaddrinfo(
+            options.host.strip("[]"), options.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        listening = socket.socket(family, kind)
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.bind(address)
+        listening.listen(512)
+    except OSError as error:
+        message = f"cannot listen at {options.host} port {options.port}: {error.strerror or error}"
+        raise UsageError("KG542", message) from error
+    return listening

@@ -1,4 +1,4 @@
-"""Reading a request (ASGI), at a fraction of what Starlette's `Headers` and `Request` cost."""
+"""Reading of ASGI requests, at a fraction of the cost of Starlette's `Headers` and `Request`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def header(scope: Scope, name: bytes) -> str | None:
-    """Return the first header of a name, which is in small letters; None without one."""
+    """Return the first header of a name, given in lower case; None if it is missing."""
     for key, value in scope["headers"]:
         if key == name:
             found: str = value.decode("latin-1")

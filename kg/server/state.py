@@ -1,4 +1,4 @@
-"""What the routes of one server share; it hangs on the application as `app.state.server`."""
+"""State shared by the routes of one server, stored as `app.state.server`."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class State:
-    """The readers, the settings and the options of a running server.
+    """The readers, settings and options of a running server.
 
-    `writer` is there where the store may be changed, `robot` where one was named.
+    `writer` is set if the store may be changed, `robot` if one was named.
     """
 
     settings: Settings
@@ -29,10 +29,10 @@ class State:
     writer: Writer | None = None
     robot: Session | None = None
     asked: dict[tuple[object, ...], Asked | None] = field(default_factory=dict)
-    """Requests for queries that were read before, by what they are read from."""
+    """Parsed query requests by the text that they were parsed from."""
 
 
 def state(request: Request) -> State:
-    """Return what the server of a request shares."""
+    """Return the shared state of a request's server."""
     found: State = request.scope["app"].state.server
     return found

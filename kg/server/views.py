@@ -1,6 +1,6 @@
-"""`/api/NAME?...`: each view (`kg.views`) as JSON, the twin of the page that shows it.
+"""`/api/NAME?...`: each view (`kg.views`) as JSON, the data of the page that shows it.
 
-Arguments stand in the address, or in the body of a POST as a JSON object: texts may be long, and values lists.
+Arguments are in the address, or in the body of a POST as a JSON object, for long texts and lists.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 
 async def answer(request: Request, name: str, /, **arguments: Any) -> bytes:
-    """Return the JSON of the view `name`, run in a reader; raises as `Readers.call`.
+    """Return the JSON of the view `name`, computed in a reader; raises as `Readers.call`.
 
-    It goes on when the client leaves: its work is bounded, and a reader that ended would take with it what it knows.
+    It is not cancelled when the client disconnects: its work is bounded, and killing a reader discards its caches.
     """
     shared = state(request)
     return await shared.readers.call(name, arguments, seconds=shared.options.seconds, client=client(request))
@@ -41,13 +41,13 @@ async def _view(request: Request) -> Response:
 
 
 async def _posted(request: Request) -> dict[str, Any]:
-    """Return the arguments in the body of a request; KG520 when it is not a JSON object, KG524 for another type."""
+    """Return the arguments in the body of a request; KG520 if it is not a JSON object, KG524 for another media type."""
     if media_type(request) != "application/json":
         raise RequestError("KG524", "the body is not application/json")
     try:
         found = json.loads(await request.body())
         msgspec.msgpack.encode(found)
-    except (ValueError, RecursionError, OverflowError):  # no JSON, too deep, or a number that no reader could be told
+    except (ValueError, RecursionError, OverflowError):  # no JSON, too deep, or a number that no reader accepts
         found = None
     if not isinstance(found, dict):
         raise RequestError("KG520", "the body is not a JSON object of arguments")

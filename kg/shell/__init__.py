@@ -1,1 +1,1 @@
-"""The shell on a terminal (`kg shell`): textual in, `kg.query.readers` and `kg.views` below; no logic of its own."""
+"""The terminal interface `kg shell`: textual over `kg.query.readers` and `kg.views`, without logic of its own."""

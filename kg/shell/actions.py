@@ -1,16 +1,13 @@
-"""The one registry of what can be done in the shell: footer, keys, palette, help and docs/shell.md are made from it."""
+"""The registry of actions, from which footer, keys, palette, help and docs/shell.md are generated."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from textual.binding import Binding, BindingType
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 CONTEXTS: Final = {
     "everywhere": "Everywhere",
@@ -24,22 +21,21 @@ CONTEXTS: Final = {
     "rules": "Rules",
     "systems": "Systems",
 }
-"""Where keys hold, with the title of its part of the help."""
+"""Contexts of keys, with their titles in the help."""
 
 TOGETHER: Final = (
     *(("everywhere", "main", one) for one in ("editor", "results", "tree")),
     *(("everywhere", one) for one in ("page", "find", "list", "rules", "systems")),
 )
-"""Contexts that hold at one time, in which a key means one thing."""
+"""Contexts that are active at the same time, in which a key must be unique."""
 
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """Something that a person can do: `name` is the method `action_NAME` of what `_METHODS` says of its context.
+    """An action of the user: `name` is the method `action_NAME`; `_METHODS` says where it is defined.
 
-    `keys` are as textual names them, the first is the one shown. `title` is for footer and palette, `help` one
-    sentence. `footer` says whether the footer has room for it, `priority` whether it holds before the focused widget
-    sees the key.
+    `keys` are named as in textual, the first is the one shown. `title` is for footer and palette, `help` one sentence.
+    `footer` is whether the footer shows it, `priority` whether it precedes the focused widget's own keys.
     """
 
     name: str
@@ -52,12 +48,12 @@ class Action:
 
     @property
     def identity(self) -> str:
-        """The name that a person remaps the action by."""
+        """The name for remapping the action."""
         return f"{self.context}.{self.name}"
 
     @property
     def target(self) -> str:
-        """The action as bindings name it."""
+        """The name of the action in bindings."""
         return _METHODS.get(self.context, "screen.") + self.name
 
 
@@ -155,10 +151,10 @@ ACTIONS: Final[tuple[Action, ...]] = (
         ("dismiss_screen", "escape", "Close", "Return to the main screen.", "f"),
     ),
 )
-"""Everything that can be done, in the order that help shows it."""
+"""All actions, in the order of the help."""
 
 _METHODS: Final = {"everywhere": "app.", "editor": ""}
-"""Where the method of an action stands, as textual names it; else in the screen."""
+"""Where the method of an action is defined, in textual's notation; by default on the screen."""
 
 _SHOWN: Final = {
     "ctrl": "Ctrl",
@@ -182,13 +178,13 @@ def actions_of(context: str) -> Iterator[Action]:
 
 
 def key_words(key: str) -> str:
-    """Return a key as people read it, `Ctrl+R` for `ctrl+r`."""
+    """Return a key for people, `Ctrl+R` for `ctrl+r`."""
     parts = key.split("+")
     return "+".join(_SHOWN.get(part) or (part.upper() if len(parts) > 1 or part[1:] else part) for part in parts)
 
 
 def key_named(words: str) -> str:
-    """Return a key as textual names it, of what `key_words` made of it or of that name itself."""
+    """Return a key's name in textual, from that name or the output of `key_words`."""
     named = {shown.lower(): name for name, shown in _SHOWN.items()}
     *modifiers, last = re.split(r"\+(?=.)", words.strip())
     plain = last if len(last) == 1 and not modifiers else last.lower()
@@ -196,7 +192,7 @@ def key_named(words: str) -> str:
 
 
 def bindings(context: str) -> list[BindingType]:
-    """Return the bindings of a context, for `BINDINGS` of what has the focus there."""
+    """Return the bindings of a context, for the `BINDINGS` of its focused class."""
     return [
         Binding(
             ",".join(action.keys),

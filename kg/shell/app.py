@@ -1,6 +1,6 @@
-"""The application: one link to the store, screens above each other, actions of the registry.
+"""The application: one link to the store, a stack of screens, and the actions of the registry.
 
-A line of code in the editor of the person: `$VISUAL`, `$EDITOR`, or what there is.
+It also opens lines of code in the user's editor: `$VISUAL`, `$EDITOR`, or an installed one.
 """
 
 from __future__ import annotations
@@ -41,26 +41,25 @@ if TYPE_CHECKING:
 
 _THEME: Final = "textual-dark"
 _MOST_FAILURES: Final = 50
-"""Unexpected errors after which the shell ends: one in what draws the screen would come again with every notice."""
+"""Number of unexpected errors after which the shell exits: an error in drawing would recur with every notice."""
 
-_LINE_BEHIND: Final = {"code", "code-insiders", "codium", "cursor", "windsurf"}
-"""Editors that take `-g FILE:LINE`."""
+_LINE_BEHIND: Final = {"code", "code-insiders", "codium", "cursor", "windsurf"}  # editors that take `-g FILE:LINE`
 _LINE_AFTER_COLON: Final = {"hx", "helix", "subl", "zed", "zeditor"}
 _LINE_OPTION: Final = {"clion", "idea", "pycharm", "kate", "gedit"}
 _FALLBACKS: Final = ("nano", "vim", "vi", "emacs")
 
 
 class Palette(CommandPalette, UpperScreen[Any]):
-    """Finds what it offers by parts of words."""
+    """The command palette, which finds actions by parts of words."""
 
     def _action_command_list(self, action: str) -> None:
-        """Move in the list, or take what is highlighted, once the list is drawn."""
+        """Move in the list, or run the highlighted action, once the list is drawn."""
         if self.query_one(CommandList).scrollable_content_region:
             super()._action_command_list(action)
 
 
 def editor_words() -> list[str]:
-    """Return the command of the editor; UsageError KG551 when there is none."""
+    """Return the command of the editor; UsageError KG551 without one."""
     for name in ("VISUAL", "EDITOR"):
         if words := shlex.split(os.environ.get(name, "")):
             return words
@@ -71,10 +70,10 @@ def editor_words() -> list[str]:
 
 
 def command_for(path: Path, line: int | None) -> list[str]:
-    """Return the command that opens `path` at `line`, in the manner of the editor.
+    """Return the command that opens `path` at `line`, in the syntax of the editor.
 
     Raises:
-        UsageError: KG551 when there is no editor, KG552 when the file is not on this machine.
+        UsageError: KG551 no editor, KG552 the file is not on this machine.
     """
     if not path.is_file():
         hint = "The source may have moved; `kg status` lists the sources."
@@ -93,7 +92,7 @@ def command_for(path: Path, line: int | None) -> list[str]:
 
 
 class Shell(App[None]):
-    """The shell of one store; `state` defaults to the user's own; `actions` have the keys of the person."""
+    """The shell of one store; `state` defaults to the user's own; `actions` have the user's keys."""
 
     TITLE = "kg shell"
     CSS_PATH = "shell.tcss"
@@ -111,10 +110,10 @@ class Shell(App[None]):
         self.settings = settings
         self.actions = actions
         self.link = Link(settings, layout)
-        self.state = state or State(state_folder(), str(layout.root))
+        self.state = state or State(state_folder(), layout.name)
         self._opened = False
         self.failures: list[BaseException] = []
-        """Unexpected errors that were shown instead of ending the shell; of a sound shell there are none."""
+        """Unexpected errors that were shown instead of ending the shell; normally empty."""
         guard(self, self)
 
     def get_default_screen(self) -> MainScreen:
@@ -122,16 +121,16 @@ class Shell(App[None]):
         return MainScreen(self.link, self.state)
 
     def get_line_filters(self) -> Sequence[LineFilter]:
-        """Return what lines go through on their way to the terminal: where no colour is wanted there is none."""
+        """Return textual's line filters, none if colour is disabled."""
         filters = super().get_line_filters()
         return [*filters, NoColor()] if self.no_color else filters
 
     def get_key_display(self, binding: Binding) -> str:
-        """Return a key as people read it."""
+        """Return a key for people."""
         return key_words(binding.key)
 
     async def on_mount(self) -> None:
-        """Take the theme that was chosen before, and start the readers."""
+        """Apply the saved theme, and start the readers."""
         theme = self.state.choice("theme", _THEME)
         self.theme = theme if theme in self.available_themes else _THEME
         self.set_keymap({one.identity: ",".join(one.keys) for one in self.actions if one not in ACTIONS})
@@ -140,32 +139,32 @@ class Shell(App[None]):
         self._opened = True
 
     async def on_unmount(self) -> None:
-        """End the readers."""
+        """Stop the readers."""
         if self._opened:
             await self.link.close()
 
     def _register_child(self, parent: DOMNode, child: Widget, before: int | None, after: int | None) -> None:
-        """Guard the handlers of every widget and screen that joins."""
+        """Guard the handlers of every new widget and screen."""
         super()._register_child(parent, child, before, after)
         guard(child, self)
 
     async def _dispatch_action(self, namespace: DOMNode, action_name: str, params: Any) -> bool:
-        """Ignore a key for a screen or widget that is not composed yet, or closes."""
+        """Ignore keys for screens and widgets that are not composed yet, or are closing."""
         if isinstance(namespace, Widget) and not is_open(namespace):
             return False
         return await super()._dispatch_action(namespace, action_name, params)
 
     def _handle_exception(self, error: Exception) -> None:
-        """Show an unexpected error where textual would end the application."""
+        """Show an unexpected error, for which textual would exit."""
         if isinstance(error, WorkerFailed):
             self.fail(error.error, get_current_worker().node)
         else:
             self.fail(error)
 
     def fail(self, error: BaseException, place: object = None) -> None:
-        """Show an unexpected error of a widget and keep its traceback.
+        """Show an unexpected error of a widget and save its traceback.
 
-        Before the first screen is there the shell ends as usual. Errors of what closes are of no interest.
+        Before the first screen the shell exits as usual. Errors of closing widgets are ignored.
         """
         if not self._opened or len(self.failures) == _MOST_FAILURES:
             super()._handle_exception(error)  # type: ignore[arg-type]  # workers may fail by any
@@ -183,7 +182,7 @@ class Shell(App[None]):
         return screen
 
     def report(self, error: KgError) -> None:
-        """Say an error above whatever is on the screen."""
+        """Show an error on top of the current screen."""
         words = f"{error.message}\n{error.hint}" if error.hint else error.message
         self.notify(words, title=error.code, severity="error", timeout=10, markup=False)
 
@@ -209,12 +208,12 @@ class Shell(App[None]):
         self.refresh()
 
     def copy(self, text: str, what: str) -> None:
-        """Give text to the terminal's clipboard and say so."""
+        """Copy text to the terminal's clipboard and report it."""
         self.copy_to_clipboard(text)
         self.notify(f"Copied {printable(what)}.", markup=False, timeout=2)
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterator[SystemCommand]:
-        """Yield the actions of the registry that this screen has, for the palette."""
+        """Yield the actions of the current screen for the palette."""
         contexts = {"everywhere", *getattr(screen, "CONTEXTS", ())}
         for action in self.actions:
             if action.context in contexts and action.name != "command_palette":
@@ -222,12 +221,12 @@ class Shell(App[None]):
                 yield SystemCommand(action.title, f"{action.help} ({keys})", _runner(self, screen, action.target))
 
     async def action_quit(self) -> None:
-        """Leave; the main screen has kept its buffers."""
+        """Exit; the main screen has saved its buffers."""
         self.main.keep()
         self.exit()
 
     def action_interrupt(self) -> None:
-        """Stop what runs; else copy what is selected."""
+        """Stop running work; otherwise copy the selection."""
         if self.main.stop():
             return
         focused = self.focused
@@ -272,7 +271,7 @@ class Shell(App[None]):
         self._above(SystemsScreen)
 
     def _above(self, kind: Any) -> None:
-        """Open a screen, in the place of another one above the main screen."""
+        """Open a screen, replacing another one above the main screen."""
         if isinstance(self.screen, kind | CommandPalette):
             return
         while len(self.screen_stack) > 1:

@@ -1,4 +1,4 @@
-"""The tabs: each a query, a line about what is wrong in it, and its answer."""
+"""The tabs: each has a query, a line about its problems, and its result."""
 
 from __future__ import annotations
 
@@ -18,12 +18,11 @@ if TYPE_CHECKING:
 
     from textual.app import ComposeResult
 
-_TITLE: Final = 18
-"""Characters of a tab."""
+_TITLE: Final = 18  # maximum characters of a tab's title
 
 
 class Buffer(TabPane):
-    """One query with its answer; `job` names the run that goes on, `asked` is the text that the answer is of."""
+    """A query with its result; `job` identifies a running query, `asked` is the text of the result's query."""
 
     def __init__(self, number: int, text: str) -> None:
         super().__init__(_title(number, text), id=f"buffer-{number}")
@@ -58,16 +57,16 @@ class Buffer(TabPane):
 
     @property
     def title(self) -> str:
-        """What the tab is called."""
+        """The title of the tab."""
         return _title(self.number, self.text)
 
     def mark(self, problems: list[Problem]) -> None:
-        """Mark problems in the query and say the one under the cursor."""
+        """Mark problems in the query and show the one under the cursor."""
         self.editor.mark(problems)
         self.say_problem()
 
     def say_problem(self) -> None:
-        """Say the problem under the cursor, or how many there are elsewhere."""
+        """Show the problem under the cursor, or the number of problems elsewhere."""
         editor, line = self.editor, self.query_one(".problem", Static)
         problem = editor.problem_at_cursor()
         others = len(editor.problems)
@@ -88,7 +87,7 @@ class Buffers(TabbedContent):
         self._number = 0
 
     def compose(self) -> ComposeResult:
-        """Yield the tabs with the buffers that were kept."""
+        """Yield the tabs with the saved buffers."""
         for text in self._texts:
             self._tab_content.append(self._made(text))
         yield from super().compose()
@@ -104,7 +103,7 @@ class Buffers(TabbedContent):
 
     @property
     def current(self) -> Buffer | None:
-        """The buffer on the screen; None while tabs come and go."""
+        """The visible buffer; None while tabs are added or removed."""
         try:
             pane = self.active_pane
         except NoMatches:
@@ -117,7 +116,7 @@ class Buffers(TabbedContent):
         return [text for one in self.all if (text := one.text).strip()]
 
     async def open(self, text: str) -> Buffer:
-        """Open a buffer and go there; an empty one on the screen is taken."""
+        """Open a buffer and show it; an empty visible one is reused."""
         current = self.current
         if current is not None and not current.text.strip() and current.job is None:
             current.editor.text = text
@@ -130,7 +129,7 @@ class Buffers(TabbedContent):
         return made
 
     async def close_current(self) -> None:
-        """Close the buffer on the screen; the last one is emptied."""
+        """Close the visible buffer; the last one is emptied."""
         current = self.current
         if current is None:
             return
@@ -143,7 +142,7 @@ class Buffers(TabbedContent):
             self.current.editor.focus()
 
     def step(self, by: int) -> None:
-        """Go to the buffer that many tabs to the right, around the end."""
+        """Show the buffer that many tabs to the right, wrapping around."""
         found = self.all
         current = self.current
         if current in found:
@@ -152,14 +151,14 @@ class Buffers(TabbedContent):
             aim.editor.focus()
 
     def name_tab(self, buffer: Buffer) -> None:
-        """Give the tab of a buffer its title."""
+        """Set the title of a buffer's tab."""
         tab = self.get_tab(buffer)
         if str(tab.label) != buffer.title:
             tab.label = buffer.title
 
 
 def _title(number: int, text: str) -> str:
-    """Return the title of a buffer: its first comment, or what it selects."""
+    """Return the title of a buffer: its first comment, or its columns."""
     lines = [line.strip() for line in text.splitlines() if line.strip("# \t")]
     first = next((line for line in lines if not line.lower().startswith(("prefix ", "base "))), "")
     words = printable(re.sub(r"\s+", " ", first.lstrip("# ")))

@@ -1,4 +1,4 @@
-"""The list of completions under the cursor."""
+"""The list of completions at the cursor."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from textual.widgets.option_list import Option
 from kg.query.statements import Statement, segment_at
 from kg.render.text import printable
 from kg.shell.delivery import deliver
-from kg.shell.options import Options
+from kg.shell.screens.listing import Options
 
 if TYPE_CHECKING:
     from kg.shell.editor import QueryEditor
@@ -23,12 +23,12 @@ _WORD_BEGINS: Final = "?$:_"
 
 
 def begins_word(text: str) -> bool:
-    """Tell whether what was typed is part of a word, so that completions may be offered unasked."""
+    """Return whether typed text is part of a word, for which completions open automatically."""
     return bool(text) and (text[-1].isalnum() or text[-1] in _WORD_BEGINS)
 
 
 class Completions(Options):
-    """What can stand where the cursor of `editor` is; shown only while there is something to choose."""
+    """Completions at the cursor of `editor`; visible only while there is a choice."""
 
     can_focus = False
 
@@ -37,12 +37,12 @@ class Completions(Options):
         self._items: list[dict[str, Any]] = []
         self._editor: QueryEditor | None = None
         self._text = ""
-        """What the list is about; when more was typed, a newer list is under way."""
+        """The text of the list; after more typing a newer list is requested."""
         self._base = 0
         self._range = (0, 0)
 
     def offer(self, editor: QueryEditor, link: Link) -> None:
-        """Ask the store what fits and show it, unless the text has changed meanwhile."""
+        """Request completions and show them, unless the text has changed since."""
         text, offset = editor.text, editor.offset_of_cursor
         part = segment_at(text, offset)
         request = partial(link.call, "complete", text=part.text, position=offset - part.start)
@@ -78,7 +78,7 @@ class Completions(Options):
             self._editor.completing = False
 
     def press(self, key: str) -> None:
-        """Take a key from the editor: move in the list, choose, or close it."""
+        """Handle a key of the editor: move in the list, accept, or close it."""
         moves = {"up": "cursor_up", "down": "cursor_down", "pageup": "page_up", "pagedown": "page_down"}
         if key in moves:
             getattr(self, f"action_{moves[key]}")()
@@ -92,7 +92,7 @@ class Completions(Options):
             self.insert(self.highlighted)
 
     def insert(self, number: int) -> None:
-        """Put a completion in the place of what was typed of it, with what it changes elsewhere."""
+        """Replace the typed prefix with a completion, and apply its other edits."""
         editor = self._editor
         self.close()
         if editor is None or number >= len(self._items):
@@ -108,6 +108,6 @@ class Completions(Options):
 
 
 def _line(item: dict[str, Any], wide: int) -> Text:
-    """Return a completion with what is known of it."""
+    """Return a completion with its details."""
     detail = " ".join(str(item[key]) for key in ("kind", "detail") if item.get(key))
     return Text.assemble(printable(item["label"]).ljust(wide), "  ", (printable(detail), "dim"))

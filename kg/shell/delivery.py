@@ -1,4 +1,4 @@
-"""Late answers: an answer reaches the widget that asked for it only while that widget is open."""
+"""Delivery of late results: a result reaches its widget only while that is open."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ Answer = TypeVar("Answer")
 
 
 def is_open(widget: Widget) -> bool:
-    """Tell whether a widget is composed, on a screen, and neither it nor the shell has begun to close."""
+    """Return whether a widget is composed, on a screen, and neither it nor the shell is closing."""
     return widget.is_mounted and not _is_closing(widget)
 
 
 def _is_closing(widget: Widget) -> bool:
-    """Tell whether a widget closes or is closed: a screen first leaves the stack, then loses its parts one by one."""
+    """Return whether a widget is closing or closed: a screen first leaves the stack, then loses its parts."""
     return (
         not (widget.is_attached and widget.app.is_running and widget.screen in widget.app.screen_stack)
         or any(node._pruning for node in widget.ancestors_with_self)  # noqa: SLF001 - nothing public tells
@@ -36,7 +36,7 @@ def _is_closing(widget: Widget) -> bool:
 
 
 def is_late(error: BaseException, place: object) -> bool:
-    """Tell whether an error means that a message or an answer found the parts of a closing widget gone."""
+    """Return whether an error means that a message or result found the parts of a closing widget gone."""
     return isinstance(error, NoMatches) and isinstance(place, Widget) and _is_closing(place)
 
 
@@ -47,10 +47,10 @@ def deliver(
     fail: Callable[[KgError], object],
     latest: str = "",
 ) -> None:
-    """Await a request in a worker of a widget; pass the answer to `show`, an error to `fail`, if the widget is open.
+    """Await a request in a worker of a widget; pass the result to `show`, an error to `fail`, if the widget is open.
 
-    `show` and `fail` run to their end before anything can close the widget. Of the requests of a widget that share a
-    name in `latest`, a new one cancels those before it.
+    `show` and `fail` complete before anything can close the widget. A new request cancels earlier ones of the widget
+    with the same name in `latest`.
     """
 
     async def worker() -> Any:
@@ -67,7 +67,7 @@ def deliver(
 
 
 def guard(pump: MessagePump, shell: Shell) -> None:
-    """Let the handlers of a widget fail without ending its messages, which would end or freeze the shell."""
+    """Let handlers of a widget fail without ending its message loop, which would end or freeze the shell."""
     dispatch = pump._dispatch_message  # noqa: SLF001 - the one place that all handlers are called from
 
     async def guarded(message: Message) -> None:
@@ -82,7 +82,7 @@ def guard(pump: MessagePump, shell: Shell) -> None:
 
 
 def _blank_once_removed(widget: Widget) -> None:
-    """Let a widget draw nothing once it is removed: the screen may draw it again before it arranges the others."""
+    """Let a removed widget draw nothing: the screen may draw it again before the layout changes."""
     draw = widget.render_lines
 
     def drawn(crop: Region) -> list[Strip]:

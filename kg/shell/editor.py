@@ -1,6 +1,6 @@
-"""The editor of a query: colours, marks of problems under the right characters, and keys of its own.
+"""The query editor: syntax colours, marks of problems, and its keys.
 
-Colours of a query: spans of its text with the class of their style, from the same tokens that guards see.
+Colours are spans of the text with a style class, from the same tokens that guards check.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from textual.strip import Strip
 
 _COMPLETING: Final = ("up", "down", "enter", "tab", "escape", "pageup", "pagedown")
-"""Keys that belong to the list of completions while it is open."""
+"""Keys for the list of completions while it is open."""
 _COMMENT: Final = "# "
 _PLACEHOLDER: Final = "Type a query in SPARQL.\nF3 has stored ones, F2 finds nodes by what they do, F1 shows every key."
 _THEME: Final = TextAreaTheme("sparql", cursor_line_style=Style())
-"""The style of the cursor's line would hide the colours of its text; its number is marked."""
+"""A style for the cursor's line would hide syntax colours; only its number is marked."""
 
 CLASSES: Final = ("comment", "iri", "string", "variable", "name", "keyword", "number")
 """Kinds of spans; `sparql--KIND` is the class of the style."""
@@ -50,7 +50,7 @@ _COMMENTS: Final = re.compile(r"#[^\n]*")
 
 
 class Span(NamedTuple):
-    """A stretch of a text with its kind."""
+    """A span of a text with its kind."""
 
     start: int
     end: int
@@ -58,7 +58,7 @@ class Span(NamedTuple):
 
 
 def spans(text: str) -> Iterator[Span]:
-    """Yield the spans of a normalised query that have a colour, in order; comments stand between tokens."""
+    """Yield the coloured spans of a normalised query, in order; comments are between tokens."""
     position = 0
     for token in tokens(text):
         yield from _comments(text, position, token.start)
@@ -79,7 +79,7 @@ def line_starts(text: str) -> list[int]:
 
 
 def line_spans(text: str) -> dict[int, list[Span]]:
-    """Return the spans by line, with columns in place of offsets; one of several lines has a part in each."""
+    """Return the spans by line, with columns instead of offsets; spans of several lines are split."""
     starts = line_starts(text)
     found: dict[int, list[Span]] = {}
     for span in spans(text):
@@ -94,7 +94,7 @@ def line_spans(text: str) -> dict[int, list[Span]]:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Something wrong between two offsets of the text; `edits` (start, end, text) mend it, `fix` says how."""
+    """A problem between two offsets of the text; `edits` (start, end, text) fix it, `fix` describes the fix."""
 
     start: int
     end: int
@@ -118,7 +118,7 @@ class QueryEditor(TextArea):
             super().__init__()
 
     class CompletionWanted(Message):
-        """Completions were asked for by their key."""
+        """Completions were requested by key."""
 
         def __init__(self, editor: QueryEditor) -> None:
             self.editor = editor
@@ -139,18 +139,18 @@ class QueryEditor(TextArea):
         self.indent_width = 2
         self.problems: list[Problem] = []
         self.completing = False
-        """Whether the list of completions is open, which then takes some keys."""
+        """Whether the list of completions is open, which then handles some keys."""
         self._painted: str | None = None
         self._spans: dict[int, list[Span]] = {}
         self._starts: list[int] = [0]
 
     @property
     def offset_of_cursor(self) -> int:
-        """How many characters stand before the cursor."""
+        """Number of characters before the cursor."""
         return self.offset_at(self.cursor_location)
 
     def offset_at(self, location: tuple[int, int]) -> int:
-        """Return how many characters stand before a line and column, ends of lines counting one each."""
+        """Return the number of characters before a line and column, counting one per line end."""
         line, column = location
         return sum(len(self.document.get_line(one)) + 1 for one in range(line)) + column
 
@@ -161,7 +161,7 @@ class QueryEditor(TextArea):
         return line, offset - starts[line]
 
     def mark(self, problems: list[Problem]) -> None:
-        """Mark these problems and no others."""
+        """Set the marked problems."""
         self.problems = problems
         self.notify_style_update()
         self.refresh()
@@ -174,11 +174,11 @@ class QueryEditor(TextArea):
         return next(iter([*at, *near]), None)
 
     def action_complete(self) -> None:
-        """Ask for what can stand at the cursor."""
+        """Request completions at the cursor."""
         self.post_message(self.CompletionWanted(self))
 
     def action_comment(self) -> None:
-        """Comment the chosen lines out, or in again when all are comments."""
+        """Comment out the selected lines, or uncomment them if all are comments."""
         first, last = sorted((self.selection.start[0], self.selection.end[0]))
         lines = [self.document.get_line(number) for number in range(first, last + 1)]
         if all(line.lstrip().startswith("#") or not line.strip() for line in lines):
@@ -190,26 +190,26 @@ class QueryEditor(TextArea):
         self.replace("\n".join(changed), (first, 0), (last, len(lines[-1])))
 
     def go_to_next_problem(self) -> None:
-        """Go to the problem behind the cursor, or from the last to the first."""
+        """Go to the next problem, wrapping around."""
         if self.problems:
             offset = self.offset_of_cursor
             following = [one for one in self.problems if one.start > offset]
             self.move_cursor(self.location_at((following or self.problems)[0].start))
 
     def fix(self) -> None:
-        """Mend the problem under the cursor, where it is known how."""
+        """Apply the fix of the problem under the cursor, if there is one."""
         problem = self.problem_at_cursor()
         for start, end, text in sorted(problem.edits if problem else (), reverse=True):
             self.replace(text, self.location_at(start), self.location_at(end))
 
     def scroll_cursor_visible(self, center: bool = False, animate: bool = False) -> Offset:  # noqa: FBT001, FBT002 - as in textual
-        """Bring the cursor into view, if its line exists: undo fits the scroll bars before it moves the cursor."""
+        """Scroll to the cursor, if its line exists: undo updates the scroll bars before the cursor."""
         if self.cursor_location[0] >= self.document.line_count:
             return Offset()
         return super().scroll_cursor_visible(center, animate)
 
     async def action_leave(self) -> None:
-        """Leave the shell from an empty buffer; delete ahead in another."""
+        """Exit the shell from an empty buffer; otherwise delete forwards."""
         if self.text:
             self.action_delete_right()
         else:
@@ -224,7 +224,7 @@ class QueryEditor(TextArea):
             event.prevent_default()
 
     def render_lines(self, crop: Region) -> list[Strip]:
-        """Paint, with the colours of the text as it is now."""
+        """Render with the current colours."""
         text = normalise(self.text)
         if text != self._painted:
             self._painted, self._spans, self._starts = text, line_spans(text), line_starts(text)

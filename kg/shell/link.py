@@ -1,4 +1,4 @@
-"""The shell's way to the store: queries and views through reader processes, and which snapshot is in force."""
+"""The shell's access to the store: queries and views through reader processes, and the current snapshot."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _VIEW_SECONDS: Final = 60.0
 
 
 class Link:
-    """One store, read by processes that end with `close`."""
+    """One store, read by processes that are stopped by `close`."""
 
     def __init__(self, settings: Settings, layout: Layout) -> None:
         self.settings = settings
@@ -41,11 +41,11 @@ class Link:
         await self._readers.__aenter__()
 
     async def close(self) -> None:
-        """End the readers and whatever they do."""
+        """Stop the readers and their work."""
         await self._readers.__aexit__(None, None, None)
 
     async def call(self, view: str, **arguments: Any) -> Any:
-        """Return what a view answers; KgError as `Readers.call`."""
+        """Return the result of a view; KgError as `Readers.call`."""
         return msgspec.json.decode(await self._readers.call(view, arguments, seconds=_VIEW_SECONDS))
 
     async def ask(self, text: str, *, job: str, rows: int | None) -> Result:
@@ -57,21 +57,21 @@ class Link:
         return await asyncio.to_thread(_result, answer.head, body, answer.end, rows)
 
     async def prefixes(self, snapshot: str) -> Mapping[str, str]:
-        """Return the prefixes that the store knows, asked once for each snapshot."""
+        """Return the prefixes of the store, requested once per snapshot."""
         if self._prefixes[0] != snapshot:
             self._prefixes = snapshot, await self.call("prefixes")
         return self._prefixes[1]
 
     def stop(self, job: str) -> bool:
-        """End a query; False when it does not run."""
+        """Cancel a query; return False if it is not running."""
         return self._readers.cancel(job)
 
     def job(self, identity: str) -> Job | None:
-        """Return what is known of a query that waits or runs."""
+        """Return the state of a waiting or running query."""
         return self._readers.jobs.get(identity)
 
     def snapshot(self) -> int | None:
-        """Return the generation of the store in force; None when the store is not there or cannot be read."""
+        """Return the current generation of the store; None if the store is missing or unreadable."""
         try:
             return self.layout.in_force()
         except KgError:
@@ -79,7 +79,7 @@ class Link:
 
 
 def _result(head: Head, body: bytes, end: End, limit: int | None) -> Result:
-    """Return the answer that `body` holds."""
+    """Return the result encoded in `body`."""
     cut = limit if end.more else None
     if head.kind == "graph":
         triples = tuple(quad.triple for quad in pyoxigraph.parse(body, pyoxigraph.RdfFormat.N_TRIPLES))

@@ -1,25 +1,23 @@
-"""Pages as trees of lines: a row of an answer, a thing, a node, a proof. What is shown stands in the views' answers."""
+"""Pages as trees of lines: a row of a result, a thing, a node, a proof; their content comes from views."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from kg.render.text import count
 from kg.views.wording import quoted
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
 Fact: TypeAlias = tuple[str, str, str]
-"""Subject, predicate and object as the view `why` takes them."""
+"""Subject, predicate and object for the view `why`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line of a page: `iri` is the thing that it names, `place` where it stands in the sources, `fact` what it says.
+    """A line of a page: `iri` is the thing it names, `place` its source, `fact` its triple.
 
-    `mark` stands behind the text, for what rules inferred; `note` is less important. `children` stand below it.
+    `mark` follows the text, for inferred facts; `note` is less important. `children` are below it.
     """
 
     text: str
@@ -34,7 +32,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """What a page is about: `view` and `arguments` are asked when it is shown, `lines` are there before.
+    """The content of a page: `view` and `arguments` are requested when it is shown, `lines` are available at once.
 
     `query` is SPARQL for the same facts, for a buffer.
     """
@@ -47,7 +45,7 @@ class Page:
 
 
 def place_words(place: Mapping[str, Any] | None) -> str:
-    """Return a place in few words, `src/talker.cpp:12`."""
+    """Return a short form of a place, `src/talker.cpp:12`."""
     if not place:
         return ""
     return f"{place['path']}:{place['line']}" if place.get("line") else str(place["path"])
@@ -131,7 +129,7 @@ def _user(one: Mapping[str, Any]) -> Line:
 
 
 def title_of(view: str, found: Mapping[str, Any]) -> str:
-    """Return what a page is called once it is known; empty where it keeps its name."""
+    """Return the title of a loaded page; empty if it keeps its name."""
     if view == "node":
         return f"{found['name']}, node of {found['package']['name']}"
     return str(found["label"]) if view == "resource" else ""
@@ -146,7 +144,7 @@ def lines_of_resource(found: Mapping[str, Any]) -> tuple[Line, ...]:
 
 
 def _group(one: Mapping[str, Any], *, outward: bool) -> Line:
-    """Return the facts of one property; those in which the thing is the object read backwards."""
+    """Return the facts of one property; those with the thing as the object are read backwards."""
     label, shown = one["predicate"]["label"], tuple(map(_resource_fact, one["facts"]))
     number = f"{one['count']:,}" + (f", {len(shown)} shown" if one["count"] > len(shown) else "")
     text = f"{label} ({number})" if outward else f"is {label} of ({number})"
@@ -163,7 +161,7 @@ def _resource_fact(one: Mapping[str, Any]) -> Line:
 def lines_of_system(
     system: Mapping[str, Any], started: Iterable[Mapping[str, Any]], findings: Mapping[str, Any]
 ) -> tuple[Line, ...]:
-    """Return what is wrong in a launch configuration and what it starts, from the views `systems`, `tree`, `lint`."""
+    """Return the findings and nodes of a launch configuration, from the views `systems`, `tree`, `lint`."""
     nodes = (Line(one["label"], iri=one.get("node") or one["iri"] or "", note=one["detail"]) for one in started)
     found = [_finding(one) for one in findings["findings"]]
     allowed = [Line(f"{findings['allowed']} more are allowed")] if findings["allowed"] else []
@@ -194,7 +192,7 @@ def lines_of_proof(found: Mapping[str, Any]) -> tuple[Line, ...]:
 
 
 def lines_of_row(found: Mapping[str, Any]) -> tuple[Line, ...]:
-    """Return what a row rests on, from the view `why_row`."""
+    """Return the proof of a row."""
     conditions = (Line(f"where {text}") for text in found["conditions"])
     remarks = [Line(found["remark"])] if found["remark"] else []
     return tuple(_section("Rests on", [*map(_proof, found["proofs"]), *conditions, *remarks]))

@@ -1,4 +1,4 @@
-"""An answer below its query: a table of which one page is on the screen, yes or no, or what went wrong."""
+"""A result below its query: a paged table, a truth value, or an error."""
 
 from __future__ import annotations
 
@@ -28,41 +28,39 @@ if TYPE_CHECKING:
     from kg.store.terms import Term
 
 PAGE_ROWS: Final = 200
-"""Rows that are widgets at a time."""
-_CELL: Final = 48
-"""Characters of a cell that are shown at most; Enter shows all."""
-_LEAST: Final = 12
-"""Characters that every column keeps where all of them have to fit the screen."""
+"""Maximum number of rows on a page."""
+_CELL: Final = 48  # maximum characters of a displayed cell; Enter shows all
+_LEAST: Final = 12  # minimum width of a column if all have to fit the screen
 _PADDING: Final = 2
 _TRIPLE: Final = ("subject", "predicate", "object")
 
 
 def columns_of(result: Result) -> tuple[str, ...]:
-    """Return the titles of an answer's columns; none for yes or no."""
+    """Return the titles of a result's columns; none for a truth value."""
     if isinstance(result, Solutions):
         return result.variables
     return _TRIPLE if isinstance(result, Graph) else ()
 
 
 def rows_of(result: Result) -> tuple[tuple[Term | None, ...], ...]:
-    """Return the rows of an answer; a graph has one for each triple."""
+    """Return the rows of a result; a graph has one for each triple."""
     if isinstance(result, Solutions):
         return result.rows
     return tuple(tuple(triple) for triple in result.triples) if isinstance(result, Graph) else ()
 
 
 class AnswerTable(DataTable[Text]):
-    """The page of rows; keys are those of the results."""
+    """The current page of rows, with the keys of results."""
 
     BINDINGS: ClassVar[list[BindingType]] = bindings("results")
 
     class Passed(Message):
-        """The cursor would go behind the last row of the page."""
+        """The cursor moves past the last row of the page."""
 
     def add_row(
         self, *cells: Text, height: int | None = 1, key: str | None = None, label: TextType | None = None
     ) -> RowKey:
-        """Add a row; it has room for its label even if it is drawn before the table finds the time to measure it."""
+        """Add a row, reserving its label's width in case it is drawn before it is measured."""
         self._labelled_row_exists = self._labelled_row_exists or label is not None
         return super().add_row(*cells, height=height, key=key, label=label)
 
@@ -75,7 +73,7 @@ class AnswerTable(DataTable[Text]):
 
 
 class ResultView(Vertical):
-    """The answer of one buffer; `result` is None before the first and after an error."""
+    """The result of one buffer; `result` is None before the first and after an error."""
 
     def __init__(self) -> None:
         super().__init__(classes="results")
@@ -87,7 +85,7 @@ class ResultView(Vertical):
         self._room = 0
 
     def compose(self) -> ComposeResult:
-        """Yield the line that says what there is, and the table."""
+        """Yield the summary line and the table."""
         yield Static("No answer yet: F5 runs the query.", classes="remark", markup=False)
         table = AnswerTable(zebra_stripes=True, cursor_type="cell", header_height=1)
         table.border_title = "Results"
@@ -100,11 +98,11 @@ class ResultView(Vertical):
 
     @property
     def pages(self) -> int:
-        """How many pages the answer has."""
+        """Number of pages of the result."""
         return max(1, -(-len(self._rows) // PAGE_ROWS))
 
     def say(self, words: str, *, wrong: bool = False) -> None:
-        """Write the line above the table."""
+        """Set the line above the table."""
         remark = self.query_one(".remark", Static)
         remark.update(words)
         remark.set_class(wrong, "wrong")
@@ -117,13 +115,13 @@ class ResultView(Vertical):
             self.table.move_cursor(row=cursor.row, column=cursor.column)
 
     def show(self, result: Result, base: str = "", prefixes: Mapping[str, str] = PREFIXES) -> None:
-        """Show an answer from its first page; IRIs by `prefixes`, those below `base` by what stands behind it."""
+        """Show the first page of a result; IRIs are shortened by `prefixes`, or relative to `base`."""
         self.result, self._base, self._prefixes = result, base, prefixes
         self._rows = rows_of(result)
         self._fill(0)
 
     def show_error(self, error: KgError, location: tuple[int, int] | None = None) -> None:
-        """Show what went wrong: where in the buffer (line and column from zero), or else what to do about it."""
+        """Show an error: its place in the buffer (line and column from zero), or else its hint."""
         self.result = None
         self._rows = ()
         self._fill(0)
@@ -142,7 +140,7 @@ class ResultView(Vertical):
         return self._rows[number] if number < len(self._rows) else None
 
     def row_number(self) -> int:
-        """Return the number of the row under the cursor in the answer, counted from one."""
+        """Return the number of the row under the cursor in the result, counted from one."""
         return self._page * PAGE_ROWS + self.table.cursor_row + 1
 
     def cell(self) -> Term | None:
@@ -160,7 +158,7 @@ class ResultView(Vertical):
             cells = [[self._text(term) for term in row] for row in rows]
             titles = columns_of(self.result)
             self._room = table.size.width
-            # The bar beside many rows takes its place: columns as wide as all would scroll their numbers away.
+            # Leave room for the scroll bar, or the row numbers would scroll out of view.
             beside = table.styles.scrollbar_size_vertical + len(str(begin + len(rows))) + _PADDING
             widths = _fitted(titles, cells, self._room - beside)
             for title, wide in zip(titles, widths, strict=True):
@@ -171,7 +169,7 @@ class ResultView(Vertical):
             self.say(self._remark(self.result))
 
     def _text(self, term: Term | None) -> str:
-        """Return a cell as one line, of which nothing steers the terminal."""
+        """Return a cell as one line without control characters."""
         if not isinstance(term, NamedNode):
             return printable(display(term))
         short = shorten(term.value, self._prefixes)
@@ -193,7 +191,7 @@ class ResultView(Vertical):
 
 
 def _fitted(titles: Sequence[str], cells: Sequence[Sequence[str]], room: int) -> list[int]:
-    """Return the widths of columns: as their texts need, less for the widest where all of them have no room."""
+    """Return the widths of columns: as needed, with the widest reduced to fit."""
     least = [max(_LEAST, width(title)) for title in titles]
     widths = [min(_CELL, max([width(title), *(width(row[at]) for row in cells)])) for at, title in enumerate(titles)]
     while room > 0 and sum(widths) + _PADDING * len(widths) > room:
@@ -205,8 +203,8 @@ def _fitted(titles: Sequence[str], cells: Sequence[Sequence[str]], room: int) ->
 
 
 def _cut(text: str, room: int, term: Term | None) -> Text:
-    """Return a text as a cell of a width; of a long IRI its end tells most."""
-    # Every character takes a column at least, so that of a text of any length a few are looked at.
+    """Return a text cut to the width of a cell; the end of a long IRI is kept."""
+    # Every character has at least one column, so only a few of a long text are examined.
     at_end = isinstance(term, NamedNode)
     if len(text) > room:
         text = "…" + text[1 - room :] if at_end else text[: room - 1] + "…"

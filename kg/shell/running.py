@@ -1,6 +1,6 @@
-"""Where `kg shell` starts: a terminal and a store are checked first, so that what is missing is said in plain lines.
+"""Start of `kg shell`: it checks for a terminal and a store first, and reads the user's keys.
 
-Keys that a person has chosen: the file keys.toml, a table for each context of the registry of actions.
+keys.toml has a table for each context of the registry of actions (`kg.shell.actions`):
 
     [main]
     run = "F5 Ctrl+Enter"
@@ -8,7 +8,7 @@ Keys that a person has chosen: the file keys.toml, a table for each context of t
     [results]
     export = "x"
 
-The keys of an action take the place of those of the registry (`kg.shell.actions`).
+The keys of an action replace those of the registry.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from textual.keys import Keys
 from kg.errors import Place, StoreError, UsageError
 from kg.shell.actions import ACTIONS, CONTEXTS, TOGETHER, Action, key_named, key_words
 from kg.similar import did_you_mean
+from kg.store.following import Following
 from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
@@ -35,22 +36,22 @@ if TYPE_CHECKING:
     from kg.settings import Settings
 
 _TYPING: Final = frozenset({"everywhere", "main", "editor", "find", "list"})
-"""Contexts in which text is typed, so that a character alone is none of their keys."""
+"""Contexts with text input, where a single character cannot be a key."""
 _MODIFIERS: Final = frozenset({"ctrl", "alt", "shift", "super", "hyper", "meta"})
 _NAMES: Final = frozenset(key.value for key in Keys)
 
 
 def keys_file() -> Path:
-    """Return the file of keys below `$XDG_CONFIG_HOME` or `~/.config`; it may not be there."""
+    """Return the file of keys below `$XDG_CONFIG_HOME` or `~/.config`; it may not exist."""
     given = Path(os.environ.get("XDG_CONFIG_HOME", ""))
     return (given if given.is_absolute() else Path.home() / ".config") / "kg" / "keys.toml"
 
 
 def chosen_actions(path: Path) -> tuple[Action, ...]:
-    """Return the actions with the keys of a file; those of the registry where it is not there.
+    """Return the actions with the keys of a file; those of the registry without one.
 
     Raises:
-        UsageError: KG554 for a file that cannot be read, an action or a key that is none, a key with two meanings.
+        UsageError: KG554 an unreadable file, an unknown action or key, an ambiguous key.
     """
     try:
         given = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -69,7 +70,7 @@ def chosen_actions(path: Path) -> tuple[Action, ...]:
 
 
 def _pairs(given: Mapping[str, Any], path: Path) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield the identity of each action of the file with its keys."""
+    """Yield the identity and the keys of each action in the file."""
     known = [action.identity for action in ACTIONS]
     for context, table in given.items():
         if context not in CONTEXTS or not isinstance(table, dict):
@@ -98,7 +99,7 @@ def _key(words: str, context: str, path: Path) -> str:
 
 
 def _is_character(name: str) -> bool:
-    """Tell whether a name is that of a character, as textual writes those that are not letters or digits."""
+    """Return whether a name is that of a character, in textual's notation of punctuation."""
     try:
         unicodedata.lookup(name.replace("_", " "))
     except KeyError:
@@ -111,13 +112,15 @@ def _wrong(path: Path, message: str, hint: str = "") -> UsageError:
 
 
 def run(settings: Settings) -> int:
-    """Run the shell until the person leaves; return the exit code.
+    """Run the shell until the user exits; return the exit code.
 
     Raises:
-        UsageError: KG550 without a terminal, KG554 for a wrong file of keys.
-        StoreError: KG301 without a store, or with an empty one.
+        UsageError: KG550 no terminal, KG554 an invalid file of keys.
+        StoreError: KG301 no store, or an empty one.
     """
     layout = layout_of(settings)
+    if layout.address is not None:
+        Following(layout).check()
     if layout.current() is None:
         raise StoreError("KG301", f"the store {layout.root} is empty", hint="Run `kg build FOLDER` first.")
     if not (sys.stdin.isatty() and sys.stdout.isatty()):

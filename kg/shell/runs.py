@@ -1,4 +1,4 @@
-"""Queries that run: one a buffer, with what is told of it while it goes on and when it ends."""
+"""Running queries: at most one per buffer, with progress and result."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Runs:
-    """Starts and ends the queries of the buffers of a screen."""
+    """Starts and stops the queries of a screen's buffers."""
 
     def __init__(self, screen: MainScreen, link: Link, state: State) -> None:
         self._screen = screen
@@ -32,7 +32,7 @@ class Runs:
         self._was_running = False
 
     def start_at_cursor(self, buffer: Buffer) -> None:
-        """Run the selected text of a buffer, or the query that its cursor stands in."""
+        """Run the selected text of a buffer, or the query at its cursor."""
         editor = buffer.editor
         if editor.selected_text.strip():
             self.start(buffer, editor.selected_text, editor.offset_at(min(editor.selection)))
@@ -44,7 +44,7 @@ class Runs:
             self.start(buffer, found.text, found.start)
 
     def start(self, buffer: Buffer, text: str, offset: int, *, whole: bool = False) -> None:
-        """Run a query that stands at `offset` of a buffer; `whole` without the limit of rows."""
+        """Run a query at `offset` of a buffer; `whole` removes the limit of rows."""
         if buffer.job is not None:
             self._screen.notify("A query of this buffer runs; Esc stops it.", severity="warning", timeout=3)
             return
@@ -54,11 +54,11 @@ class Runs:
         self._screen.run_worker(self._run(buffer, text, offset, limit, _place(buffer)), group=buffer.job)
 
     def stop(self, buffer: Buffer | None) -> bool:
-        """End what a buffer runs; False when it runs nothing."""
+        """Stop the query of a buffer; return False if there is none."""
         return buffer is not None and buffer.job is not None and self._link.stop(buffer.job)
 
     def tell(self) -> None:
-        """Say in the status line what runs, and for how long."""
+        """Show running queries and their times in the status line."""
         buffer = self._screen.buffers.current
         job = self._link.job(buffer.job) if buffer and buffer.job else None
         if job or self._was_running:
@@ -81,22 +81,22 @@ class Runs:
             prefixes = await self._prefixes(text, result)
             if is_open(buffer):
                 buffer.results.show(result, self._link.settings.base, prefixes)
-                self._screen.check_text(buffer)  # marks of an error before are gone, hints about an empty answer stay
+                self._screen.check_text(buffer)  # marks of earlier errors are gone, hints about an empty result remain
                 if (rows or isinstance(result, Boolean)) and self._is_at_hand(buffer, before):
                     buffer.results.table.focus()
         finally:
             buffer.job = None
         seconds = time.perf_counter() - clock
-        self._state.remember(Entry(text, began, str(self._link.layout.root), rows, seconds, outcome))
+        self._state.remember(Entry(text, began, self._link.layout.name, rows, seconds, outcome))
         self._screen.keep()
         self.tell()
 
     def _is_at_hand(self, buffer: Buffer, before: tuple[str, object]) -> bool:
-        """Tell whether the person waits for an answer: keys typed since then, or into another buffer, stay there."""
+        """Return whether the user waits for a result: after further typing, the focus stays in the editor."""
         return buffer is self._screen.buffers.current and _place(buffer) == before
 
     async def _prefixes(self, text: str, result: Result) -> dict[str, str]:
-        """Return the prefixes that shorten an answer: those of its query come first, and stand in place of others."""
+        """Return the prefixes that shorten a result: those of its query override others."""
         declared = {name: iri for name, iri in re.findall(r"(?i)\bPREFIX\s+([\w-]*):\s*<([^>]*)>", text) if iri}
         try:
             known = await self._link.prefixes(result.snapshot)
@@ -106,12 +106,12 @@ class Runs:
 
 
 def _place(buffer: Buffer) -> tuple[str, object]:
-    """Return the text of a buffer with what is selected in it, or where the cursor is."""
+    """Return the selected text of a buffer with its place, or all of it with the cursor."""
     return buffer.text, buffer.editor.selection
 
 
 def _fail(buffer: Buffer, error: KgError, text: str, offset: int, *, at_hand: bool) -> None:
-    """Show an error, with its place marked, and the cursor there if the person waits for it."""
+    """Show an error and mark its place; move the cursor there if the user waits for it."""
     problem = _problem(error, text, offset)
     location = buffer.editor.location_at(problem.start) if problem else None
     buffer.results.show_error(error, location)
@@ -124,7 +124,7 @@ def _fail(buffer: Buffer, error: KgError, text: str, offset: int, *, at_hand: bo
 
 
 def _problem(error: KgError, text: str, offset: int) -> Problem | None:
-    """Return the mark of an error about a query that stands at `offset` of its buffer."""
+    """Return the mark of an error about a query at `offset` of its buffer."""
     place = error.place
     if place is None or place.line is None or place.column is None:
         return None

@@ -1,21 +1,18 @@
-"""What the shell keeps between runs: buffers of each store, history, and choices; readable by their owner alone."""
+"""State of the shell between runs: buffers of each store, history, and choices; readable by the owner only."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg.store.layout import write_atomically
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-_KEPT: Final = 2_000
-"""Entries of the history that are kept."""
+_KEPT: Final = 2_000  # maximum number of entries in the history
 
 
 def state_folder() -> Path:
@@ -26,7 +23,7 @@ def state_folder() -> Path:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A query that was run: `when` is in seconds since 1970, `outcome` is `ok` or the code of an error."""
+    """An executed query: `when` is in seconds since 1970, `outcome` is `ok` or the code of an error."""
 
     text: str
     when: float
@@ -37,9 +34,9 @@ class Entry:
 
 
 class State:
-    """Reads and writes the folder; what cannot be read counts as nothing, what cannot be written is told once.
+    """Reads and writes the folder; unreadable files are ignored, unwritable ones reported once.
 
-    `problem` is the reason why something was not kept, None while all went well.
+    `problem` is the reason why something was not saved, None without problems.
     """
 
     def __init__(self, folder: Path, store: str) -> None:
@@ -48,27 +45,27 @@ class State:
         self.problem: str | None = None
 
     def buffers(self) -> list[str]:
-        """Return the texts of the buffers that were open with this store."""
+        """Return the saved buffers of this store."""
         found = self._read(self._buffers_name(), [])
         return [one for one in found if isinstance(one, str)] if isinstance(found, list) else []
 
     def keep_buffers(self, texts: Sequence[str]) -> None:
-        """Keep the texts of the buffers, for this store."""
+        """Save the texts of the buffers for this store."""
         self._write(self._buffers_name(), list(texts))
 
     def choice(self, name: str, default: str) -> str:
-        """Return what was chosen before, such as the theme."""
+        """Return a saved choice, such as the theme."""
         found = self._read("choices.json", {})
         value = found.get(name, default) if isinstance(found, dict) else default
         return value if isinstance(value, str) else default
 
     def keep_choice(self, name: str, value: str) -> None:
-        """Keep a choice, for all stores."""
+        """Save a choice for all stores."""
         found = self._read("choices.json", {})
         self._write("choices.json", {**(found if isinstance(found, dict) else {}), name: value})
 
     def history(self) -> list[Entry]:
-        """Return what was run, of all stores, the newest first and each text once."""
+        """Return the history of all stores, the newest first, without duplicates."""
         found: dict[str, Entry] = {}
         for line in reversed(self._lines()):
             entry = _entry(line)
@@ -77,14 +74,14 @@ class State:
         return list(found.values())
 
     def remember(self, entry: Entry) -> None:
-        """Add an entry to the history; other shells may do the same at this moment."""
+        """Add an entry to the history; other shells may do the same concurrently."""
         lines = self._lines()
         if len(lines) >= _KEPT * 2:
             self._guarded(lambda: _write(self._folder / "history.jsonl", "\n".join(lines[-_KEPT:]) + "\n"))
         self._guarded(lambda: _append(self._made() / "history.jsonl", json.dumps(asdict(entry)) + "\n"))
 
     def keep_failure(self, words: str) -> Path:
-        """Keep the traceback of the last unexpected error; return its file."""
+        """Save the traceback of the last unexpected error; return its file."""
         self._guarded(lambda: _write(self._made() / "failure.txt", words))
         return self._folder / "failure.txt"
 

@@ -1,4 +1,4 @@
-"""The tree of what the store has: packages, nodes, what they publish and need; systems. Read as it is opened."""
+"""The tree of the store: packages, nodes and their interfaces; systems. Loaded as it is expanded."""
 
 from __future__ import annotations
 
@@ -33,25 +33,25 @@ class KnowledgeTree(Tree[dict[str, Any]]):
         self.auto_expand = False
         self.border_title = "Tree"
         self.begun = asyncio.Event()
-        """Set once the first level has been read: what can wait until then does."""
+        """Set once the first level has been loaded: other preparation waits for it."""
 
     def on_mount(self) -> None:
-        """Read the first level."""
+        """Load the first level."""
         self.read(self.root)
 
     def reload(self) -> None:
-        """Read all again, and no longer what is being read: its entries are of the tree that is cleared."""
+        """Reload everything, and cancel pending loads, whose entries belong to the cleared tree."""
         self.workers.cancel_node(self)
         self.clear()
         self.read(self.root)
 
     def on_tree_node_expanded(self, event: Tree.NodeExpanded[dict[str, Any]]) -> None:
-        """Read what stands below, when it is opened for the first time."""
+        """Load the children when an entry is expanded for the first time."""
         if not event.node.children:
             self.read(event.node)
 
     def read(self, parent: TreeNode[dict[str, Any]]) -> None:
-        """Fill an entry with what stands below it, once that is known."""
+        """Load the children of an entry."""
         waiting = parent.add_leaf("reading …", {})
         parent.expand()
         arguments = (parent.data or {}).get("open") or {}
@@ -64,7 +64,7 @@ class KnowledgeTree(Tree[dict[str, Any]]):
             self.begun.set()
 
     def _fill(self, waiting: TreeNode[dict[str, Any]], found: dict[str, Any]) -> None:
-        """Put the entries in the place of the one that waits for them."""
+        """Replace the placeholder with the loaded entries."""
         parent = waiting.parent
         assert parent is not None  # noqa: S101 - it was added to one
         waiting.remove()

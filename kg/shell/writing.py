@@ -1,19 +1,15 @@
-"""Answers as text: for the clipboard, and whole into a file."""
+"""Results as text: for the clipboard, and complete in a file."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from kg.errors import Place, UsageError
 from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, write
 from kg.query.result import Boolean, Graph, Result, Solutions
 from kg.query.writing import parquet
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 _ENDINGS = {
     "tsv": ".tsv",
@@ -33,7 +29,7 @@ _ENDINGS = {
 
 
 def formats_of(result: Result) -> list[str]:
-    """Return the formats that this kind of answer can be written in, what people copy most first."""
+    """Return the formats for this kind of result, the most used first."""
     known = list(GRAPH_FORMATS if isinstance(result, Graph) else SOLUTION_FORMATS)
     if isinstance(result, Boolean):
         known = list(BOOLEAN_FORMATS)
@@ -42,28 +38,28 @@ def formats_of(result: Result) -> list[str]:
 
 
 def file_formats_of(result: Result) -> list[str]:
-    """Return the formats of files: those of `formats_of`, and Parquet where it can be written."""
+    """Return the formats of files: those of `formats_of`, and Parquet if it is supported."""
     return [*formats_of(result), *([parquet.NAME] if isinstance(result, Solutions) and parquet.is_installed() else [])]
 
 
 def format_of_name(path: str, result: Result) -> str | None:
-    """Return the format that the ending of a file's name means, None for one that means none."""
+    """Return the format of a file name's suffix, None for an unknown one."""
     return next((name for name in file_formats_of(result) if path.lower().endswith(_ENDINGS[name])), None)
 
 
 def copied(result: Result, name: str) -> str:
-    """Return an answer in the format `name`."""
+    """Return a result in the format `name`."""
     return write(result, name).decode("utf-8", errors="replace")
 
 
 def is_taken(path: str) -> bool:
-    """Tell whether a file exists; UsageError KG553 when that cannot be found out."""
+    """Return whether a file exists; UsageError KG553 if that cannot be determined."""
     with _reported(path):
         return Path(path).expanduser().exists()
 
 
 def to_file(result: Result, path: str, name: str) -> int:
-    """Write an answer to a file and return how many bytes that are; UsageError KG553 when it cannot be written."""
+    """Write a result to a file and return the number of bytes; UsageError KG553 on failure."""
     content = write(result, name)
     with _reported(path):
         return Path(path).expanduser().write_bytes(content)
@@ -71,7 +67,7 @@ def to_file(result: Result, path: str, name: str) -> int:
 
 @contextmanager
 def _reported(path: str) -> Iterator[None]:
-    """Report what is wrong with a path as KG553; the home of an unknown user is a RuntimeError."""
+    """Report path errors as KG553; the home of an unknown user is a RuntimeError."""
     try:
         yield
     except (OSError, RuntimeError, ValueError) as error:

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from kg.store import layout as layouts
+from kg.store.failure import remote_refusal
 from kg.store.locks import remove_unused, writer
 from kg.store.snapshot import EmbeddedSnapshot
 from kg.store.transaction import EmbeddedTransaction
@@ -43,11 +44,16 @@ class EmbeddedStore:
         return cls(layouts.create(root))
 
     def read(self) -> EmbeddedSnapshot:
-        """Return the current content; a context manager that closes it.
+        """Return the content in force; a context manager, closed at the end of its `with` statement.
 
         Raises:
-            StoreError: KG301 without data, KG303 damaged, KG305 unknown layout.
+            StoreError: KG301 without data, KG303 damaged, KG305 of another layout, KG225 for an address of a server
+                that cannot be used.
         """
+        if self.layout.address is not None:
+            from kg.store.remote_reading import RemoteReading  # noqa: PLC0415 - most stores are folders
+
+            return RemoteReading(self.layout)
         return EmbeddedSnapshot(self.layout)
 
     @contextmanager
@@ -55,9 +61,11 @@ class EmbeddedStore:
         """Begin a transaction; `command` is the running command in errors of other writers.
 
         Raises:
-            StoreError: KG302 while another process writes, KG304 if the disk fills up, KG306 if the folder
-                is not writable, KG303 and KG305 as `read`.
+            StoreError: KG302 while another process writes, KG304 when the disk fills up, KG306 when the folder
+                cannot be written, KG309 for one on a server, KG303 and KG305 as `read`.
         """
+        if self.layout.address is not None:
+            raise remote_refusal(self.layout.address)
         with writer(self.layout, command):
             remove_unused(self.layout)
             transaction = EmbeddedTransaction(self.layout)

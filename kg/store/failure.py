@@ -10,6 +10,7 @@ import errno
 import os
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, TypeGuard
+from urllib.parse import urlsplit, urlunsplit
 
 from kg.errors import Place, StoreError
 
@@ -43,6 +44,18 @@ def store_error(error: OSError | RuntimeError, path: str) -> StoreError:
     if number in _NO_FOLDER:
         return StoreError("KG306", "it is a file, and a store is a folder", place=Place(path), hint=_ANOTHER)
     return StoreError("KG303", text, place=Place(path), hint="Run `kg doctor`, or build the store again.")
+
+
+def remote_refusal(address: str) -> StoreError:
+    """Return the error of a command that does not support a SPARQL server."""
+    hint = "Use a store of this machine; `kg pull` makes one of a published graph."
+    return StoreError("KG309", "the command does not work on a SPARQL server", place=Place(shown(address)), hint=hint)
+
+
+def shown(address: str) -> str:
+    """Return an address without credentials and without parameters, which may hold keys."""
+    parts = urlsplit(address)
+    return urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, "", ""))
 
 
 @contextmanager

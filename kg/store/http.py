@@ -19,9 +19,10 @@ from urllib.error import HTTPError, URLError
 from urllib.parse import unquote, urlencode, urlsplit, urlunsplit
 
 from kg.errors import Place, StoreError
+from kg.store.failure import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Sequence
 
 _ATTEMPTS: Final = 4
 _FIRST_PAUSE: Final = 0.1
@@ -64,8 +65,7 @@ class Endpoint:
         self._from_environment = from_environment
         parts = urlsplit(address)
         host = parts.netloc.rpartition("@")[2]
-        self.shown = urlunsplit((parts.scheme, host, parts.path, "", ""))
-        """Address for messages, without credentials and without parameters, which may contain keys."""
+        self.shown = shown(address)
         if parts.scheme not in {"http", "https"} or not host:
             hint = "Give an address such as http://localhost:7878/query."
             raise StoreError("KG225", "this is not the address of a server", place=Place(self.shown), hint=hint)
@@ -107,7 +107,9 @@ class Endpoint:
         except (OSError, HTTPException) as error:
             raise self._unreachable(error, self.timeout) from error
 
-    def post(self, fields: Mapping[str, str], *, accept: str = _ANYTHING, timeout: float | None = None) -> Answer:
+    def post(
+        self, fields: Sequence[tuple[str, str]], *, accept: str = _ANYTHING, timeout: float | None = None
+    ) -> Answer:
         """Send the fields of a form, which every server accepts, and return the response.
 
         Virtuoso hangs on a body that is a plain query, the alternative of the protocol. A request with `accept` is a

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
 from kg.errors import Place, StoreError
-from kg.store.failure import translated
+from kg.store.failure import shown, translated
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,11 +34,28 @@ LAYOUT: Final = 1
 """Version of this layout; a store of another version is refused (KG305)."""
 
 
+PATIENT: Final = 3600.0
+"""How many seconds a server may be silent where queries have no deadline."""
+
+
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Paths of one store; `root` is the `.kg` folder itself."""
+    """The paths of one store; `root` is the `.kg` folder itself.
+
+    With an `address` the data is on a SPARQL server. The folder has its cache, and a pointer whose number changes
+    when the data of the server does (`kg.store.following`). It never comes from a file: a folder that somebody else
+    made cannot name a server.
+    """
 
     root: Path
+    address: str | None = None
+    silence: float = PATIENT
+    """How many seconds the server may be silent."""
+
+    @property
+    def name(self) -> str:
+        """The address of the server that has the data, without what may be secret, else the folder."""
+        return str(self.root) if self.address is None else shown(self.address)
 
     @property
     def pointer(self) -> Path:
@@ -99,6 +116,8 @@ class Layout:
     def in_force(self) -> int | None:
         """Return the current generation, None if there is none or its data is gone; raises as `current`."""
         number = self.current()
+        if self.address is not None:
+            return number
         while number is not None and not self.generation(number).is_dir():
             # A writer may have replaced and deleted this generation after the pointer was read.
             missing, number = number, self.current()

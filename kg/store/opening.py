@@ -10,27 +10,30 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.errors import StoreError, UsageError
+    from kg.errors import UsageError
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.layout import Layout
     from kg.store.snapshot import EmbeddedSnapshot
 
-_PATIENT_SECONDS: Final = 3600.0
-"""How long a server may be silent if queries have no deadline, in seconds."""
+_SERVERS: Final[dict[str, Layout]] = {}
+"""The layouts of servers, by their address; each has a folder of this process or of the one that started it."""
 
 
 def layout_of(settings: Settings) -> Layout:
-    """Return the layout of the selected store; StoreError KG301 if there is none, KG309 for one on a server.
+    """Return the layout of the store in force; StoreError KG301 if there is none.
 
-    Does not load the engine.
+    No engine is loaded. That of a server has a folder of its own for its cache, which ends with the process;
+    UsageError KG002 where a file of settings names it.
     """
-    from kg.store.layout import FOLDER, Layout, find  # noqa: PLC0415 - start-up time
+    from kg.store.layout import FOLDER, PATIENT, Layout, find  # noqa: PLC0415 - start-up time
 
     if settings.store is None:
         return find(Path.cwd())
     if isinstance(settings.store, str):
-        raise remote_refusal(settings.store)
+        if settings.origin("store").kind == "file":
+            raise _named_by_a_file(settings)
+        return replace(_on_server(settings.store), silence=settings.timeout or PATIENT)
     inner = settings.store / FOLDER
     root = inner if inner.is_dir() else settings.store
     if not root.is_dir():
@@ -40,12 +43,27 @@ def layout_of(settings: Settings) -> Layout:
     return Layout(root.absolute())
 
 
-def remote_refusal(address: str) -> StoreError:
-    """Return the error of a command that does not support a SPARQL server."""
-    from kg.errors import Place, StoreError  # noqa: PLC0415 - only in this branch
+def take_layout(layout: Layout) -> None:
+    """Use a layout that another process made for the server that has its data, here from now on."""
+    if layout.address is not None:
+        _SERVERS[layout.address] = layout
 
-    hint = "Use a store of this machine; `kg pull` makes one of a published graph."
-    return StoreError("KG309", "the command does not work on a SPARQL server", place=Place(address), hint=hint)
+
+def _on_server(address: str) -> Layout:
+    """Return the layout for a server, the same each time; its folder is temporary."""
+    if address in _SERVERS:
+        return _SERVERS[address]
+    import atexit  # noqa: PLC0415 - most stores are folders
+    import tempfile  # noqa: PLC0415 - the same
+
+    from kg.store.layout import Layout  # noqa: PLC0415 - start-up time
+
+    folder = tempfile.TemporaryDirectory(prefix="kg-")
+    atexit.register(folder.cleanup)
+    layout = Layout(Path(folder.name), address)
+    layout.cache.mkdir()
+    _SERVERS[address] = layout
+    return layout
 
 
 def _named_by_a_file(settings: Settings) -> UsageError:
@@ -55,6 +73,19 @@ def _named_by_a_file(settings: Settings) -> UsageError:
     origin = settings.origin("store")
     hint = "Name the server with --store or KG_STORE."
     return UsageError("KG002", "kg.toml cannot name a server as the store", place=origin.place, hint=hint)
+
+
+def mirrored(settings: Settings) -> Settings:
+    """Return the settings with a store of this machine in the place of a server, whose data that store mirrors.
+
+    It is in the user's folder for caches, and made where it is missing.
+    """
+    import hashlib  # noqa: PLC0415 - most stores are folders
+
+    from kg.store.layout import create, user_cache  # noqa: PLC0415 - start-up time
+
+    name = hashlib.blake2b(str(settings.store).encode(), digest_size=8).hexdigest()
+    return replace(settings, store=create(user_cache() / "servers" / name).root)
 
 
 def existing(settings: Settings) -> EmbeddedStore:
@@ -69,24 +100,12 @@ def reading(settings: Settings) -> EmbeddedSnapshot:
 
     The store may be a server named by the settings.
     """
-    if isinstance(settings.store, str):
-        from kg.store.remote_reading import RemoteReading  # noqa: PLC0415 - most stores are folders
-
-        if settings.origin("store").kind == "file":
-            raise _named_by_a_file(settings)
-        return RemoteReading(settings.store, timeout=settings.timeout or _PATIENT_SECONDS)
     return existing(settings).read()
 
 
 @contextmanager
 def reading_with_cache(settings: Settings) -> Iterator[tuple[EmbeddedSnapshot, Path]]:
-    """Yield the current content of the selected store and the folder of its cache, which is temporary for a server."""
-    if isinstance(settings.store, str):
-        import tempfile  # noqa: PLC0415 - only in this branch
-
-        with tempfile.TemporaryDirectory(prefix="kg-") as folder, reading(settings) as snapshot:
-            yield snapshot, Path(folder)
-        return
+    """Yield the content of the store in force and the folder of its cache."""
     store = existing(settings)
     with store.read() as snapshot:
         yield snapshot, store.layout.cache
@@ -106,6 +125,8 @@ def reading_all(settings: Settings, stores: Sequence[str]) -> Iterator[EmbeddedS
 
     for name in stores:
         if "://" in name:
+            from kg.store.failure import remote_refusal  # noqa: PLC0415 - start-up time
+
             raise remote_refusal(name)
     with ExitStack() as stack:
         opened = [stack.enter_context(reading(replace(settings, store=Path(name).expanduser()))) for name in stores]

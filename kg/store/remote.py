@@ -36,7 +36,7 @@ from kg.errors import GraphError, Place, SourceError, StoreError
 from kg.store.http import Answer, Endpoint
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
     from types import TracebackType
 
@@ -135,15 +135,18 @@ _MAKES_TRIPLES: Final = re.compile(
 class RemoteStore:
     """A SPARQL 1.1 server; see `kg.store.interface.QuadStore`.
 
-    The address for updates is by default that for queries. `timeout` is how long the server may be silent, in seconds.
+    Without an address for updates the one for queries takes them too. `timeout` is how many seconds the server may
+    be silent, `from_environment` that of `kg.store.http.Endpoint`.
 
     Raises:
-        StoreError: KG225 if the scheme of an address is not http or https; also for each failed call.
+        StoreError: KG225 when an address is not one of http or https; so does every call that fails.
     """
 
-    def __init__(self, query_url: str, update_url: str | None = None, *, timeout: float = 60.0) -> None:
-        self._queries = Endpoint(query_url, timeout=timeout)
-        self._updates = Endpoint(update_url or query_url, timeout=timeout)
+    def __init__(
+        self, query_url: str, update_url: str | None = None, *, timeout: float = 60.0, from_environment: bool = False
+    ) -> None:
+        self._queries = Endpoint(query_url, timeout=timeout, from_environment=from_environment)
+        self._updates = Endpoint(update_url or query_url, timeout=timeout, from_environment=from_environment)
         self._one_address = update_url in {None, query_url}
 
     @property
@@ -166,7 +169,7 @@ class RemoteStore:
     def update(self, text: str, *, timeout: float | None = None) -> None:
         """Send one SPARQL Update request now; never retried."""
         try:
-            self._updates.post({"update": text}, timeout=timeout)
+            self._updates.post([("update", text)], timeout=timeout)
         except StoreError as error:
             if self._one_address and re.search(_REFUSED, error.message):
                 hint = "This address takes queries only; name the one for updates too, with --update-url."
@@ -186,21 +189,25 @@ class RemoteSnapshot:
         """A new identifier for each snapshot, as a server does not report changes of its content."""
         return self._identity
 
-    def query(
+    def query(  # noqa: PLR0913 - what the protocol has
         self,
         text: str,
         *,
         prefixes: Mapping[str, str] | None = None,
         union: bool = True,
         timeout: float | None = None,
+        default_graphs: Sequence[NamedNode] = (),
+        named_graphs: Sequence[NamedNode] = (),
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
-        """Run a SPARQL query.
+        """Run a SPARQL query; graphs named here are its data set (SPARQL 1.1 Protocol, section 2.1.4).
 
-        The protocol has no parameter for `union`. Most servers always use it; Oxigraph has a parameter of its own,
-        which is sent; Fuseki has a setting of the dataset (`unionDefaultGraph`).
+        The protocol has no word for `union`: most servers have it always, Oxigraph takes a parameter of its own,
+        which is sent, and Fuseki a setting of the data set (`unionDefaultGraph`).
         """
         declared = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in (prefixes or {}).items())
-        fields = {"query": declared + text} | ({"union-default-graph": "true"} if union else {})
+        fields = [("query", declared + text), *([("union-default-graph", "true")] if union else [])]
+        fields += [("default-graph-uri", graph.value) for graph in default_graphs]
+        fields += [("named-graph-uri", graph.value) for graph in named_graphs]
         accept = _TRIPLES if _MAKES_TRIPLES.match(text) else _ROWS
         answer = self._endpoint.post(fields, accept=accept, timeout=timeout)
         found = self._parsed(answer)

@@ -1,10 +1,10 @@
-"""A SPARQL server with the interface of a snapshot, for read-only commands.
+"""A SPARQL server with the interface of a snapshot, by queries, for commands that only read.
 
-    with RemoteReading("https://example.org/query") as snapshot: ...
+    with RemoteReading(Layout(folder, "https://example.org/query")) as snapshot: ...
 
-The default graph of a server is not read: servers disagree about whether it is the union of the others, and all graphs
-of `kg` are named. Blank nodes of a response cannot be used in later queries, so looking one up is refused. Credentials
-come from the environment (`kg.store.http`).
+The unnamed graph of a server is not read: servers disagree about whether it is the union of the others, and graphs of
+`kg` are all named. Blank nodes of a response cannot be named in the next query, so a look-up of one is refused.
+Credentials come from the environment (`kg.store.http`).
 """
 
 from __future__ import annotations
@@ -35,36 +35,35 @@ from kg.store.snapshot import EmbeddedSnapshot
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from kg.store.layout import Layout
     from kg.store.terms import Term
 
-_GRAPH: Final = re.compile(r"\bGRAPH\b", re.IGNORECASE)
+_EVERY_GRAPH: Final = re.compile(r"\bGRAPH\s+(\?\w+)\s*\{\s*\}", re.IGNORECASE)
+_NAMES_GRAPHS: Final = re.compile(r"\b(?:GRAPH|FROM)\b", re.IGNORECASE)
 
 
 class RemoteReading(EmbeddedSnapshot):
-    """Content of a SPARQL server; unlike that of the embedded store, it may change while it is read.
-
-    `timeout` is how long the server may be silent, in seconds.
+    """The content of a SPARQL server, whose address the layout has; unlike the embedded store's it is not held still.
 
     Raises:
-        StoreError: KG225 for an address with credentials or another scheme than http or https; also for each failed
-            request.
+        StoreError: KG225 for an address that is not one of http or https, or has credentials in it; so does every
+            request that fails.
     """
 
-    def __init__(self, address: str, *, timeout: float = 60.0) -> None:
-        if urlsplit(address).username is not None:
-            hint = "Set KG_REMOTE_USER and KG_REMOTE_PASSWORD, or KG_REMOTE_TOKEN, and leave them out of the address."
-            place = Place(urlsplit(address).hostname or "")
-            raise StoreError("KG225", "credentials do not belong on the command line", place=place, hint=hint)
-        self.layout = None
-        self.generation, self._handle = 0, -1
-        self._remote = RemoteSnapshot(Endpoint(address, timeout=timeout, from_environment=True))
+    def __init__(self, layout: Layout) -> None:
+        address = layout.address or ""
+        without_credentials(address)
+        self.layout = layout
+        self._followed = layout.current()
+        self.generation, self._handle = self._followed or 0, -1
+        self._remote = RemoteSnapshot(Endpoint(address, timeout=layout.silence, from_environment=True))
         self._graphs: list[NamedNode] | None = None
         self._place = Place(address)
 
     @property
     def identity(self) -> str:
-        """A new identifier for each snapshot, as a server does not report changes of its content."""
-        return self._remote.identity
+        """The number in force where somebody follows the server (`kg.store.following`), else a new one each time."""
+        return self._remote.identity if self._followed is None else str(self._followed)
 
     @property
     def engine(self) -> Store:
@@ -85,18 +84,25 @@ class RemoteReading(EmbeddedSnapshot):
         """Run a SPARQL query; see `EmbeddedSnapshot.query`.
 
         Raises:
-            StoreError: KG225 if the server does not respond, KG309 for blank nodes and given datasets.
-            SyntaxError: invalid SPARQL.
+            StoreError: KG225 when the server does not answer, KG309 for blank nodes.
+            SyntaxError: the query is not SPARQL.
         """
-        if default_graphs is not None or named_graphs is not None:
-            raise self._unsupported("the query names a data set")
         whole = self._substituted(text, substitutions or {})
         known = dict(prefixes or {})
-        if not union and not _GRAPH.search(whole):
+        given = default_graphs is not None or named_graphs is not None
+        if not union and not given and not _NAMES_GRAPHS.search(whole):
             return Store().query(whole, prefixes=known, base_iri=base)
         _check(whole, known, base)
+        if not given:
+            whole = _EVERY_GRAPH.sub(self._named, whole)
         declared = f"BASE <{base}>\n" if base else ""
-        return self._remote.query(declared + whole, prefixes=_used(whole, known), union=union)
+        return self._remote.query(
+            declared + whole,
+            prefixes=_used(whole, known),
+            union=union and not given,
+            default_graphs=default_graphs or (),
+            named_graphs=named_graphs or (),
+        )
 
     def graphs(self) -> list[NamedNode]:
         """Return the names of all named graphs, sorted; cached after the first call."""
@@ -116,11 +122,15 @@ class RemoteReading(EmbeddedSnapshot):
         for graph in self.graphs():
             yield from self._remote._quads(graph)  # noqa: SLF001 - the other half of this class
 
+    def rows(self, text: str) -> QuerySolutions:
+        """Run a SELECT that names all its graphs."""
+        return self._remote.rows(text)
+
     def table(self, select: str, graph: NamedNode | None) -> bytes:
         """Return the rows of a SELECT over one graph, as `kg.store.bulk.table`."""
         if graph is None:
             return b""
-        rows = cast("QuerySolutions", self.query(select.replace("WHERE {", f"FROM {graph} WHERE {{", 1)))
+        rows = cast("QuerySolutions", self.query(select.replace("WHERE {", f"FROM {graph} WHERE {{", 1), union=False))
         text = cast("bytes", rows.serialize(format=QueryResultsFormat.TSV))
         return text[text.index(b"\n") + 1 :]
 
@@ -143,6 +153,10 @@ class RemoteReading(EmbeddedSnapshot):
     def close(self) -> None:
         """Do nothing, as nothing is open."""
 
+    def _named(self, match: re.Match[str]) -> str:
+        """Return the names of all graphs, for a pattern that servers match with none of them (Virtuoso)."""
+        return f"VALUES {match[1]} {{ {' '.join(map(str, self.graphs()))} }}"
+
     def _substituted(self, text: str, given: Mapping[Variable, Term]) -> str:
         """Return an internal query with terms substituted for variables, in its body and its SELECT clause."""
         head, brace, body = text.partition("{")
@@ -159,6 +173,14 @@ class RemoteReading(EmbeddedSnapshot):
     def _unsupported(self, reason: str) -> StoreError:
         hint = "Use a store of this machine; `kg pull` makes one of a published graph."
         return StoreError("KG309", f"a SPARQL server cannot answer this: {reason}", place=self._place, hint=hint)
+
+
+def without_credentials(address: str) -> None:
+    """Raise StoreError KG225 for an address with credentials in it."""
+    if urlsplit(address).username is not None:
+        hint = "Set KG_REMOTE_USER and KG_REMOTE_PASSWORD, or KG_REMOTE_TOKEN, and leave them out of the address."
+        place = Place(urlsplit(address).hostname or "")
+        raise StoreError("KG225", "credentials do not belong on the command line", place=place, hint=hint)
 
 
 def _used(text: str, prefixes: Mapping[str, str]) -> dict[str, str]:

@@ -11,7 +11,6 @@ from kg.symbolic import form
 from kg.symbolic.names import OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.parameters import with_parameter
 from kg.symbolic.values import (
-    OUTSIDE,
     Enumerator,
     Mapping,
     Number,
@@ -20,6 +19,7 @@ from kg.symbolic.values import (
     Text,
     Unknown,
     Value,
+    is_foreign,
     join,
     options,
 )
@@ -105,16 +105,13 @@ def element(of: Value, key: Value) -> Value:
             return _some(of) if of.open else Unknown("the list is empty")
         return join(*of.items)
     if isinstance(of, Mapping):
-        if isinstance(key, Text) and key.known is not None:
-            found = [value for own, value in of.items if isinstance(own, Text) and own.known == key.known]
-        elif isinstance(key, Number):
-            found = [value for own, value in of.items if isinstance(own, Number) and own.value == key.value]
-        elif isinstance(key, Enumerator) or _is_foreign(key, of):
-            found = [value for own, value in of.items if own == key]
-        else:
-            found = [value for _, value in of.items]
+        same = [(_same(key, own), value) for own, value in of.items]
+        found = [value for equal, value in same if equal]
+        plain = isinstance(key, Number) or (isinstance(key, Text) and key.known is not None)
+        if not found and not plain and any(equal is None for equal, _ in same):
+            found = [value for equal, value in same if equal is None]
             choice = (tuple(own for own, _ in of.items), key) if getattr(key, "parameter", None) else object()
-            return options(found, choice) if found else Unknown("the map is empty")
+            return options(found, choice)
         return join(*found) if found else Unknown("the map has no such key")
     if isinstance(of, Text) and of.parts[0] in _NAMESPACES and isinstance(key, Number) and key.value == 0:
         return Text.of("/")
@@ -124,10 +121,28 @@ def element(of: Value, key: Value) -> Value:
     return Unknown("the elements of the container are not known")
 
 
-def _is_foreign(key: Value, of: Mapping) -> bool:
-    """Check whether a key of a map is a constant of code outside of the build, which its name tells from others."""
-    foreign = isinstance(key, Unknown) and key.reason.endswith(OUTSIDE) and "(" not in key.reason
-    return foreign and any(own == key for own, _ in of.items)
+def _same(key: Value, own: Value) -> bool | None:
+    """Check whether two keys of a map are equal; None if they can be."""
+    if isinstance(key, Sequence) and isinstance(own, Sequence) and not key.open and not own.open:
+        parts = [_same(one, other) for one, other in zip(key.items, own.items, strict=False)]
+        if False in parts or len(key.items) != len(own.items):
+            return False
+        return None if None in parts else True
+    if isinstance(key, Text) and isinstance(own, Text):
+        return key.known == own.known if key.known is not None and own.known is not None else None
+    if isinstance(key, Number) and isinstance(own, Number):
+        return key.value == own.value
+    if isinstance(key, Enumerator) and isinstance(own, Enumerator):
+        return key.name == own.name
+    if is_foreign(key) and is_foreign(own):
+        return key == own
+    return False if {type(key), type(own)} == {Text, Number} else None
+
+
+def _is_key(key: Value, own: Value) -> bool:
+    """Check whether a key of a map is surely another one. Two that are unknown for one reason can differ."""
+    found = _same(key, own)
+    return found if found is not None else own == key and not isinstance(key, Unknown | Text | Sequence)
 
 
 def with_element(of: Value, key: Value, value: Value) -> Value:
@@ -139,8 +154,9 @@ def with_element(of: Value, key: Value, value: Value) -> Value:
     if isinstance(of, Sequence) and of.repeated and not isinstance(key, Number):
         return replace(of, items=(*of.items, value) if value not in of.items else of.items)
     if isinstance(of, Mapping):
-        pairs = tuple((key, value) if own == key else (own, held) for own, held in of.items)
-        added = () if any(own == key for own, _ in pairs) else ((key, value),)
+        same = [_is_key(key, own) for own, _ in of.items]
+        pairs = tuple((key, value) if equal else pair for equal, pair in zip(same, of.items, strict=True))
+        added = () if True in same or (key, value) in pairs else ((key, value),)
         return replace(of, items=(*pairs, *added), parameter=None)
     if isinstance(of, Sequence) and not of.items:
         return Mapping(((key, value),))

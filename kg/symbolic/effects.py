@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
@@ -54,6 +55,9 @@ if TYPE_CHECKING:
 
 _PARAMETER_TYPE: Final = "PARAMETER_"
 """How the types of parameters begin in C++: `rclcpp::ParameterType::PARAMETER_STRING`."""
+_PARAMETER_TYPES: Final = re.compile(
+    rf"{_PARAMETER_TYPE}(?:NOT_SET|BYTE_ARRAY|(?:BOOL|INTEGER|DOUBLE|STRING)(?:_ARRAY)?)"
+)
 _NODES: Final = ("node", "handle")
 _OF_NODES: Final = frozenset({"create_publisher", "create_subscription", "create_service", "create_client"})
 """Methods that only nodes of ROS 2 have."""
@@ -188,7 +192,7 @@ class Framework:
     def constant(self, names: tuple[str, ...]) -> Value | None:
         """Return a constant of a framework: quality of service, a duration, the type of a parameter."""
         name = names[-1]
-        if names[0] == "rclcpp" and name.startswith(_PARAMETER_TYPE):
+        if (names[0] == "rclcpp" or len(names) == 1) and _PARAMETER_TYPES.fullmatch(name):
             return TypeValue(Kind(("Type", name.removeprefix(_PARAMETER_TYPE))))
         if name in qos.PROFILES:
             return qos.rmw_profile(qos.PROFILES[name])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Final
 
 from kg.symbolic.values import Kind, TypeValue
@@ -39,6 +40,8 @@ POINTER_ALIASES: Final = frozenset(
     }
 )
 """Types within a class that point to it: `Image::SharedPtr`."""
+POINTER_NAME: Final = re.compile(r"(?:Const)?(?:Shared|Unique|Weak)?Ptr$")
+"""The end of names that macros, such as `MOVEIT_CLASS_FORWARD`, and generators give to pointers to a class."""
 _DEEPEST: Final = 6
 
 

@@ -26,6 +26,7 @@ from kg.symbolic.values import (
     alternatives,
     as_text,
     concatenate,
+    is_foreign,
     join,
     number,
     over,
@@ -218,6 +219,8 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
             holds = Truth(False) if left == NULL else truth(left) if isinstance(left, Object) else Truth(True)
             return Truth(holds.value == (sign == "!=")) if isinstance(holds, Truth) else holds
         if isinstance(left, (Enumerator, TypeValue)) and type(left) is type(right):
+            return Truth((left == right) == (sign == "=="))
+        if is_foreign(left) and is_foreign(right):
             return Truth((left == right) == (sign == "=="))
         if isinstance(left, Sequence) and isinstance(right, Sequence):
             return _alike(left, right, sign)

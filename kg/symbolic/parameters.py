@@ -9,6 +9,7 @@ from kg.facts import Access, Resolution
 from kg.symbolic.names import EMPTY, NODE_NAME, OWN_NAMESPACE, below, namespace_of
 from kg.symbolic.values import (
     Either,
+    Enumerator,
     Guard,
     Kind,
     Mapping,
@@ -103,7 +104,7 @@ class Parameters:
         value = _value(default, known, before, shown)
         kind = stated or _type(template, default, before)
         if kind is None:
-            declared = call.declared(effect.output, language)
+            declared = call.declared(effect.output, language) or call.declared(effect.default, language)
             kind = ros_type(declared) if declared is not None else next(iter(effect.types), None)
         if _is_dynamic(call.argument(effect.descriptor)):
             kind = None
@@ -152,7 +153,7 @@ def with_parameter(value: Value, name: str | None) -> Value:
         return join(*(with_parameter(item, name) for item in value.items))
     if isinstance(value, Text):
         return replace(value, parameter=name, resolution=worse(value.resolution, Resolution.PARAMETER_DEFAULT))
-    if isinstance(value, (Number, Truth, Sequence, Mapping)):
+    if isinstance(value, (Number, Truth, Enumerator, Sequence, Mapping)):
         return replace(value, parameter=name)
     if isinstance(value, Guard):
         return Unknown("it depends on a parameter", name)

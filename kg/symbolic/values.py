@@ -8,6 +8,7 @@ An unknown part is a hole in a text, or `Unknown` with its reason; nothing is gu
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field, replace
 from itertools import islice, product, repeat
 from operator import is_
@@ -94,9 +95,10 @@ class Truth:
 
 @dataclass(unsafe_hash=True, slots=True)
 class Enumerator:
-    """A constant of an enumeration of the sources, by its name."""
+    """A constant of an enumeration of the sources, by its name; one that is a parameter's default decides nothing."""
 
     name: str
+    parameter: str | None = None
 
 
 @dataclass(unsafe_hash=True, slots=True)
@@ -212,8 +214,15 @@ class Unknown:
 
 OUTSIDE: Final = "is not in the sources that were read"
 """How the reason of a name or a function ends that is not in the build."""
+_CONSTANT: Final = re.compile(rf"(?:\w+(?:::|\.))*(?:[A-Z]|k[A-Z])\w* {OUTSIDE}\Z")
+"""The reason of a name outside of the build that is written as constants are: `VENDOR_IMU`, `Mode::kAuto`."""
 LENGTH: Final = Unknown("a loop fills the list")
 """The length of a list that a loop fills as often as is not known; it can be any number."""
+
+
+def is_foreign(value: Value) -> bool:
+    """Check whether a value is a constant of code outside of the build, which its name tells from others."""
+    return isinstance(value, Unknown) and _CONSTANT.match(value.reason) is not None
 
 
 @dataclass(unsafe_hash=True, slots=True)

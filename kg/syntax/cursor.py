@@ -1,4 +1,4 @@
-"""The place in a rule's text that its parser has come to: tokens, names in force, and errors with their place."""
+"""The cursor of a rule parser: its tokens, declared names, and errors with their places."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
 MAX_NESTING: Final = 100
-"""How deep brackets may nest: far more than anyone writes, and few enough for every reader that recurses."""
+"""Maximum nesting of brackets: more than anyone writes, and safe for recursive code."""
 
 _LONG: Final = 40
 
@@ -28,7 +28,7 @@ class Cursor:
     """Reads tokens from left to right; `token` is the next one, `consumed` are those read."""
 
     def __init__(self, text: str, path: str, *, prefixes: Mapping[str, str], base: str | None = None) -> None:
-        """Take the text with any ends of lines; `path` is what errors name."""
+        """Normalise the line ends of a text; `path` is its name in errors."""
         self.text = normalise(text)
         self.path = path
         self.prefixes = dict(prefixes)
@@ -42,50 +42,50 @@ class Cursor:
             self._stem += "g"
 
     def advance(self) -> Token:
-        """Read one token and return it."""
+        """Consume one token and return it."""
         token = self.token
         self.consumed.append(token)
         self.token = as_written(token_at(self.text, token.end))
         return token
 
     def at(self, *signs: str) -> bool:
-        """Tell whether the next token is one of these signs."""
+        """Return whether the next token is one of these signs."""
         return self.token.kind is Kind.SIGN and self.token.text in signs
 
     def at_word(self, *words: str) -> bool:
-        """Tell whether the next token is one of these keywords, given in upper case."""
+        """Return whether the next token is one of these keywords, given in upper case."""
         return self.token.kind is Kind.WORD and self.token.text.upper() in words
 
     def at_end(self) -> bool:
-        """Tell whether the text is read."""
+        """Return whether all tokens are consumed."""
         return self.at(END)
 
     def accept(self, *signs: str) -> bool:
-        """Read one of these signs where it stands."""
+        """Consume one of these signs if it comes next."""
         if found := self.at(*signs):
             self.advance()
         return found
 
     def accept_word(self, *words: str) -> bool:
-        """Read one of these keywords where it stands."""
+        """Consume one of these keywords if it comes next."""
         if found := self.at_word(*words):
             self.advance()
         return found
 
     def expect(self, sign: str, what: str = "") -> Token:
-        """Read a sign; raise KG201 for anything else."""
+        """Consume a sign; raise KG201 for anything else."""
         if not self.at(sign):
             raise self.expected(f"`{sign}`{what}")
         return self.advance()
 
     def expect_word(self, word: str) -> Token:
-        """Read a keyword; raise KG201 for anything else."""
+        """Consume a keyword; raise KG201 for anything else."""
         if not self.at_word(word):
             raise self.expected(f"`{word}`", [word])
         return self.advance()
 
     def expected(self, what: str, known: Iterable[str] = ()) -> RuleError:
-        """Return the error that the next token is not what has to stand here; `known` are names it may stand for."""
+        """Return the error for an unexpected token; `known` are names for suggestions."""
         meant = similar(self.token.text, known) if self.token.kind is Kind.WORD else ()
         message = f"expected {what}, found {self._found()}"
         return self.error(message, self.token.start, hint=asked(meant), fixes=map(Fix, meant))
@@ -113,12 +113,12 @@ class Cursor:
         return f"`{text if len(text) <= _LONG else text[:_LONG] + '...'}`"
 
     def span(self, start: int) -> Span:
-        """Return the span from an offset to the end of what was read."""
+        """Return the span from an offset to the last consumed token."""
         return Span(start, self.consumed[-1].end if self.consumed else start)
 
     @contextmanager
     def nested(self) -> Iterator[None]:
-        """Count one more level of nesting; raise KG201 when there are too many."""
+        """Enter a nesting level; raise KG201 if there are too many."""
         self._depth += 1
         if self._depth > MAX_NESTING:
             raise self.error(f"the rule nests deeper than {MAX_NESTING}", self.token.start)
@@ -126,22 +126,22 @@ class Cursor:
         self._depth -= 1
 
     def fresh(self) -> str:
-        """Return the label of a blank node that the text does not have."""
+        """Return an unused label of a blank node."""
         self._made += 1
         return f"{self._stem}{self._made}"
 
     def at_iri(self) -> bool:
-        """Tell whether the next token is an IRI or a prefixed name."""
+        """Return whether the next token is an IRI or a prefixed name."""
         return is_name(self.token)
 
     def iri(self, what: str = "an IRI") -> NamedNode:
-        """Read an IRI or a prefixed name."""
+        """Parse an IRI or a prefixed name."""
         if not self.at_iri():
             raise self.expected(what)
         return self.named(self.advance())
 
     def named(self, token: Token) -> NamedNode:
-        """Return the IRI that a token stands for; KG201 for an unknown prefix or a relative IRI without a base."""
+        """Return the IRI of a token; KG201 for an unknown prefix or a relative IRI without a base."""
         value = self._written(token) if token.kind is Kind.IRI else self._expanded(token)
         try:
             return NamedNode(value if self.base is None else resolve(self.base, value))
@@ -164,7 +164,7 @@ class Cursor:
         return namespace + unescape_local(local)
 
     def _declaring(self, unknown: Iterable[str]) -> Iterator[Fix]:
-        """Yield the declaration of those of the prefixes that usually stand for a namespace."""
+        """Yield declarations of the well-known prefixes among some prefixes."""
         usual = {**WELL_KNOWN, **PREFIXES}
         wanted = {prefix: usual[prefix] for prefix in unknown if prefix in usual}
         if wanted:
@@ -173,12 +173,12 @@ class Cursor:
             yield Fix(lines, place_at(self.text, at, self.path, at), title)
 
     def _unknown_prefixes(self, first: Token) -> list[str]:
-        """Return the prefixes from a token on that nothing declares, so that they can be mended all at once."""
+        """Return the undeclared prefixes from a token on, so one fix can declare them all."""
         known = set(self.prefixes)
         found = {first.text.partition(":")[0]: None}
         declares = False
         for token in tokens(self.text[first.start :]):
-            # The sign of an assignment in SPARQL 1.2 RL begins like a name with the empty prefix.
+            # `:=` of SPARQL 1.2 RL begins like a name with the empty prefix.
             if token.kind is Kind.NAME and token.text != ":" and not token.text.startswith("_:"):
                 prefix = token.text.partition(":")[0]
                 if declares:
@@ -200,7 +200,7 @@ class Cursor:
         return value
 
     def spelling(self, tokens: list[Token]) -> str:
-        """Return tokens as text: names as IRIs in brackets, comments left out, one space where one belongs."""
+        """Return tokens as text: names as IRIs in brackets, without comments, with minimal spaces."""
         pieces: list[str] = []
         previous: Token | None = None
         for token in tokens:
@@ -218,7 +218,7 @@ class Cursor:
 
 
 def _apart(left: Token, right: Token) -> bool:
-    """Tell whether a space stands between two tokens; words that are operators keep theirs before a bracket."""
+    """Return whether a space is needed between two tokens; word operators keep theirs before a bracket."""
     if left.text in {"(", "!", "^^"} or right.text in {")", ",", "^^"} or right.kind is Kind.TAG:
         return False
     if left.text in {"+", "-"} and right.kind is Kind.NUMBER and left.end == right.start:

@@ -1,4 +1,4 @@
-"""The built-in functions of SPARQL with the number of arguments that each takes."""
+"""The built-in functions of SPARQL with their numbers of arguments."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 Arguments = tuple[int, int | None]
-"""The fewest and the most arguments of a function; None for any number."""
+"""Minimum and maximum number of arguments; None for unlimited."""
 
 AGGREGATES: Final = frozenset({"COUNT", "SUM", "MIN", "MAX", "AVG", "SAMPLE", "GROUP_CONCAT"})
 
@@ -29,7 +29,7 @@ _BY_ARGUMENTS: Final[Mapping[Arguments, str]] = {
 RULE_FUNCTIONS: Final[Mapping[str, Arguments]] = MappingProxyType(
     {name: arguments for arguments, names in _BY_ARGUMENTS.items() for name in names.split()}
 )
-"""Those of SPARQL 1.2 RL (production BuiltInCall), in upper case."""
+"""Functions of SPARQL 1.2 RL (production BuiltInCall), in upper case."""
 
 FUNCTIONS: Final[Mapping[str, Arguments]] = MappingProxyType(
     {
@@ -40,4 +40,4 @@ FUNCTIONS: Final[Mapping[str, Arguments]] = MappingProxyType(
         **dict.fromkeys(("MD5", "SHA1", "SHA256", "SHA384", "SHA512"), (1, 1)),
     }
 )
-"""Those of SPARQL 1.1 (production BuiltInCall) and of its version 1.2, in upper case."""
+"""Functions of SPARQL 1.1 and 1.2 (production BuiltInCall), in upper case."""

@@ -1,10 +1,10 @@
-r"""Cuts SPARQL into tokens: the terminals of SPARQL 1.2 (section 19.8) and of its rule language.
+r"""Lexer of SPARQL: the terminals of SPARQL 1.2 (section 19.8) and of its rule language.
 
-Two readers share them. A parser takes one token at a time (`token_at`) and knows from its grammar whether a `<` begins
-an IRI or compares, and whether `:=` assigns: it calls `as_operator` and `as_assignment` where those may stand. All
-others take the tokens of a whole text, right or wrong (`tokens`), where `<` is told by what stands around it: it is the
-operator behind an operand when the innermost bracket is one of an expression. Elsewhere terms follow each other without
-operators (triples, lists, rows of VALUES). So brackets are told apart by what stands before them.
+It has two uses. A parser reads one token at a time (`token_at`) and knows from its grammar whether a `<` begins an IRI
+or compares, and whether `:=` assigns: it calls `as_operator` and `as_assignment` there. All other code reads the tokens
+of a whole text, valid or not (`tokens`), where the context decides about `<`: it is an operator after an operand if the
+innermost bracket is that of an expression. Elsewhere terms follow each other without operators (triples, lists, rows of
+VALUES). So the kind of a bracket follows from the tokens before it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Kind(Enum):
-    """What a token is."""
+    """The kind of a token."""
 
     IRI = auto()
     STRING = auto()
@@ -38,7 +38,7 @@ class Kind(Enum):
 
 
 class Token(NamedTuple):
-    """A token with the offsets of its first character and of the one behind its last."""
+    """A token with its start and end offsets."""
 
     kind: Kind
     text: str
@@ -47,18 +47,18 @@ class Token(NamedTuple):
 
 
 END: Final = ""
-"""The text of the token behind the last."""
+"""The text of the end token."""
 
 _KEPT: Final = 1024
-"""So many texts are kept in tokens: decomposition asks some twenty times about each expression of a rule."""
+"""Number of texts whose tokens are cached: decomposition reads each expression some twenty times."""
 
-# The characters of names are told by those that are none: the fewer a set has, the sooner it is compiled.
+# Names are defined by excluded characters: smaller sets compile faster.
 _NEVER_ASCII: Final = r"\x00-\x2c./;-@\[-\^`\x7b-\x7f"
 _NEVER: Final = (
     rf"{_NEVER_ASCII}\x80-\u00b6\u00b8-\u00bf\u00d7\u00f7\u037e\u2000-\u200b\u200e-\u203e\u2041-\u206f"
     r"\u2190-\u2bff\u2ff0-\u3000\ud800-\uf8ff\ufdd0-\ufdef\ufffe-\uffff\U000f0000-\U0010ffff"
 )
-"""No name has these, outside of escapes and but for the full stop."""
+"""Characters that names cannot contain, except in escapes and for the full stop."""
 _NEVER_FIRST: Final = rf"{_NEVER}\u00b7\u0300-\u036f\u203f-\u2040"
 _IRI_ESCAPE: Final = r"\\(?:u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8})"
 _IN_LOCAL: Final = r"%[0-9A-Fa-f]{2}|\\[_~.\-!$&'()*+,;=/?\#@%]"
@@ -70,7 +70,7 @@ _ESCAPED: Final = re.compile(rf"(?:[^\\]++|\\[tbnrf\\\"']|{_IRI_ESCAPE})*+")
 
 @lru_cache(maxsize=2)
 def _terminal(*, ascii_only: bool) -> re.Pattern[str]:
-    """Return the expression for a token. For a text in ASCII it is compiled five times as fast."""
+    """Return the pattern of a token. A variant for ASCII texts compiles five times as fast."""
     never, first = (_NEVER_ASCII, _NEVER_ASCII) if ascii_only else (_NEVER, _NEVER_FIRST)
     char, local = f"[^{never}:]", f"(?:[^{never}]|{_IN_LOCAL})"
     return re.compile(
@@ -93,7 +93,7 @@ def _terminal(*, ascii_only: bool) -> re.Pattern[str]:
 
 
 def token_at(text: str, position: int) -> Token:
-    """Return the first token at or behind `position`; one with the text `END` when there is none."""
+    """Return the first token at or after `position`; one with the text `END` at the end."""
     match = _terminal(ascii_only=text.isascii()).match(text, position)
     if match is None or (kind := match.lastgroup) is None:
         return Token(Kind.SIGN, END, len(text), len(text))
@@ -103,7 +103,7 @@ def token_at(text: str, position: int) -> Token:
 
 @lru_cache(maxsize=_KEPT)
 def tokens_of(text: str) -> tuple[Token, ...]:
-    """Return all tokens of a text, as they are where nothing is known of what stands around them."""
+    """Return all tokens of a text, without regard to context."""
     found = []
     token = token_at(text, 0)
     while token.text != END:
@@ -113,19 +113,19 @@ def tokens_of(text: str) -> tuple[Token, ...]:
 
 
 def as_operator(token: Token) -> Token:
-    """Return what an IRI or the beginning of a triple term is where an operator stands: `<` or `<=`."""
+    """Return an IRI or the start of a triple term as an operator, `<` or `<=`."""
     return _cut(token, "<=" if token.text.startswith("<=") else "<") if token.text.startswith("<") else token
 
 
 def as_assignment(token: Token, text: str) -> Token:
-    """Return what the empty prefix is where `:=` stands."""
+    """Return the empty prefix as `:=`."""
     if token.kind is Kind.NAME and text.startswith(":=", token.start):
         return _cut(token, ":=")
     return token
 
 
 def as_written(token: Token) -> Token:
-    """Return the quote alone for a string with an escape that SPARQL does not have."""
+    """Return only the quote of a string with an invalid escape."""
     if token.kind is Kind.STRING and "\\" in token.text and not _ESCAPED.fullmatch(token.text):
         return _cut(token, token.text[0])
     return token
@@ -136,12 +136,12 @@ def _cut(token: Token, sign: str) -> Token:
 
 
 def is_name(token: Token) -> bool:
-    """Tell whether a token stands for an IRI: one in brackets, or a prefixed name."""
+    """Return whether a token is an IRI in brackets or a prefixed name."""
     return token.kind is Kind.IRI or (token.kind is Kind.NAME and not token.text.startswith("_:"))
 
 
 def iri_of(token: Token, prefixes: Mapping[str, str]) -> str | None:
-    """Return the IRI that a name stands for; None for an unknown prefix."""
+    """Return the IRI of a name; None for an unknown prefix."""
     if token.kind is Kind.IRI:
         return token.text[1:-1]
     prefix, _, local = token.text.partition(":")
@@ -149,21 +149,21 @@ def iri_of(token: Token, prefixes: Mapping[str, str]) -> str | None:
 
 
 def quoted(token: Token) -> tuple[int, str]:
-    """Return how many quotes a string has at each end, and what stands between them as it is written."""
+    """Return the number of quotes at each end of a string, and its raw content."""
     quotes = 3 if token.text.startswith(("'''", '"""')) else 1
     return quotes, token.text[quotes:-quotes]
 
 
 def unescape(text: str) -> str:
-    r"""Return the characters that a string or an IRI stands for.
+    r"""Return the unescaped characters of a string or an IRI.
 
-    Raises ValueError when an escape such as `\UFFFFFFFF` or a surrogate is no character.
+    Raises ValueError if an escape, such as `\UFFFFFFFF` or a surrogate, is not a character.
     """
     return _UNESCAPE.sub(_character, text) if "\\" in text else text
 
 
 def unescape_local(name: str) -> str:
-    """Return a local name without the backslashes before its punctuation."""
+    """Return a local name without the backslashes before punctuation."""
     return re.sub(r"\\(.)", r"\1", name) if "\\" in name else name
 
 
@@ -188,19 +188,19 @@ _END_EXPRESSIONS: Final = frozenset({"where", "from", "limit", "offset", "values
 
 @dataclass(slots=True)
 class _Level:
-    """An open bracket: `expression` tells whether operands need operators between them in it."""
+    """An open bracket; `expression` is whether operands in it are separated by operators."""
 
     bracket: str
     expression: bool
 
 
 def normalise(text: str) -> str:
-    """Return `text` with all ends of lines as line feeds, so that lexer and engine agree on where comments end."""
+    """Return `text` with line feeds as line ends, so lexer and engine agree on the ends of comments."""
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def tokens(text: str) -> Iterator[Token]:
-    """Yield the tokens of a normalised text without blanks and comments; nothing is refused here."""
+    """Yield the tokens of a normalised text without whitespace and comments; accepts any text."""
     levels = [_Level("", expression=True)]
     previous: tuple[Token, ...] = ()
     match = _terminal(ascii_only=text.isascii()).match
@@ -218,7 +218,7 @@ def tokens(text: str) -> Iterator[Token]:
 
 
 def _in_context(token: Token, level: _Level, previous: tuple[Token, ...]) -> Token:
-    """Return the operator for a `<` behind an operand, and one character for a bracket that closes nothing open."""
+    """Return a `<` after an operand as an operator, and only one character of an unmatched closing bracket."""
     if token.text.startswith("<"):
         compares = level.expression and level.bracket == "(" and previous and _is_operand(previous[-1])
         return as_operator(token) if compares else token
@@ -233,7 +233,7 @@ def _is_operand(token: Token) -> bool:
 
 
 def _track(token: Token, levels: list[_Level], previous: tuple[Token, ...]) -> None:
-    """Follow brackets and clauses by a sign or a word; they decide where expressions stand."""
+    """Update brackets and clauses by a sign or a word; they decide where expressions are."""
     level = levels[-1]
     if token.kind is Kind.WORD:
         word = token.text.lower()
@@ -252,7 +252,7 @@ def _track(token: Token, levels: list[_Level], previous: tuple[Token, ...]) -> N
 
 
 def _opens_expression(level: _Level, previous: tuple[Token, ...]) -> bool:
-    """Tell whether a `(` in `level`, behind the tokens `previous`, holds an expression (or arguments)."""
+    """Return whether a `(` in `level`, after the tokens `previous`, begins an expression or arguments."""
     if not previous:
         return True
     last = previous[-1]

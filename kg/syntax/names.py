@@ -1,4 +1,4 @@
-"""Names in SPARQL: prefixes that every query may use without declaring them, and relative IRIs (RFC 3986, 5.2)."""
+"""Names in SPARQL: predefined prefixes, and relative IRIs (RFC 3986, 5.2)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PREFIXES: Final = MappingProxyType(
         "hardware": "https://w3id.org/rnkg/hardware#",
     }
 )
-"""Prefix to namespace; a query that declares one of them itself overrides it."""
+"""Namespaces by prefix; a declaration in a query overrides them."""
 
 WELL_KNOWN: Final = MappingProxyType(
     {
@@ -48,7 +48,7 @@ WELL_KNOWN: Final = MappingProxyType(
         "wgs84": "http://www.w3.org/2003/01/geo/wgs84_pos#",
     }
 )
-"""Prefixes that a text must declare, with the namespace that they usually stand for."""
+"""Well-known prefixes that a text must declare, with their usual namespaces."""
 
 _LOCAL: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 
@@ -60,9 +60,9 @@ def shorten(iri: str, prefixes: Mapping[str, str] = PREFIXES) -> str:
 
 
 def prefixed(iri: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, str] | None:
-    """Return prefix and local name of an IRI, None where no prefix fits without an escape.
+    """Return prefix and local name of an IRI, None if no prefix fits without an escape.
 
-    Of several the one with the longest namespace is taken, the empty prefix only where it has no equal.
+    The longest namespace wins; the empty prefix is used only if no other has the same one.
     """
     fitting = (
         (prefix, iri[len(namespace) :])
@@ -73,14 +73,14 @@ def prefixed(iri: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, str
 
 
 def is_absolute(iri: str) -> bool:
-    """Tell whether an IRI begins with a scheme."""
+    """Return whether an IRI begins with a scheme."""
     return re.match(r"[A-Za-z][A-Za-z0-9+.-]*:", iri) is not None
 
 
 def resolve(base: str, reference: str) -> str:
-    """Return `reference` as an absolute IRI (RFC 3986, 5.2); one that is absolute stays as it is written.
+    """Return `reference` as an absolute IRI (RFC 3986, 5.2); absolute ones are unchanged.
 
-    Raises ValueError for a reference that no IRI comes of.
+    Raises ValueError for an invalid reference.
     """
     if is_absolute(reference):
         return reference

@@ -1,4 +1,4 @@
-"""Parsers of whole files, `.rq`, one SPARQL CONSTRUCT, and `.srl`, SPARQL 1.2 RL; and of the patterns of queries."""
+"""Parsers of rule files, `.rq` (one SPARQL CONSTRUCT) and `.srl` (SPARQL 1.2 RL), and of the patterns of queries."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ _SPARQL: Final = {
 
 
 def parse_rq(text: str, path: str) -> RuleUnit:
-    """Return the rule that a SPARQL CONSTRUCT states; `path` is what errors name.
+    """Return the rule in a SPARQL CONSTRUCT; `path` is its name in errors.
 
-    The prefixes of `kg.syntax.names` are declared already. Raises RuleError: KG201 where the text is not SPARQL,
-    KG209 for what rules may not do (other servers, other data sets, rows in an order or up to a limit).
+    The prefixes of `kg.syntax.names` are predefined. Raises RuleError: KG201 for invalid SPARQL, KG209 for features not
+    allowed in rules (other servers or data sets, ordered or limited rows).
     """
     return _parsed(_Construct(text, path, prefixes=PREFIXES))
 
 
 def parse_srl(text: str, path: str) -> RuleUnit:
-    """Return the rules, data and imports of a rule set of SPARQL 1.2 RL; `path` is what errors name.
+    """Return the rules, data and imports of a rule set of SPARQL 1.2 RL; `path` is its name in errors.
 
-    No prefix is declared already; relative IRIs are relative to the file. Raises RuleError KG201.
+    No prefixes are predefined; relative IRIs are relative to the file. Raises RuleError KG201.
     """
     return _parsed(_RuleSets(text, path, prefixes={}, base=Path(path).absolute().as_uri()))
 
@@ -58,16 +58,16 @@ def _parsed(parser: _Construct | _RuleSets) -> RuleUnit:
 
 @dataclass(frozen=True, slots=True)
 class QueryUnit:
-    """A query: its WHERE clause, and how many EXISTS the text has. DESCRIBE and what follows WHERE are left out."""
+    """A query: its WHERE clause, and the number of EXISTS in it. DESCRIBE and the rest after WHERE are left out."""
 
     group: Group
     exists: int
 
 
 def parse_query(text: str, path: str) -> QueryUnit:
-    """Return the pattern of a SELECT, ASK or CONSTRUCT; the prefixes of `kg.syntax.names` are declared already.
+    """Return the pattern of a SELECT, ASK or CONSTRUCT; the prefixes of `kg.syntax.names` are predefined.
 
-    Raises RuleError: KG201, KG209 for other queries, and for what the grammar of rules lacks.
+    Raises RuleError: KG201, KG209 for other queries, and for features missing from the grammar of rules.
     """
     parser = _Query(text, path, prefixes=PREFIXES)
     try:
@@ -77,10 +77,10 @@ def parse_query(text: str, path: str) -> QueryUnit:
 
 
 class _Construct(Patterns):
-    """Reads a CONSTRUCT query."""
+    """Parser of CONSTRUCT queries."""
 
     def unit(self) -> RuleUnit:
-        """Read the whole text."""
+        """Parse the whole text."""
         self.begin_labels()
         self._prologue()
         rule = self._rule()
@@ -119,14 +119,14 @@ class _Construct(Patterns):
         return RuleText(template, group, asserted=False, span=self.span(start))
 
     def template(self) -> tuple[TriplePattern, ...]:
-        """Read triples in braces whose labels are new blank nodes."""
+        """Parse triples in braces whose labels are new blank nodes."""
         self.expect("{")
         triples = self.triples(Mode.TEMPLATE)
         self.expect("}", " or `.`" if triples else " or triples")
         return tuple(triples)
 
     def _both(self) -> tuple[tuple[TriplePattern, ...], Group]:
-        """Read triples that are template and pattern."""
+        """Parse triples that are both template and pattern."""
         start, first, token = self.token.start, len(self.consumed), self.token
         template = self.template()
         spelt = self.spelling(self.consumed[first:])
@@ -151,10 +151,10 @@ class _Construct(Patterns):
 
 
 class _Query(_Construct):
-    """Reads a query of another form."""
+    """Parser of other query forms."""
 
     def query(self) -> QueryUnit:
-        """Read the whole text."""
+        """Parse the whole text."""
         self.begin_labels()
         self._prologue()
         group = self._pattern()
@@ -192,14 +192,14 @@ class _Query(_Construct):
 
 
 class _RuleSets(Patterns):
-    """Reads rule sets."""
+    """Parser of rule sets."""
 
     functions = RULE_FUNCTIONS
     patterns_in_expressions = False
     sequences_only = True
 
     def unit(self) -> RuleUnit:
-        """Read the whole text."""
+        """Parse the whole text."""
         rules: list[RuleText] = []
         data: list[TriplePattern] = []
         imports: list[NamedNode] = []
@@ -245,7 +245,7 @@ class _RuleSets(Patterns):
         return RuleText(tuple(template), body, asserted, self.span(start), identifier)
 
     def group(self) -> Group:
-        """Read what stands inside NOT: triples and filters."""
+        """Parse the content of NOT: triples and filters."""
         return self._body(_ELEMENTS[:1])
 
     def _body(self, elements: tuple[str, ...]) -> Group:

@@ -1,6 +1,6 @@
-"""Expressions, sub-SELECTs, tables of values and groups (SPARQL 1.2, section 19.8, from GroupGraphPattern on).
+"""Parser of expressions, sub-SELECTs, VALUES and groups (SPARQL 1.2, section 19.8, from GroupGraphPattern on).
 
-Expressions are checked and spelt anew, not made into a tree: the store's engine evaluates them from their text.
+Expressions are checked and respelt, but not parsed to a tree: the store's engine evaluates their text.
 """
 
 from __future__ import annotations
@@ -12,27 +12,11 @@ from pyoxigraph import Literal, NamedNode, Triple
 
 from kg.errors import Fix
 from kg.similar import asked, similar
+from kg.syntax import tree
 from kg.syntax.cursor import MAX_NESTING
 from kg.syntax.functions import AGGREGATES, FUNCTIONS, Arguments
 from kg.syntax.lexer import Kind, as_operator
 from kg.syntax.terms import Term, Variable
-from kg.syntax.tree import (
-    AggregateCall,
-    Bind,
-    Exists,
-    Expression,
-    Filter,
-    GraphBlock,
-    Group,
-    Minus,
-    Node,
-    Optional,
-    Projection,
-    SubSelect,
-    Union,
-    ValuesBlock,
-    visible,
-)
 from kg.syntax.triples import Mode, Triples
 
 if TYPE_CHECKING:
@@ -46,15 +30,15 @@ _KEYWORDS: Final = ("FILTER", "OPTIONAL", "UNION", "MINUS", "BIND", "VALUES", "G
 
 @dataclass(slots=True)
 class _Found:
-    """What an expression has, as far as it is read."""
+    """The content of an expression read so far."""
 
     functions: set[str] = field(default_factory=set)
-    exists: list[Exists] = field(default_factory=list)
-    aggregates: list[AggregateCall] = field(default_factory=list)
+    exists: list[tree.Exists] = field(default_factory=list)
+    aggregates: list[tree.AggregateCall] = field(default_factory=list)
 
 
 class Patterns(Triples):
-    """Reads expressions, sub-SELECTs and groups."""
+    """Parser of expressions, sub-SELECTs and groups."""
 
     functions: Mapping[str, Arguments] = FUNCTIONS
     """The built-in functions of the notation."""
@@ -63,21 +47,21 @@ class Patterns(Triples):
     """Whether the notation has EXISTS."""
 
     aggregates_allowed = False
-    """Whether an aggregate may stand in what is read now."""
+    """Whether aggregates are allowed here."""
 
     def __init__(self, text: str, path: str, *, prefixes: Mapping[str, str], base: str | None = None) -> None:
         super().__init__(text, path, prefixes=prefixes, base=base)
         self._open: list[_Found] = []
 
-    def expression(self) -> Expression:
-        """Read an expression."""
+    def expression(self) -> tree.Expression:
+        """Parse an expression."""
         start, first = self.token.start, len(self.consumed)
         self._open.append(_Found())
         self._operations()
         return self._closed(start, first)
 
-    def constraint(self) -> Expression:
-        """Read what FILTER and HAVING take: an expression in brackets or the call of a function."""
+    def constraint(self) -> tree.Expression:
+        """Parse the argument of FILTER or HAVING: an expression in brackets or a function call."""
         start, first = self.token.start, len(self.consumed)
         self._open.append(_Found())
         if self.at("("):
@@ -89,7 +73,7 @@ class Patterns(Triples):
             self._arguments()
         return self._closed(start, first)
 
-    def _closed(self, start: int, first: int) -> Expression:
+    def _closed(self, start: int, first: int) -> tree.Expression:
         found = self._open.pop()
         tokens = self.consumed[first:]
         grouped = [call.span for call in found.aggregates]
@@ -98,7 +82,7 @@ class Patterns(Triples):
             for token in tokens
             if token.kind is Kind.VARIABLE and not any(span.start < token.start < span.end for span in grouped)
         )
-        return Expression(
+        return tree.Expression(
             self.spelling(tokens),
             tuple(names),
             frozenset(found.functions),
@@ -108,7 +92,7 @@ class Patterns(Triples):
         )
 
     def _operations(self) -> None:
-        """Read operands and the operators between them; how they bind is the engine's to know."""
+        """Parse operands and operators; their precedence is left to the engine."""
         compared = False
         self._operand()
         while True:
@@ -135,7 +119,7 @@ class Patterns(Triples):
         self._arguments()
 
     def _operand(self) -> None:
-        """Read an operand with the signs before it: any number of `!`, or one `-` or `+`."""
+        """Parse an operand with its prefix operators: any number of `!`, or one `-` or `+`."""
         signs = 0
         while self.accept("!"):
             signs += 1
@@ -169,7 +153,7 @@ class Patterns(Triples):
         self.expect(")", " or an operator")
 
     def _called_word(self, what: str) -> None:
-        """Read the call of a built-in function, of an aggregate, or EXISTS."""
+        """Parse a call of a built-in function or aggregate, or EXISTS."""
         name = self.token.text.upper()
         if self.token.kind is not Kind.WORD:
             raise self.expected(what)
@@ -209,7 +193,7 @@ class Patterns(Triples):
             raise self.error(f"{name} takes {takes} argument{'' if takes == '1' else 's'}, not {count}", token.start)
 
     def _arguments(self) -> int:
-        """Read arguments in brackets and return how many there are."""
+        """Parse arguments in brackets and return their number."""
         self.expect("(")
         if self.accept(")"):
             return 0
@@ -226,7 +210,7 @@ class Patterns(Triples):
         negated = self.accept_word("NOT")
         self.expect_word("EXISTS")
         group = self.group()
-        self._open[-1].exists.append(Exists(group, negated, asserted=False, span=self.span(start)))
+        self._open[-1].exists.append(tree.Exists(group, negated, asserted=False, span=self.span(start)))
 
     def _aggregate(self, name: str) -> None:
         start, first = self.token.start, len(self.consumed)
@@ -239,7 +223,7 @@ class Patterns(Triples):
         separator = self._separator() if name == "GROUP_CONCAT" else " "
         self.expect(")")
         text = self.spelling(self.consumed[first:])
-        call = AggregateCall(name, argument, distinct, separator, self.span(start), text)
+        call = tree.AggregateCall(name, argument, distinct, separator, self.span(start), text)
         self._open[-1].aggregates.append(call)
 
     def _separator(self) -> str:
@@ -249,8 +233,8 @@ class Patterns(Triples):
         self.expect("=")
         return self.string()
 
-    def sub_select(self) -> SubSelect:
-        """Read a sub-SELECT without its braces."""
+    def sub_select(self) -> tree.SubSelect:
+        """Parse a sub-SELECT without its braces."""
         first = len(self.consumed)
         start = self.expect_word("SELECT").start
         distinct = self.accept_word("DISTINCT")
@@ -263,27 +247,27 @@ class Patterns(Triples):
         grouped = bool(
             keys or having or any(column.expression and column.expression.aggregates for column, _ in columns)
         )
-        self._check_columns(columns, keys, visible(group.nodes), grouped=grouped, start=start)
+        self._check_columns(columns, keys, tree.visible(group.nodes), grouped=grouped, start=start)
         group = self._with_values(group, keys, grouped=grouped)
         projections = tuple(column for column, _ in columns)
         text = self.spelling(self.consumed[first:])
-        return SubSelect(projections, distinct, group, keys, having, sliced, self.span(start), text)
+        return tree.SubSelect(projections, distinct, group, keys, having, sliced, self.span(start), text)
 
-    def _columns(self) -> list[tuple[Projection, int]]:
-        """Read columns, each with its offset; none is `*`."""
-        columns: list[tuple[Projection, int]] = []
+    def _columns(self) -> list[tuple[tree.Projection, int]]:
+        """Parse columns, each with its offset; an empty list for `*`."""
+        columns: list[tuple[tree.Projection, int]] = []
         if self.accept("*"):
             return columns
         while True:
             start = self.token.start
             if self.token.kind is Kind.VARIABLE:
-                columns.append((Projection(self.variable(), None), start))
+                columns.append((tree.Projection(self.variable(), None), start))
             elif self.accept("("):
                 self.aggregates_allowed = True
                 expression = self.expression()
                 self.aggregates_allowed = False
                 self.expect_word("AS")
-                columns.append((Projection(self.variable(), expression), start))
+                columns.append((tree.Projection(self.variable(), expression), start))
                 self.expect(")")
             elif columns:
                 return columns
@@ -292,14 +276,14 @@ class Patterns(Triples):
 
     def _check_columns(
         self,
-        columns: list[tuple[Projection, int]],
-        keys: tuple[Projection, ...],
+        columns: list[tuple[tree.Projection, int]],
+        keys: tuple[tree.Projection, ...],
         inner: set[str],
         *,
         grouped: bool,
         start: int,
     ) -> None:
-        """Refuse columns that assign to a bound variable, and those that are neither grouped nor aggregated."""
+        """Refuse columns that assign to a bound variable, or are neither grouped nor aggregated."""
         known = {key.variable.name for key in keys}
         seen: set[str] = set()
         if grouped and not columns:
@@ -316,8 +300,8 @@ class Patterns(Triples):
                 raise self.error(f"SELECT has `?{name}` twice", offset)
             seen.add(name)
 
-    def _with_values(self, group: Group, keys: tuple[Projection, ...], *, grouped: bool) -> Group:
-        """Read VALUES behind a sub-SELECT into its group, where that means the same."""
+    def _with_values(self, group: tree.Group, keys: tuple[tree.Projection, ...], *, grouped: bool) -> tree.Group:
+        """Move VALUES after a sub-SELECT into its group, if that is equivalent."""
         if not self.at_word("VALUES"):
             return group
         start = self.advance().start
@@ -328,15 +312,15 @@ class Patterns(Triples):
             message = "VALUES after a grouped sub-SELECT is not allowed in rules"
             raise self.error(message, start, code="KG209", hint=hint)
         text = group.text[:-1] + self._spelt_since(start) + " }" if group.text else ""
-        return Group((*group.nodes, ValuesBlock(variables, rows, self.span(start))), group.span, text)
+        return tree.Group((*group.nodes, tree.ValuesBlock(variables, rows, self.span(start))), group.span, text)
 
     def _spelt_since(self, start: int) -> str:
         return self.spelling([token for token in self.consumed if token.start >= start])
 
-    def modifiers(self) -> tuple[tuple[Projection, ...], tuple[Expression, ...], bool]:
-        """Read what may stand behind WHERE: the keys of groups, HAVING, and whether only some rows are wanted."""
-        keys: list[Projection] = []
-        having: list[Expression] = []
+    def modifiers(self) -> tuple[tuple[tree.Projection, ...], tuple[tree.Expression, ...], bool]:
+        """Parse solution modifiers: GROUP BY, HAVING, ORDER BY, LIMIT and OFFSET."""
+        keys: list[tree.Projection] = []
+        having: list[tree.Expression] = []
         if self.accept_word("GROUP"):
             self.expect_word("BY")
             keys.append(self._key())
@@ -356,19 +340,19 @@ class Patterns(Triples):
             return True
         return self.token.kind is Kind.WORD and not self.at_word("HAVING", "ORDER", "LIMIT", "OFFSET", "VALUES")
 
-    def _key(self) -> Projection:
+    def _key(self) -> tree.Projection:
         if self.token.kind is Kind.VARIABLE:
-            return Projection(self.variable(), None)
+            return tree.Projection(self.variable(), None)
         if not self.at("("):
-            return Projection(Variable(f".{self.fresh()}"), self.constraint())
+            return tree.Projection(Variable(f".{self.fresh()}"), self.constraint())
         self.advance()
         expression = self.expression()
         variable = self.variable() if self.accept_word("AS") else Variable(f".{self.fresh()}")
         self.expect(")", " or `AS`")
-        return Projection(variable, expression)
+        return tree.Projection(variable, expression)
 
     def _order(self) -> None:
-        """Read ORDER BY, which without LIMIT says nothing."""
+        """Parse ORDER BY, which has no effect without LIMIT."""
         if not self.accept_word("ORDER"):
             return
         self.expect_word("BY")
@@ -394,7 +378,7 @@ class Patterns(Triples):
         return bool(seen)
 
     def table(self) -> tuple[tuple[Variable, ...], tuple[tuple[Term | None, ...], ...]]:
-        """Read variables and rows of terms behind VALUES."""
+        """Parse variables and rows of terms of VALUES."""
         single = self.token.kind is Kind.VARIABLE
         variables = (self.variable(),) if single else self._headings()
         rows: list[tuple[Term | None, ...]] = []
@@ -432,19 +416,19 @@ class Patterns(Triples):
             raise self.error("a triple term in VALUES must not contain blank nodes or a literal subject", start)
         return term
 
-    def group(self) -> Group:
-        """Read a group in braces, or a sub-SELECT in braces."""
+    def group(self) -> tree.Group:
+        """Parse a group or a sub-SELECT in braces."""
         outer, first = self.block, len(self.consumed)
         start = self.expect("{").start
         with self.nested():
             self.new_block()
-            nodes: list[Node] = [self.sub_select()] if self.at_word("SELECT") else self._nodes()
+            nodes: list[tree.Node] = [self.sub_select()] if self.at_word("SELECT") else self._nodes()
             self.expect("}", " or a pattern")
         self.block = outer
-        return Group(tuple(nodes), self.span(start), self.spelling(self.consumed[first:]))
+        return tree.Group(tuple(nodes), self.span(start), self.spelling(self.consumed[first:]))
 
-    def _nodes(self) -> list[Node]:
-        nodes: list[Node] = []
+    def _nodes(self) -> list[tree.Node]:
+        nodes: list[tree.Node] = []
         while True:
             nodes += self.triples(Mode.PATTERN)
             if self.at("}") or self.at_end():
@@ -452,17 +436,17 @@ class Patterns(Triples):
             if self.at_subject():
                 raise self.expected("`.` or `}`")
             nodes.append(self._node_at(nodes))
-            if not isinstance(nodes[-1], Filter | Exists):
+            if not isinstance(nodes[-1], tree.Filter | tree.Exists):
                 self.new_block()
             self.accept(".")
 
-    def _node_at(self, before: list[Node]) -> Node:
+    def _node_at(self, before: list[tree.Node]) -> tree.Node:
         if self.at("{"):
             return self._union()
-        readers: dict[str, Callable[[], Node]] = {
+        readers: dict[str, Callable[[], tree.Node]] = {
             "FILTER": self._filter,
-            "OPTIONAL": lambda: self._braced(Optional),
-            "MINUS": lambda: self._braced(Minus),
+            "OPTIONAL": lambda: self._braced(tree.Optional),
+            "MINUS": lambda: self._braced(tree.Minus),
             "VALUES": self._values,
             "GRAPH": self._graph,
         }
@@ -476,55 +460,52 @@ class Patterns(Triples):
             raise self.expected("a pattern or `}`", _KEYWORDS)
         return readers[word]()
 
-    def _filter(self) -> Node:
+    def _filter(self) -> tree.Node:
         start = self.advance().start
         first = len(self.consumed)
         expression = self.constraint()
-        node = Filter(expression, self.span(start))
-        outside = [token.text for token in self.consumed[first:] if not _within(token.start, node)]
-        return filter_of(node, outside)
+        node = tree.Filter(expression, self.span(start))
+        spans = [exists.span for exists in expression.exists]
+        tokens = (token for token in self.consumed[first:] if not any(s.start <= token.start < s.end for s in spans))
+        return filter_of(node, [token.text for token in tokens])
 
-    def _braced(self, kind: type[Optional | Minus]) -> Node:
+    def _braced(self, kind: type[tree.Optional | tree.Minus]) -> tree.Node:
         start = self.advance().start
         return kind(self.group(), self.span(start))
 
-    def _values(self) -> Node:
+    def _values(self) -> tree.Node:
         start = self.advance().start
         variables, rows = self.table()
-        return ValuesBlock(variables, rows, self.span(start))
+        return tree.ValuesBlock(variables, rows, self.span(start))
 
-    def _graph(self) -> Node:
+    def _graph(self) -> tree.Node:
         start = self.advance().start
         name = self.variable() if self.token.kind is Kind.VARIABLE else self.iri("a variable or the IRI of a graph")
-        return GraphBlock(name, self.group(), self.span(start))
+        return tree.GraphBlock(name, self.group(), self.span(start))
 
-    def _bind(self, before: list[Node]) -> Node:
+    def _bind(self, before: list[tree.Node]) -> tree.Node:
         start = self.advance().start
         self.expect("(")
         expression = self.expression()
         self.expect_word("AS")
-        variable = self.new_variable(visible(before), "BIND")
+        variable = self.new_variable(tree.visible(before), "BIND")
         self.expect(")")
-        return Bind(variable, expression, self.span(start))
+        return tree.Bind(variable, expression, self.span(start))
 
-    def _union(self) -> Node:
+    def _union(self) -> tree.Node:
         start = self.token.start
         groups = [self.group()]
         while self.accept_word("UNION"):
             groups.append(self.group())
         only = groups[0].nodes
-        if len(groups) == len(only) == 1 and isinstance(only[0], SubSelect):
+        if len(groups) == len(only) == 1 and isinstance(only[0], tree.SubSelect):
             return only[0]
-        return Union(tuple(groups), self.span(start))
+        return tree.Union(tuple(groups), self.span(start))
 
 
-def _within(offset: int, node: Filter) -> bool:
-    return any(exists.span.start <= offset < exists.span.end for exists in node.expression.exists)
-
-
-def filter_of(node: Filter, outside: list[str]) -> Filter | Exists:
-    """Return a filter as the EXISTS that it is, if it is nothing else; `outside` are its tokens around it."""
+def filter_of(node: tree.Filter, outside: list[str]) -> tree.Filter | tree.Exists:
+    """Return a filter as EXISTS if it is nothing else; `outside` are the tokens around that."""
     if len(node.expression.exists) != 1 or not set(outside) <= {"(", ")", "!"}:
         return node
     (only,) = node.expression.exists
-    return Exists(only.group, only.negated ^ (outside.count("!") % 2 == 1), asserted=False, span=node.span)
+    return tree.Exists(only.group, only.negated ^ (outside.count("!") % 2 == 1), asserted=False, span=node.span)

@@ -1,4 +1,4 @@
-"""From an offset in a text to its line and column, counted in characters from one, and to the line itself."""
+"""Conversion of offsets in a text to lines and columns, counted in characters from one."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from kg.errors import Place
 
 
 def place_at(text: str, offset: int, path: str, end: int | None = None) -> Place:
-    """Return the place of the character at `offset` in `text`; with `end` that of all characters before that offset."""
+    """Return the place of the character at `offset` in `text`; with `end`, of all characters before that offset."""
     begin = text.rfind("\n", 0, offset) + 1
     last = text.find("\n", offset)
     line, column = _line_and_column(text, offset)

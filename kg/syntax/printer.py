@@ -1,4 +1,4 @@
-"""Prints paths, and a text of SPARQL again with some of its tokens spelt differently."""
+"""Printing of paths, and of SPARQL with some tokens respelt."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def respelt(text: str, spelling: Callable[[Token], str | None]) -> str:
-    """Return a text with another spelling for each token that `spelling` gives one."""
+    """Return a text in which `spelling` replaces tokens; None leaves a token unchanged."""
     pieces, end = [], 0
     for token in tokens_of(text):
         new = spelling(token)
@@ -26,7 +26,7 @@ def respelt(text: str, spelling: Callable[[Token], str | None]) -> str:
 
 
 def renamed(text: str, names: Mapping[str, str]) -> str:
-    """Return a text with other names for some variables, by their names without `?`; it may be a whole group."""
+    """Return a text with renamed variables, given without `?`; the text may be a whole group."""
 
     def spelling(token: Token) -> str | None:
         new = names.get(token.text[1:]) if token.kind is Kind.VARIABLE else None
@@ -36,7 +36,7 @@ def renamed(text: str, names: Mapping[str, str]) -> str:
 
 
 def path_text(path: Path, name: Callable[[NamedNode | Variable], str]) -> str:
-    """Return a path as SPARQL text; `name` gives the text of predicates."""
+    """Return a path as SPARQL text; `name` returns the text of predicates."""
     if isinstance(path, NamedNode | Variable):
         return name(path)
     if isinstance(path, Negated):

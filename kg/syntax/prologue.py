@@ -1,4 +1,4 @@
-"""The declarations at the beginning of a query or rule."""
+"""Prefix and base declarations of queries and rules."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ if TYPE_CHECKING:
 
 _PREFIX: Final = re.compile(r"@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.IGNORECASE)
 _LENGTHS: Final = {"prefix": 3, "base": 2, "@prefix": 4, "@base": 3}
-"""How many tokens a declaration has that begins with these."""
+"""Number of tokens of a declaration, by its keyword."""
 
 
 def declared(text: str) -> dict[str, str]:
-    """Return the prefixes that a text of SPARQL or Turtle declares anywhere, also one with errors elsewhere."""
+    """Return the prefixes that a text of SPARQL or Turtle declares anywhere, even if it has errors."""
     return dict(_PREFIX.findall(text))
 
 
 def declaration(text: str, prefixes: Mapping[str, str], *, turtle: bool = False) -> tuple[int, str]:
-    """Return the offset and the text of an insertion that declares prefixes: after the others, else before the query.
+    """Return offset and text of an insertion that declares prefixes: after other declarations, or before the query.
 
-    The comment at the beginning of a text stays there.
+    A comment at the start of the text stays first.
     """
     at = _declared_until(text)
     form = "@prefix {}: <{}> ." if turtle else "PREFIX {}: <{}>"
@@ -32,7 +32,7 @@ def declaration(text: str, prefixes: Mapping[str, str], *, turtle: bool = False)
 
 
 def _declared_until(text: str) -> int:
-    """Return the offset of a further declaration."""
+    """Return the offset for another declaration."""
     end, rest = 0, list(tokens(text))
     while rest and (length := _LENGTHS.get(rest[0].text.lower())):
         if len(rest) < length:

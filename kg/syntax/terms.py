@@ -1,4 +1,4 @@
-"""Terms with variables: what stands in a position of a triple pattern. Terms without are pyoxigraph's."""
+"""Terms with variables, for the positions of triple patterns. Terms without are pyoxigraph's."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ __all__ = ["Pattern", "Term", "TripleTerm", "Variable", "has_blank", "replaced",
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A variable, its name without `?`. Names that begin with `.` were made by decomposition or stand for `[]`."""
+    """A variable, its name without `?`. Names starting with `.` are generated, or are those of `[]`."""
 
     name: str
 
     def __hash__(self) -> int:
-        # That of a dataclass makes a tuple first, and sets of variables are made all the time.
+        # The dataclass's own hash builds a tuple first, and sets of variables are frequent.
         return hash(self.name)
 
     def __str__(self) -> str:
@@ -38,13 +38,14 @@ class TripleTerm:
     object: Pattern
 
     def __iter__(self) -> Iterator[Pattern]:
-        """Yield subject, predicate and object, as a triple of pyoxigraph does."""
+        """Yield subject, predicate and object, like a triple of pyoxigraph."""
         return iter((self.subject, self.predicate, self.object))
 
 
 Pattern: TypeAlias = Term | Variable | TripleTerm
-"""What may stand in a position of an atom. A blank node in a body is a constant (a term of the data): those that a
-notation writes as variables have become variables. A blank node in a head stands for a new one in each solution."""
+"""A position of an atom. A blank node in a body is a constant (a term of the data): blank nodes that a notation
+treats as variables have been replaced. A blank node in a head is a new one in each solution.
+"""
 
 
 def variables_of(pattern: Pattern) -> Iterator[Variable]:
@@ -57,12 +58,12 @@ def variables_of(pattern: Pattern) -> Iterator[Variable]:
 
 
 def replaced(pattern: Pattern, by: Mapping[Variable, Pattern]) -> Pattern:
-    """Return a pattern with other patterns in the place of some variables."""
+    """Return a pattern with some variables replaced by other patterns."""
     if isinstance(pattern, Variable):
         return by.get(pattern, pattern)
     return TripleTerm(*(replaced(inner, by) for inner in pattern)) if isinstance(pattern, TripleTerm) else pattern
 
 
 def has_blank(pattern: Pattern) -> bool:
-    """Return whether a pattern is a blank node or has one in it."""
+    """Return whether a pattern is or contains a blank node."""
     return any(map(has_blank, pattern)) if isinstance(pattern, Triple | TripleTerm) else isinstance(pattern, BlankNode)

@@ -1,8 +1,8 @@
-"""The syntax tree that the parsers of `.rq` and `.srl` give; offsets count characters of the text from zero.
+"""The syntax tree of `.rq` and `.srl` files; offsets count characters of the text from zero.
 
 Names are resolved: prefixes are expanded, relative IRIs made absolute, `a` is rdf:type, lists and `[ ... ]` are
-triples. Blank nodes in patterns and templates are `form.Variable` with a name that begins with `.` in patterns
-(labels keep theirs behind the dot) and `BlankNode` in templates and DATA.
+triples. Blank nodes are variables with names starting with `.` in patterns (labels follow the dot), and `BlankNode` in
+templates and DATA.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """From the first character to the one behind the last."""
+    """Start and end offset."""
 
     start: int
     end: int
@@ -81,7 +81,7 @@ class TriplePattern:
 class AggregateCall:
     """`COUNT(DISTINCT ?x)` inside an expression; `argument` is None for `COUNT(*)`.
 
-    `text` is what the expression's own text has for it, so that it can be replaced there.
+    `text` is its spelling in the expression's text, for replacement.
     """
 
     function: str
@@ -94,12 +94,11 @@ class AggregateCall:
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """An expression as text: `text` has names as IRIs in brackets, so that it means the same without prefixes.
+    """An expression as text: `text` has IRIs in brackets instead of prefixed names.
 
-    `variables` are those free in it, in order of appearance, those inside EXISTS too, those inside aggregates not;
-    `functions` the names of what
-    it calls (upper case for built-in ones, IRIs for others, `+` `-` `*` `/` for arithmetic); `exists` the patterns of
-    EXISTS and NOT EXISTS in it; `aggregates` the calls of aggregates.
+    `variables` are its free ones, in order of appearance, including those inside EXISTS but not inside aggregates;
+    `functions` the names of the functions it calls (upper case for built-in ones, IRIs for others, `+` `-` `*` `/` for
+    arithmetic); `exists` the patterns of EXISTS and NOT EXISTS in it; `aggregates` the calls of aggregates.
     """
 
     text: str
@@ -112,7 +111,7 @@ class Expression:
 
 @dataclass(frozen=True, slots=True)
 class Filter:
-    """`FILTER expression`. A filter that is nothing but EXISTS or NOT EXISTS is an `Exists` instead."""
+    """`FILTER expression`. A filter that is only EXISTS or NOT EXISTS is an `Exists` instead."""
 
     expression: Expression
     span: Span
@@ -181,7 +180,7 @@ class GraphBlock:
 
 @dataclass(frozen=True, slots=True)
 class Projection:
-    """A column of a sub-SELECT: a variable, with its expression where it is `(expression AS ?variable)`."""
+    """A column of a sub-SELECT: a variable, with its expression for `(expression AS ?variable)`."""
 
     variable: Variable
     expression: Expression | None
@@ -189,12 +188,12 @@ class Projection:
 
 @dataclass(frozen=True, slots=True)
 class SubSelect:
-    """`{ SELECT ... }`; `sliced`: it has LIMIT or OFFSET. No projections is `SELECT *`.
+    """`{ SELECT ... }`; `sliced`: it has LIMIT or OFFSET. No projections means `SELECT *`.
 
-    `text` is all of it without braces, spelt anew like that of a group.
+    `text` is all of it without braces, respelt like that of a group.
 
-    A key of GROUP BY that is an expression without a name has a variable whose name begins with `.`. VALUES behind
-    it stands at the end of `group`.
+    An unnamed expression in GROUP BY has a variable whose name begins with `.`. VALUES after the sub-SELECT is the last
+    element of `group`.
     """
 
     projections: tuple[Projection, ...]
@@ -214,9 +213,9 @@ Node: TypeAlias = (
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """What stands between braces, in the order of the text; `span` has the braces.
+    """The elements between braces, in the order of the text; `span` includes the braces.
 
-    `text` is the group with its braces, spelt anew with names as IRIs in brackets.
+    `text` is the group with its braces, respelt with IRIs in brackets instead of prefixed names.
     """
 
     nodes: tuple[Node, ...]
@@ -226,7 +225,7 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class RuleText:
-    """One rule as written: template and pattern; `asserted`: `WHERE DATA`; `identifier`: the IRI behind `RULE`."""
+    """One rule as written: template and pattern; `asserted`: `WHERE DATA`; `identifier`: the IRI after `RULE`."""
 
     template: tuple[TriplePattern, ...]
     group: Group
@@ -239,7 +238,7 @@ class RuleText:
 class RuleUnit:
     """A whole file: a `.rq` has one rule; a `.srl` any number, with imports and data.
 
-    The terms of `data` have no variables; their blank nodes mean the same in all of the file.
+    The terms of `data` have no variables; their blank nodes are shared by the whole file.
     """
 
     rules: tuple[RuleText, ...]
@@ -248,13 +247,25 @@ class RuleUnit:
     prefixes: dict[str, str]
 
 
-def groups_of(node: Exists | Optional | Minus | Union | GraphBlock) -> tuple[Group, ...]:
-    """Return the groups that a node is made of."""
-    return node.groups if isinstance(node, Union) else (node.group,)
+def groups_of(node: Node) -> tuple[Group, ...]:
+    """Return the groups that a node is made of; those of EXISTS in its expressions are not among them."""
+    if isinstance(node, Union):
+        return node.groups
+    return () if isinstance(node, TriplePattern | Filter | Bind | ValuesBlock) else (node.group,)
+
+
+def expressions_of(node: Node) -> tuple[Expression, ...]:
+    """Return the expressions of a node itself."""
+    if isinstance(node, Filter | Bind):
+        return (node.expression,)
+    if not isinstance(node, SubSelect):
+        return ()
+    columns = (column.expression for column in (*node.projections, *node.keys))
+    return (*(expression for expression in columns if expression), *node.having)
 
 
 def visible(nodes: Iterable[Node]) -> set[str]:
-    """Return the names of the variables that may be bound behind `nodes`, those of blank nodes too."""
+    """Return the names of the variables that may be bound after `nodes`, including those of blank nodes."""
     return {name for node in nodes for name in _names(node)}
 
 

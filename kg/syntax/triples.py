@@ -1,4 +1,4 @@
-"""Terms, property paths and triples (SPARQL 1.2, section 19.8; SPARQL 1.2 RL has sequences and inverses only)."""
+"""Parser of terms, property paths and triples (SPARQL 1.2, section 19.8; SPARQL RL has fewer paths)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _XSD: Final = "http://www.w3.org/2001/XMLSchema#"
 _DIRECTIONS: Final = {"ltr": BaseDirection.LTR, "rtl": BaseDirection.RTL}
 _LONG_QUOTES: Final = ("'''", '"""')
 _OPEN: Final = (Variable, BlankNode, TripleTerm)
-"""What makes a triple term one that is filled in for each solution."""
+"""Parts that make a triple term depend on the solution."""
 
 
 _FIRST: Final = NamedNode(RDF + "first")
@@ -29,7 +29,7 @@ _REIFIES: Final = NamedNode(RDF + "reifies")
 
 
 class Mode(Enum):
-    """Where triples stand, which decides what may stand in them."""
+    """The kind of a block of triples, which decides its allowed terms."""
 
     DATA = auto()
     """No variables; a label is a blank node."""
@@ -40,29 +40,29 @@ class Mode(Enum):
 
 
 def variable_of(token: Token) -> Variable:
-    """Return the variable that a token stands for."""
+    """Return the variable of a token."""
     return Variable(token.text[1:])
 
 
 @dataclass(slots=True)
 class Block:
-    """Triples that stand together, as far as they are read."""
+    """A block of triples read so far."""
 
     mode: Mode
     triples: list[TriplePattern] = field(default_factory=list)
 
 
 class Triples(Cursor):
-    """Reads terms, paths, and triples into a `Block`; what brackets stand for comes behind the triple that has them."""
+    """Parser of terms, paths, and triples into a `Block`; triples in brackets follow the enclosing triple."""
 
     block = 0
-    """The basic graph pattern that is being read: a label means nothing outside its own."""
+    """The number of the current basic graph pattern, the scope of labels."""
 
     sequences_only = False
     """Whether the notation lacks alternatives, repetition and negation."""
 
     def begin_labels(self) -> None:
-        """Begin with labels that stand for other blank nodes than those before."""
+        """Start a new scope of labels."""
         self.labels: dict[str, int] = {}
         self.new_block()
 
@@ -71,24 +71,24 @@ class Triples(Cursor):
         self.block = len(self.consumed)
 
     def variable(self) -> Variable:
-        """Read a variable."""
+        """Parse a variable."""
         if self.token.kind is not Kind.VARIABLE:
             raise self.expected("a variable")
         return variable_of(self.advance())
 
     def new_variable(self, known: set[str], what: str) -> Variable:
-        """Read a variable to assign to; KG201 where it is bound already."""
+        """Parse a new variable to assign to; KG201 if it is already bound."""
         if self.token.kind is Kind.VARIABLE and self.token.text[1:] in known:
             raise self.error(f"{what} assigns to `{self.token.text}`, which is bound before it", self.token.start)
         return self.variable()
 
     def blank(self, mode: Mode, label: str | None = None) -> Variable | BlankNode:
-        """Return what a blank node stands for, a new one without a label."""
+        """Return the term of a blank node, a new one without a label."""
         label = label or self.fresh()
         return Variable(f".{label}") if mode is Mode.PATTERN else BlankNode(label)
 
     def labelled(self, mode: Mode) -> Variable | BlankNode:
-        """Read the label of a blank node; KG201 where another basic graph pattern of the rule has it."""
+        """Parse the label of a blank node; KG201 if another basic graph pattern of the rule uses it."""
         token = self.advance()
         label = token.text[2:]
         if mode is Mode.PATTERN and self.labels.setdefault(label, self.block) != self.block:
@@ -97,7 +97,7 @@ class Triples(Cursor):
         return self.blank(mode, label)
 
     def prefix(self) -> None:
-        """Read the rest of `PREFIX name: <...>`."""
+        """Parse the rest of `PREFIX name: <...>`."""
         token = self.token
         if token.kind is not Kind.NAME or not token.text.endswith(":") or token.text.count(":") != 1:
             raise self.expected("a prefix with its colon")
@@ -107,34 +107,34 @@ class Triples(Cursor):
         self.prefixes[token.text[:-1]] = self.iri().value
 
     def base_iri(self) -> None:
-        """Read the rest of `BASE <...>`."""
+        """Parse the rest of `BASE <...>`."""
         if self.token.kind is not Kind.IRI:
             raise self.expected("an IRI in brackets")
         self.base = self.iri().value
 
     def version(self) -> None:
-        """Read the rest of `VERSION "1.2"`."""
+        """Parse the rest of `VERSION "1.2"`."""
         if self.token.text.startswith(_LONG_QUOTES):
             raise self.expected("a version in quotes")
         self.string()
 
     def at_label(self) -> bool:
-        """Tell whether the label of a blank node comes next."""
+        """Return whether the label of a blank node comes next."""
         return self.token.kind is Kind.NAME and self.token.text.startswith("_:")
 
     def at_literal(self) -> bool:
-        """Tell whether a literal comes next, signed numbers among them."""
+        """Return whether a literal comes next, including signed numbers."""
         if self.token.kind in {Kind.STRING, Kind.NUMBER} or self.at_word("TRUE", "FALSE"):
             return True
         return self.at_signed()
 
     def at_signed(self) -> bool:
-        """Tell whether a number with its sign comes next."""
+        """Return whether a signed number comes next."""
         follows = self.text[self.token.end : self.token.end + 2]
         return self.at("+", "-") and (follows[:1].isdecimal() or (follows[:1] == "." and follows[1:].isdecimal()))
 
     def literal(self) -> Literal:
-        """Read a literal."""
+        """Parse a literal."""
         if self.token.kind is Kind.STRING:
             return self._string_literal()
         if self.at_word("TRUE", "FALSE"):
@@ -145,7 +145,7 @@ class Triples(Cursor):
         return Literal(sign + number, datatype=NamedNode(_XSD + kind))
 
     def string(self) -> str:
-        """Read a string without a tag and return its characters."""
+        """Parse a string without a tag and return its characters."""
         if self.token.kind is not Kind.STRING:
             raise self.expected("a string")
         token = self.advance()
@@ -171,7 +171,7 @@ class Triples(Cursor):
             raise self.error(f"`{language}` is not a language: {error}", token.start) from None
 
     def simple_term(self, mode: Mode, what: str) -> Pattern:
-        """Read a variable, IRI, literal or blank node without properties; `what` names the position."""
+        """Parse a variable, IRI, literal or blank node without properties; `what` names the position."""
         if self.token.kind is Kind.VARIABLE:
             if mode is Mode.DATA:
                 raise self.error(
@@ -187,13 +187,13 @@ class Triples(Cursor):
         return self.iri(what)
 
     def anonymous(self, mode: Mode) -> Variable | BlankNode:
-        """Read `[]`."""
+        """Parse `[]`."""
         self.expect("[")
         self.expect("]")
         return self.blank(mode)
 
     def verb(self, mode: Mode) -> NamedNode | Variable:
-        """Read a predicate that is no path."""
+        """Parse a predicate that is not a path."""
         if self.token.kind is Kind.WORD and self.token.text == "a":
             self.advance()
             return TYPE
@@ -202,7 +202,7 @@ class Triples(Cursor):
         return self.iri("a predicate")
 
     def triple_term(self, mode: Mode) -> Pattern:
-        """Read `<<( subject predicate object )>>`."""
+        """Parse `<<( subject predicate object )>>`."""
         with self.nested():
             self.expect("<<(")
             parts = self._inner(mode), self.verb(mode), self._inner(mode)
@@ -213,7 +213,7 @@ class Triples(Cursor):
         return self.triple_term(mode) if self.at("<<(") else self.simple_term(mode, "a term")
 
     def path_or_variable(self) -> Path | Variable:
-        """Read the predicate of a pattern."""
+        """Parse the predicate of a pattern."""
         return self.variable() if self.token.kind is Kind.VARIABLE else self._path()
 
     def _path(self) -> Path:
@@ -271,14 +271,14 @@ class Triples(Cursor):
         return Negated(tuple(forward), tuple(backward))
 
     def _full(self, what: str) -> bool:
-        """Refuse what the notation lacks; the truth otherwise."""
+        """Refuse a path that the notation lacks; return true otherwise."""
         if self.sequences_only:
             hint = "Paths of SPARQL RL are sequences `/` and inverses `^`; write several rules."
             raise self.error(f"{what} is not a path of SPARQL RL", self.token.start, hint=hint)
         return True
 
     def triples(self, mode: Mode) -> list[TriplePattern]:
-        """Read triples with full stops between them, as many as there are."""
+        """Parse any number of triples separated by full stops."""
         block = Block(mode)
         while self.at_subject():
             self._same_subject(block)
@@ -287,7 +287,7 @@ class Triples(Cursor):
         return block.triples
 
     def at_subject(self) -> bool:
-        """Tell whether triples come next."""
+        """Return whether triples come next."""
         if self.token.kind in {Kind.VARIABLE, Kind.IRI, Kind.NAME}:
             return True
         return self.at("(", "[", "<<", "<<(") or self.at_literal()
@@ -299,7 +299,7 @@ class Triples(Cursor):
             self._property_list(block, subject, start)
 
     def _subject(self, block: Block) -> tuple[Pattern, bool]:
-        """Return a subject and whether it says something without properties."""
+        """Return a subject and whether it is complete without properties."""
         if self.at("<<"):
             return self._reified(block), True
         before = len(block.triples)
@@ -332,7 +332,7 @@ class Triples(Cursor):
         self._annotations(block, subject, predicate, obj)
 
     def _node(self, block: Block, what: str) -> Pattern:
-        """Read a term, a collection or a blank node with properties."""
+        """Parse a term, a collection or a blank node with properties."""
         if self.at("<<"):
             return self._reified(block)
         if self.at("<<("):
@@ -370,7 +370,7 @@ class Triples(Cursor):
         return first
 
     def _reified(self, block: Block) -> Pattern:
-        """Read `<< s p o ~ name >>` and return its name."""
+        """Parse `<< s p o ~ name >>` and return its name."""
         start = self.token.start
         with self.nested():
             self.expect("<<")
@@ -390,7 +390,7 @@ class Triples(Cursor):
         return self.triple_term(block.mode) if self.at("<<(") else self.simple_term(block.mode, what)
 
     def _reifier(self, block: Block) -> Pattern:
-        """Read `~ name`, whose name may be missing."""
+        """Parse `~ name`, whose name may be missing."""
         self.expect("~")
         if self.token.kind is Kind.VARIABLE or self.at_iri() or self.at_label() or self.at("["):
             return self.simple_term(block.mode, "a name")
@@ -420,7 +420,7 @@ class Triples(Cursor):
 
 
 def triple_of(subject: Pattern, predicate: NamedNode | Variable, obj: Pattern) -> Pattern:
-    """Return a triple term: the engine's own where it can hold it, which it cannot with a literal as subject."""
+    """Return a triple term: the engine's own if possible, which excludes literals as subjects."""
     if isinstance(subject, NamedNode) and isinstance(predicate, NamedNode) and not isinstance(obj, _OPEN):
         return Triple(subject, predicate, obj)
     return TripleTerm(subject, predicate, obj)

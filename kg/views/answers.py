@@ -20,7 +20,7 @@ import msgspec
 from kg import resources
 from kg.graph import impact_parts, overview
 from kg.graph.channels_reading import every_name
-from kg.graph.overview import Channel
+from kg.graph.overview import Channel, NodeSummary
 from kg.graph.reading import node_records
 from kg.graph.records import node_object
 from kg.pipeline.kept import settled, states
@@ -84,6 +84,11 @@ def node_lines(snapshot: EmbeddedSnapshot) -> list[NodeLine]:
         ]
 
     return _answer(snapshot, "nodes", list[NodeLine], make)
+
+
+def node_summaries(snapshot: EmbeddedSnapshot) -> list[NodeSummary]:
+    """Return all node types of the store with the numbers of their interfaces, as `kg.graph.overview.nodes` does."""
+    return _answer(snapshot, "summaries", list[NodeSummary], lambda: overview.nodes(_whole(snapshot)))
 
 
 def channel_names(snapshot: EmbeddedSnapshot) -> dict[str, list[str]]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-_DIGITS: Final = 9
-"""How many digits a number may have: any with so many fits wherever it goes."""
+_DIGITS: Final = 9  # how many digits a number may have: any with so many fits wherever it goes
 
 
 def whole(text: str, otherwise: int) -> int:

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from kg.store.interface import Snapshot
     from kg.store.snapshot import EmbeddedSnapshot
 
-_LAST: Final[dict[str, Kept]] = {}
-"""What is kept of the snapshot that was asked last, by its store and its identity."""
+_LAST: Final[dict[str, Kept]] = {}  # what is kept of the snapshot that was asked last, by its store and its identity
 
 
 def prefixes(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, str]:  # noqa: ARG001 - every view is given settings

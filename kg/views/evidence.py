@@ -33,8 +33,7 @@ _FORGES: Final = {
     "gitlab.com": "https://{name}/-/blob/{commit}/{path}#L{line}",
     "bitbucket.org": "https://{name}/src/{commit}/{path}#lines-{line}",
 }
-_STATEMENT: Final = 4
-"""A statement is shown with so many lines at most."""
+_STATEMENT: Final = 4  # A statement is shown with so many lines at most
 
 
 @dataclass(frozen=True, slots=True)

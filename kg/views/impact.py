@@ -10,8 +10,8 @@ from kg.graph.channels_reading import channels_called
 from kg.graph.impact_nodes import nodes_called, nodes_with_parameter, qualified_names, settable_names, types_called
 from kg.graph.impact_reading import arguments, file_records, type_names
 from kg.graph.systems_reading import started_names
-from kg.impact import CHANNELS, Impact, Kind, Subject
 from kg.impact.assessing import impact as assess
+from kg.impact.model import CHANNELS, Impact, Kind, Subject
 from kg.impact.parameters import has_parameter, spellings
 from kg.impact.writing import impact_object
 from kg.pipeline.launch_names import matching

@@ -8,8 +8,8 @@ from kg.facts import Location
 from kg.graph.impact_reading import definition_records, file_records
 from kg.graph.reading import node_records
 from kg.graph.systems_reading import systems
-from kg.impact import Kind, Subject
 from kg.impact.changes import Broken, broken, definition_changes
+from kg.impact.model import Kind, Subject
 from kg.launch.comparison import Finding, Sources, compare
 from kg.lint.reading import read_findings
 from kg.pipeline.state import State, load

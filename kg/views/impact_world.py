@@ -29,7 +29,7 @@ from kg.graph.impact_reading import (
 from kg.graph.iris import Iris
 from kg.graph.reading import NodeRecord, node_records
 from kg.graph.systems_reading import partial_systems, system_names
-from kg.impact import CHANNELS, DefinitionRecord, FileRecord, Kind, PackageRecord, Subject
+from kg.impact.model import CHANNELS, DefinitionRecord, FileRecord, Kind, PackageRecord, Subject
 from kg.impact.parameters import has_parameter, spellings
 from kg.impact.types import affected_types, uses_type
 from kg.settings import Settings, user_paths

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     Row = dict[str, Any]
     Rows = Sequence[Row]
 
-_VALUES: Final = 200
-"""At most so many values of a facet are offered, those of most rows."""
+_VALUES: Final = 200  # at most so many values of a facet are offered, those of most rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +50,13 @@ LISTS: Final[Mapping[str, List]] = {
         {
             "package": "package",
             "kind": "kind",
+            "function": "functions",
+            "hardware": "hardware",
+            "type": "types",
+            "capability": "capabilities",
             "repository": "repository",
             "ros": "ros",
             "language": "language",
-            "function": "functions",
-            "hardware": "hardware",
-            "capability": "capabilities",
-            "type": "types",
         },
         ("node", "package", "description", "plugin"),
         list_rows.node_objects,

@@ -11,10 +11,9 @@ from kg.facts import Description, DescriptionKind, Interface, Location, Role
 from kg.graph import vocabulary as v
 from kg.graph.classes_reading import Grade, grades
 from kg.graph.iris import Iris
-from kg.graph.queries import select
 from kg.graph.reading import NodeRecord, node_records
 from kg.graph.records import how_to_start
-from kg.graph.texts import DESCRIPTIONS, descriptions_of
+from kg.graph.texts import descriptions_of
 from kg.holes import is_known
 from kg.query.rows import rows
 from kg.views.evidence import Places, places
@@ -29,8 +28,7 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-_MOST: Final = 6
-"""So many neighbours of a channel are named; of all, how many there are."""
+_MOST: Final = 6  # so many neighbours of a channel are named; of all, how many there are
 _MOST_USERS: Final = 100
 _ENDS: Final = """SELECT ?channel ?end ?node {
   VALUES ?channel { %s }
@@ -225,7 +223,7 @@ def _description(one: Description, record: NodeRecord, where: Places) -> dict[st
 def _of_package(snapshot: EmbeddedSnapshot, record: NodeRecord, where: Places, iris: Iris) -> dict[str, Any] | None:
     """Return the description of the package of a node; manifests come first, readers of a README see other parts."""
     iri = iris.package(record.repository, record.package)
-    said = descriptions_of(select(snapshot, DESCRIPTIONS % f"VALUES ?node {{ <{iri}> }}")).get(iri, ())
+    said = descriptions_of(snapshot, f"VALUES ?node {{ <{iri}> }}").get(iri, ())
     best = min(said, key=lambda one: one.kind is not DescriptionKind.MANIFEST, default=None)
     return _description(best, record, where) if best else None
 

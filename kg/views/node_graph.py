@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
 
 from kg.facts import Role
 from kg.render.node_graph import Relation
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
 
 _CLASSES: Final = {
     "functions": "has function",

@@ -31,14 +31,16 @@ QUESTIONS: Final = {
 """Stored queries that people who work with ROS ask first, and how they would say them."""
 _SOON: Final = 5_000
 """The lists of a store with so many interfaces are made while somebody waits; those of a larger one beforehand."""
-_WHOLE: Final = {"explore/unconnected"}
-"""Questions about the whole store, though the query takes a parameter."""
+_WHOLE: Final = {"explore/unconnected"}  # questions about the whole store, though the query takes a parameter
+_STARTED: Final = """SELECT ?node { ?instance rnkg:instanceOf ?node
+    FILTER EXISTS { ?node rnkg:usesHardware ?hardware } FILTER EXISTS { ?node rnkg:feeds ?other } }
+    GROUP BY ?node ORDER BY DESC(COUNT(?instance)) ?node LIMIT 1"""
+"""The node that launch files start most often, of those about which every question has an answer."""
 _BUSIEST: Final = """SELECT ?node { ?node a rnkg:NodeType ; ros:hasComponent ?end }
     GROUP BY ?node ORDER BY DESC(COUNT(?end)) ?node LIMIT 1"""
 """Counted with what frameworks make, since to tell that apart takes seconds in a large store."""
 _TOPICS: Final = '"/scan" "/cmd_vel" "/odom" "/image_raw" "/joint_states"'
-_TYPES: Final = '"sensor_msgs/LaserScan" "geometry_msgs/Twist" "sensor_msgs/Image"'
-"""What everybody knows."""
+_TYPES: Final = '"sensor_msgs/LaserScan" "geometry_msgs/Twist" "sensor_msgs/Image"'  # what everybody knows
 _KNOWN: Final = """SELECT ?label {{ VALUES ?label {{ {names} }}
     FILTER EXISTS {{ ?known rdfs:label ?label . ?node {property} ?known }} }} LIMIT 1"""
 _OF_NODE: Final = """SELECT ?label {{ {node} {property} ?known . ?known rdfs:label ?label
@@ -61,7 +63,7 @@ def overview(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
     `interfaces` are sums over the sources. `questions` are objects of `stored` without their text, with `question` (as
     people say it), and in `parameters` an `example` that this store has.
     """
-    states = sources(snapshot)
+    states = sources(snapshot, counted=True)
     return {
         "snapshot": snapshot.identity,
         "sources": [_source(one) for one in states],
@@ -113,7 +115,7 @@ def _example(snapshot: EmbeddedSnapshot, query: str, parameter: str) -> str | No
     """Return an example from the store for the first parameter of a question; None if there is none."""
     names, leads = _EXAMPLES.get(query, ("", ""))
     known = _first(snapshot, _KNOWN.format(names=names, property=leads)) if names else None
-    busiest = None if known else _first(snapshot, _BUSIEST)
+    busiest = None if known else _first(snapshot, _STARTED) or _first(snapshot, _BUSIEST)
     if busiest and parameter in {"node", "from"}:
         known = _first(snapshot, f"SELECT ?name {{ {busiest} rnkg:name ?name }} LIMIT 1")
     elif busiest and names:

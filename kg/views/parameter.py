@@ -13,12 +13,14 @@ from kg.graph.parameters_reading import (
     set_names,
     set_parameters,
     starts,
+    types_started,
 )
 from kg.graph.records import parameter_object
+from kg.graph.systems_reading import system_names
 from kg.holes import fits, is_partial, known_letters
 from kg.similar import unknown
 from kg.views.evidence import places
-from kg.views.systems import chosen_systems, known_names
+from kg.views.systems import chosen_systems
 from kg.views.wording import accesses, parameter_groups
 
 if TYPE_CHECKING:
@@ -53,16 +55,17 @@ def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, syst
     # All names are read only for a name that nothing has.
     known = [] if declared or found else declared_names(snapshot)
     declared = declared or {one for one in known if _may_be(one, written)}
-    code = declarations(snapshot, declared, {one.declared for one in found if one.declared})
-    view = _View(snapshot, settings, chosen_systems(snapshot, system, settings.base))
     owners = _owners(written) if absolute else None
+    types = None if owners is None else types_started(snapshot, owners)
+    code = declarations(snapshot, declared, {one.declared for one in found if one.declared}, types)
+    view = _View(snapshot, settings, chosen_systems(snapshot, system, settings.base))
     found += [one for one in view.defaults(code, found, owners) if not absolute or one.absolute == written]
     if absolute:
-        types, set_here = {one.start.type for one in found if one.start}, {one.declared for one in found}
+        started, set_here = {one.start.type for one in found if one.start}, {one.declared for one in found}
         code = {
             iri: (owner, fact)
             for iri, (owner, fact) in code.items()
-            if iri in set_here or view.node(owner) in types or fact.name == written
+            if iri in set_here or view.node(owner) in started or fact.name == written
         }
     if not found and not code:
         known = known or declared_names(snapshot)
@@ -100,7 +103,6 @@ class _View:
         self._where = places(snapshot)
         self._iris = Iris(settings.base)
         self._chosen = chosen
-        self._systems = {self._iris.configuration(one.repository, one.path): one for one in known_names(snapshot)}
 
     def declared(self, found: Iterable[tuple[NodeReference, Parameter]]) -> list[dict[str, Any]]:
         """Return the uses of the parameter in code, a row for each node type."""
@@ -147,11 +149,13 @@ class _View:
                 kept.append(SetParameter(name, f"{one.name}/{name}", fact.default, None, None, one.system, one, None))
         return kept
 
-    def values(self, found: Iterable[SetParameter]) -> list[dict[str, Any]]:
+    def values(self, found: Sequence[SetParameter]) -> list[dict[str, Any]]:
         """Return one row for each thing, with all the launch files that have it; without rows of no launch file."""
         kept: dict[str, dict[str, Any]] = {}
+        names = system_names(self._snapshot, {one.system for one in found})
+        systems = {self._iris.configuration(one.repository, one.path): one for one in names}
         for one in found:
-            system = self._systems.get(one.system)
+            system = systems.get(one.system)
             if system is None or (self._chosen is not None and one.system not in self._chosen):
                 continue
             source = system.repository

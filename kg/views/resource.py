@@ -197,7 +197,9 @@ class _About:
             "short": shorten(iri),
             "label": names[iri],
             "kind": self._kind(iri),
-            "types": sorted(({"iri": kind, "label": names[kind]} for kind in kinds), key=lambda kind: kind["label"]),
+            "types": sorted(
+                ({"iri": kind, "label": names[kind]} for kind in kinds), key=lambda kind: (kind["label"], kind["iri"])
+            ),
             "comment": comments[0] if comments else None,
             "evidence": self._lines([iri]).get(iri),
         }

@@ -35,10 +35,8 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-_SECONDS: Final = 3.0
-"""How long the store is asked whether a rule matches anything."""
-_MOST: Final = 200
-"""So many of the facts that a rule would infer are shown at most."""
+_SECONDS: Final = 3.0  # how long the store is asked whether a rule matches anything
+_MOST: Final = 200  # so many of the facts that a rule would infer are shown at most
 _LAST: Final[dict[tuple[str, str], Context]] = {}
 """What rules were checked against last, by the digest of the rules and the snapshot."""
 

@@ -29,10 +29,8 @@ if TYPE_CHECKING:
 
 Solution: TypeAlias = "dict[str, Term]"
 
-_SECONDS: Final = 5.0
-"""How long matches are looked for."""
-_PAGES: Final = 5
-"""So many facts are tried as an example."""
+_SECONDS: Final = 5.0  # how long matches are looked for
+_PAGES: Final = 5  # so many facts are tried as an example
 _PAGE: Final = """# {title}
 
 ## As the store has it

@@ -34,8 +34,7 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _SAMPLE: Final = 20
-_HEADS: Final = 12
-"""So many kinds of triples that a rule derives are looked up."""
+_HEADS: Final = 12  # so many kinds of triples that a rule derives are looked up
 _RUN: Final = f"""SELECT ?run ?started ?ended ?inferred {{
   ?run a <{RNKG}RuleRun> ; prov:startedAtTime ?started ; prov:endedAtTime ?ended ; <{RNKG}inferredCount> ?inferred
 }} ORDER BY DESC(?started) LIMIT 1"""
@@ -51,8 +50,7 @@ class _Known:
     errors: tuple[RuleError, ...]
 
 
-_LAST: Final[dict[str, _Known]] = {}
-"""What was read last, by the digest of the rules."""
+_LAST: Final[dict[str, _Known]] = {}  # what was read last, by the digest of the rules
 
 
 def _load(settings: Settings, mark: str) -> _Known:

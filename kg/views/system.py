@@ -37,10 +37,8 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _TRANSFORMS: Final = frozenset({"/tf", "/tf_static"})
-_NAMED: Final = 12
-"""So many channels of a bundle are named."""
-_MISMATCHES: Final = frozenset({"KG403", "KG405", "KG410"})
-"""Findings about types or QoS of two ends that do not fit."""
+_NAMED: Final = 12  # so many channels of a bundle are named
+_MISMATCHES: Final = frozenset({"KG403", "KG405", "KG410"})  # findings about types or QoS of two ends that do not fit
 
 _TYPE: Final = v.bare(v.TYPE)
 _FINDING: Final = f"{v.RNKG}Finding"

@@ -14,8 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["answer"]
 
-_BYTES: Final = 2 << 20
-"""With smaller columns the store answers anything sooner than they are loaded."""
+_BYTES: Final = 2 << 20  # with smaller columns the store answers anything sooner than they are loaded
 
 
 def answer(

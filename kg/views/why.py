@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-_MOST_WAYS: Final = 25
-"""So many ways in which a fact comes about are counted."""
+_MOST_WAYS: Final = 25  # so many ways in which a fact comes about are counted
 _MOST_PROOFS: Final = 10
 
 

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Final
 
 from kg.facts import Access, Interface, Parameter, PluginSlot, Qos, Resolution, Role
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
 
 TITLES: Final = {
     Role.PUBLISHES: "publishes",

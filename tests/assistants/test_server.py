@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import sys
 from typing import TYPE_CHECKING, Any, Final
 
@@ -206,7 +207,8 @@ def test_resources_and_prompts_lead_to_the_tools(connected: Connected) -> None:
             found = {}
             for uri in (
                 *("kg://nodes", "kg://launch-files", "kg://rules", "kg://node/rover_robot/scan_filter"),
-                *("kg://launch-file/rover_robot%2Flaunch%2Frover.launch", "kg://rule/function/weighed"),
+                *(f"kg://launch-file/{ROVER}", f"kg://launch-file/{ROVER.replace('/', '%2F')}"),
+                "kg://rule/function/weighed",
             ):
                 found[uri] = (await client.read_resource(uri)).contents[0].text
             for prompt in (await client.list_prompts()).prompts:
@@ -215,11 +217,12 @@ def test_resources_and_prompts_lead_to_the_tools(connected: Connected) -> None:
             return found
 
     found = asyncio.run(run())
-    assert "scan_filter" in found["kg://nodes"]
+    assert re.search(r"^rover_robot: .*\bscan_filter\b", found["kg://nodes"], re.MULTILINE)
     assert ROVER in found["kg://launch-files"]
     assert "function/weighed: " in found["kg://rules"]
     assert "publishes  scan_filtered" in found["kg://node/rover_robot/scan_filter"]
-    assert "starts  /rover1/patrol" in found["kg://launch-file/rover_robot%2Flaunch%2Frover.launch"]
+    assert "starts  /rover1/patrol" in found[f"kg://launch-file/{ROVER}"]
+    assert found[f"kg://launch-file/{ROVER}"] == found[f"kg://launch-file/{ROVER.replace('/', '%2F')}"]
     assert "CONSTRUCT" in found["kg://rule/function/weighed"]
     tools = {"find_node": "find_nodes", "review_launch_change": "impact", "write_rule": "query"}
     tools["write_program"] = "check_program"

@@ -18,8 +18,7 @@ from robot.driving.rover import CAPABILITIES, rover, until
 from robot.programs import trolley
 
 from kg.cli import driving
-from kg.cli.driving import Doing, Reading
-from kg.cli.driving_view import tell_feedback
+from kg.cli.driving import Doing, Reading, tell_feedback
 from kg.cli.interruptible import interruptible
 from kg.errors import KgError, RobotError, UsageError
 from kg.robot.driving import find
@@ -123,7 +122,7 @@ def test_values_are_words_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys:
     """A terminal shows names, rounded numbers and units."""
 
     async def scene(robot: Rover) -> None:
-        monkeypatch.setattr("kg.cli.driving_view.terminal", lambda: True)
+        monkeypatch.setattr("kg.cli.driving.terminal", lambda: True)
         reading = asyncio.ensure_future(_read("sensing where it is", once=True, json=False))
         await robot.tell("/odom", "nav_msgs/Odometry", {})
         await until(lambda: robot.publications["/odom"].peers)
@@ -169,7 +168,7 @@ def test_what_was_done_in_words(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     """A terminal shows in words what was sent, or would be."""
 
     async def scene(_: Rover) -> None:
-        monkeypatch.setattr("kg.cli.driving_view.terminal", lambda: True)
+        monkeypatch.setattr("kg.cli.driving.terminal", lambda: True)
         await _do("driving", "forward=0.2", keep="2", dry_run=True, json=False)
         await _do("driving", keep="0.01", json=False)
         await _do("counting", "until=1", json=False)

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import pytest
 from cli.program import Program
 from serving import served
-from store.servers import oxigraph_server, virtuoso_server
+from store.servers import load_server, oxigraph_server, virtuoso_server
 from workspaces import example
 
-from kg.store.embedded import EmbeddedStore
 from kg.store.remote import RemoteStore
 
 if TYPE_CHECKING:
@@ -43,8 +42,14 @@ READING = [
     ["service", "set_gripper"],
     ["action", "move_arm"],
     ["param", "max_speed"],
+    ["stats"],
+    ["instances"],
+    ["instances", "rover.launch", "--json"],
+    ["graph", "rover.launch", "--dot"],
+    ["impact", "/cmd_vel"],
+    ["why-not", "patrol", "subscribes", "topic/cmd_vel"],
+    ["compose", "--from", "LaserScan", "--to", "PointCloud2", "--json"],
 ]
-BATCH = 500
 
 
 @pytest.fixture(scope="module")
@@ -61,25 +66,12 @@ def server(request: pytest.FixtureRequest, store: Path, tmp_path_factory: pytest
             yield f"{serving.address}/sparql"
     elif request.param == "oxigraph":
         with oxigraph_server() as found:
-            _load(store, RemoteStore(f"{found}/query", f"{found}/update"))
+            load_server(store / ".kg", RemoteStore(f"{found}/query", f"{found}/update"))
             yield f"{found}/query"
     else:
         with virtuoso_server(tmp_path_factory.mktemp("virtuoso")) as found:
-            _load(store, RemoteStore(found))
+            load_server(store / ".kg", RemoteStore(found))
             yield found
-
-
-def _load(store: Path, remote: RemoteStore) -> None:
-    """Send all quads to a server, in small requests."""
-    with EmbeddedStore.create(store / ".kg").read() as snapshot:
-        for graph in snapshot.graphs():
-            lines = snapshot.content(graph).decode().splitlines()
-            plain = [line for line in lines if "_:" not in line]
-            for start in range(0, len(plain), BATCH):
-                remote.update(f"INSERT DATA {{ GRAPH {graph} {{\n" + "\n".join(plain[start : start + BATCH]) + "\n} }")
-            # Together, so that a label is one node; Virtuoso allows blank nodes in a template only.
-            if blank := [line for line in lines if "_:" in line]:
-                remote.update(f"INSERT {{ GRAPH {graph} {{\n" + "\n".join(blank) + "\n} } WHERE { }")
 
 
 @pytest.fixture(scope="module")
@@ -91,9 +83,11 @@ def of_store(store: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[
 
 @pytest.mark.parametrize("command", READING, ids=" ".join)
 def test_answers_are_those_of_the_store(
-    kg: Program, of_store: Callable[..., Run], server: str, command: list[str]
+    request: pytest.FixtureRequest, kg: Program, of_store: Callable[..., Run], server: str, command: list[str]
 ) -> None:
     """Output, up to the order of the rows of queries, and exit code are equal."""
+    if command == ["stats"] and "virtuoso" in request.node.name:
+        pytest.skip("Virtuoso 7 fails at the nested queries of `kg stats`, with an internal error that is shown")
     here, there = of_store(*command), kg("--store", server, *command)
     # Virtuoso sorts texts in an order of its own.
     ordered = sorted if command[0] == "query" else list
@@ -103,13 +97,7 @@ def test_answers_are_those_of_the_store(
 @pytest.mark.parametrize(
     "command",
     [
-        ["build"],
-        ["export"],
-        ["graph"],
-        ["instances"],
-        ["impact", "x"],
-        ["stats"],
-        ["shell"],
+        ["status"],
         ["update", "CLEAR ALL"],
         ["backup", "x"],
         ["rules", "run"],

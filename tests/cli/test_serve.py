@@ -16,7 +16,7 @@ from cli.program import Program
 from patience import patient
 from serving import TOKEN
 
-from kg.cli.serving import announce, options
+from kg.cli.commands.serve import announce, options
 from kg.errors import UsageError
 from kg.server import libraries
 from kg.settings import load

@@ -14,8 +14,8 @@ from pyoxigraph import NamedNode
 
 from kg.evaluate.code_check import Places, Site, check_code, holds, sites, statement_end, without_words
 from kg.evaluate.facts import STATED, Fact
+from kg.evaluate.intervals import weighed
 from kg.evaluate.source_lines import SourceLines
-from kg.evaluate.strata import weighed
 from kg.evaluate.tables import Share
 from kg.graph.iris import Iris
 from kg.store.embedded import EmbeddedStore

@@ -17,7 +17,7 @@ from repository import ROOT
 
 from kg.errors import UsageError
 from kg.evaluate.judged_needs import Constraints, Judged, Need, Ranked, ndcg, read_needs
-from kg.evaluate.retrieval import Embeddings, Patterns, _compared, library, retrieval
+from kg.evaluate.retrieval import Patterns, _compared, embeddings, library, retrieval
 from kg.evaluate.tables import Score
 from kg.search.documents import Document, End
 from kg.search.searching import open_search
@@ -152,8 +152,8 @@ def test_embeddings_of_a_model(field: Field, tmp_path: Path, monkeypatch: pytest
     (tmp_path / "modules.json").write_text("[]")
     search = open_search(field.store)
     needs = read_needs(CASES / "needs.jsonl")
-    scores = Embeddings(search.index, tmp_path).scores(needs[0])
+    scores = embeddings(search.index, tmp_path)(needs[0])
     assert len(scores) == search.index.size
     assert max(scores) <= 1.000001
     with pytest.raises(UsageError, match="no model"):
-        Embeddings(search.index, tmp_path / "none")
+        embeddings(search.index, tmp_path / "none")

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.errors import UsageError
-from kg.evaluate.paper import beside
-from kg.evaluate.tables import Score, Share, Table, as_csv, as_markdown, as_objects
+from kg.evaluate.tables import Score, Share, Table, as_csv, as_markdown, as_objects, beside
 from kg.evaluate.writing import draw, write
 
 if TYPE_CHECKING:

@@ -89,3 +89,12 @@ def test_terms_are_written_as_phrases_are() -> None:
         assert str(term) == " ".join(str(term).split()[:4])
     for word in ONTOLOGY.objects(None, RNKG.recognizedByWord):
         assert str(word).isalnum(), word
+
+
+@pytest.mark.parametrize(
+    ("word", "kind"),
+    [("depth", "depthCamera"), ("vehicle", "car"), ("kinematics", "arm")],
+)
+def test_words_of_many_devices_name_none(word: str, kind: str) -> None:
+    """The depth of a submarine, the vehicle that flies and the kinematics of a base are not devices of a kind."""
+    assert HARDWARE[kind] not in _recognized(KINDS, RNKG.recognizedByWord).get(word, set())

@@ -8,8 +8,8 @@ from graph.samples import BUILD, FACTS, IRIS, REPOSITORY, loaded, rows
 
 from kg.errors import GraphError
 from kg.graph.builds import build_triples
-from kg.graph.ontology import check, classify, ontology_triples, validate
-from kg.graph.ontology_files import ONTOLOGIES, shapes_file
+from kg.graph.ontology import check, classify, validate
+from kg.graph.ontology_files import ONTOLOGIES, ontology_triples, shapes_file
 from kg.graph.sources import source_triples
 
 EXAMPLES = tuple(sorted((Path(__file__).parent / "onto-ros").glob("*.ttl")))
@@ -175,7 +175,6 @@ def test_without_java_the_error_says_so(monkeypatch: pytest.MonkeyPatch, tmp_pat
 def test_without_the_optional_part_the_error_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """KG605 is raised if owlready2 or pyshacl is not installed."""
     monkeypatch.setattr("kg.graph.ontology.find_spec", lambda _name: None)
-    monkeypatch.setattr("kg.graph.reasoner.find_spec", lambda _name: None)
     for ask in (check, lambda: validate(b"")):
         with pytest.raises(GraphError) as caught:
             ask()

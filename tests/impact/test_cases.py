@@ -17,8 +17,8 @@ from kg.errors import UnknownNameError, UsageError
 from kg.graph.impact_reading import arguments, definition_records, file_records
 from kg.graph.reading import node_records
 from kg.graph.systems_reading import started_names, systems
-from kg.impact import Kind, Subject
 from kg.impact.assessing import impact as assess
+from kg.impact.model import Kind, Subject
 from kg.pipeline.build import build
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from kg.facts import System
     from kg.graph.reading import NodeRecord
-    from kg.impact import DefinitionRecord, FileRecord
+    from kg.impact.model import DefinitionRecord, FileRecord
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 

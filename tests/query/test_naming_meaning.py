@@ -1,4 +1,4 @@
-"""Resolution of typed names in a fact, compared with an exhaustive search on random stores."""
+"""What typed names mean in a fact, compared with a plain search of all that is named, on random stores."""
 
 from __future__ import annotations
 
@@ -25,10 +25,11 @@ LABELS = ("one", "two", "/one", "/two", "other")
 
 
 class Snapshot:
-    """A store with the interface of a snapshot."""
+    """A store that answers as a snapshot does."""
 
     def __init__(self, triples: set[tuple[str, str, str]]) -> None:
         self.store = Store()
+        self.texts: list[str] = []
         self.store.extend(
             Quad(NamedNode(one), NamedNode(two), Literal(three) if two == LABEL else NamedNode(three))
             for one, two, three in triples
@@ -38,11 +39,12 @@ class Snapshot:
         self, text: str, *, prefixes: Mapping[str, str] | None = None
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
         """Run a query."""
+        self.texts.append(text)
         return self.store.query(text, prefixes=dict(prefixes or {}))
 
 
 def triples() -> st.SearchStrategy[set[tuple[str, str, str]]]:
-    """Return labels, classes and uses of a few things."""
+    """Labels, kinds and uses of a few things."""
     thing = st.sampled_from(THINGS)
     labels = st.tuples(thing, st.just(LABEL), st.sampled_from(LABELS))
     kinds = st.tuples(thing, st.just(KIND), st.sampled_from([BASE + "A", BASE + "B"]))
@@ -53,7 +55,7 @@ def triples() -> st.SearchStrategy[set[tuple[str, str, str]]]:
 @settings(deadline=None, max_examples=300)
 @given(triples())
 def test_names_mean_what_a_search_of_all_names_finds(known: set[tuple[str, str, str]]) -> None:
-    """Reading few names finds the same things, or the same error, as reading all."""
+    """Looking at few names finds the things, or the error, that looking at all finds."""
     try:
         found, held = facts(Snapshot(known), "one", USES, "two")
         outcome: object = ({(fact.subject.value, fact.object.value) for fact in found}, held)  # type: ignore[union-attr]  # IRIs
@@ -62,15 +64,28 @@ def test_names_mean_what_a_search_of_all_names_finds(known: set[tuple[str, str, 
     assert outcome == meaning(known)
 
 
+def test_two_exact_names_are_not_searched_for() -> None:
+    """No query reads all that a property is used with, so the time does not grow with the store."""
+    first, second, kind = THINGS[0], THINGS[4], BASE + "A"
+    labels = {(first, LABEL, "one"), (second, LABEL, "two")}
+    snapshot = Snapshot({*labels, (first, KIND, kind), (second, KIND, kind), (first, USES, first)})
+    assert facts(snapshot, "one", USES, "two")[1] is False
+    searching = [text for text in snapshot.texts if "STRENDS" in text]
+    assert searching
+    assert all("VALUES ?end" in text for text in searching)
+
+
 def meaning(known: set[tuple[str, str, str]]) -> object:
-    """Return the resolved facts and whether the store contains them, or the code of an error."""
+    """Return the facts that are meant and whether they are held, or the code of an error."""
     having = [[one for one in THINGS if {(one, LABEL, word), (one, LABEL, "/" + word)} & known] for word in WORDS]
     every = [
         ones + [one for one in THINGS if one not in ones and ends(one, word, known)]
         for ones, word in zip(having, WORDS, strict=True)
     ]
-    for subjects, values in (having, every):
-        pairs = [(one, other) for one in subjects for other in values if (one, USES, other) in known]
+    uses = [(one, other) for one in every[0] for other in every[1] if (one, USES, other) in known]
+    least = 1 if all(having) else 0
+    for exact in (2, least):
+        pairs = [pair for pair in uses if sum(one in ones for one, ones in zip(pair, having, strict=True)) >= exact]
         if pairs:
             named = {one for one, prop, label in known if prop == LABEL and label in WORDS}
             ranks = [(one not in named) + (other not in named) for one, other in pairs]
@@ -80,7 +95,8 @@ def meaning(known: set[tuple[str, str, str]]) -> object:
     used = [{one for one, prop, _ in known if prop == USES}, {other for _, prop, other in known if prop == USES}]
     if max(map(len, every)) > 1 and not used[0]:
         return "KG001"
-    chosen = [choice(ones, word, used_, known) for ones, word, used_ in zip(every, WORDS, used, strict=True)]
+    first = having if all(having) else every
+    chosen = [choice(*each, known) for each in zip(first, every, WORDS, used, strict=True)]
     return ({(chosen[0][0], chosen[1][0])}, False) if list(map(len, chosen)) == [1, 1] else "KG003"
 
 
@@ -88,13 +104,16 @@ WORDS = ("one", "two")
 
 
 def ends(thing: str, word: str, known: set[tuple[str, str, str]]) -> bool:
-    """Return whether a thing with a label has an IRI that ends in a word."""
+    """Tell whether a thing with a label has an IRI that ends in a word."""
     return thing.endswith(("/" + word, "#" + word)) and any(one == thing and prop == LABEL for one, prop, _ in known)
 
 
-def choice(ones: list[str], word: str, used: set[str], known: set[tuple[str, str, str]]) -> list[str]:
-    """Return those that are used, or are of a class that is, and of these those with exactly the name."""
+def choice(
+    first: list[str], every: list[str], word: str, used: set[str], known: set[tuple[str, str, str]]
+) -> list[str]:
+    """Return those of the first that are used, or any of a kind that is, and of these those with exactly the name."""
     kinds = {kind for one, prop, kind in known if prop == KIND and one in used}
-    alike = [one for one in ones if any((one, KIND, kind) in known for kind in kinds)]
-    fitting = [one for one in ones if one in used] or alike or ones
+    alike = [one for one in every if any((one, KIND, kind) in known for kind in kinds)]
+    named = [one for one in alike if (one, LABEL, word) in known]
+    fitting = [one for one in first if one in used] or named or [one for one in every if one in used] or alike or every
     return [one for one in fitting if (one, LABEL, word) in known] or fitting

@@ -82,8 +82,54 @@ def test_a_robot_of_an_office() -> None:
         (SERVICE, "/mavros/cmd/takeoff", "mavros_msgs/CommandTOL", "takingOff"),
         (SERVICE, "/drone/motors/arm", "std_srvs/SetBool", "enablingMotors"),
         (ACTION, "/navigate_to_pose", "nav2_msgs/NavigateToPose", "goingToPose"),
+        (S, "/wrench_command", "geometry_msgs/WrenchStamped", "applyingForce"),
     ],
 )
 def test_contexts(role: Role, name: str, kind: str, capability: str) -> None:
     """The name gives the purpose of a plain message."""
     assert capability in reached(("/node", role, name, kind))
+
+
+@pytest.mark.parametrize(
+    ("role", "name", "kind", "capability"),
+    [
+        (S, "/speech_recognizing", "std_msgs/String", "speaking"),
+        (S, "/speaker_audio", "std_msgs/String", "speaking"),
+        (S, "/ethercat/motors_halted", "std_msgs/Bool", "enablingMotors"),
+        (SERVICE, "/spot/arm_stow", "std_srvs/Trigger", "enablingMotors"),
+        (S, "/gripper/finger_joint/current", "std_msgs/Float64", "gripping"),
+        (S, "/grasp_planner/event_in", "std_msgs/String", "gripping"),
+        (P, "/force_disturbance", "geometry_msgs/Vector3", "sensingForce"),
+        (P, "/odom_to_euler/euler", "geometry_msgs/Vector3Stamped", "sensingVelocity"),
+        (P, "/imu/data_raw", "sensor_msgs/Imu", "sensingOrientation"),
+        (P, "/setpoint_position/global", "geographic_msgs/GeoPoseStamped", "sensingGeographicPosition"),
+        (P, "/map/image", "sensor_msgs/Image", "seeing"),
+        (P, "/waypoints_reached", "geometry_msgs/Point", "knowingPlaces"),
+        (P, "/nearest_point", "geometry_msgs/PoseStamped", "sensingPose"),
+        (P, "/air_humidity/desired", "std_msgs/Float64", "sensingHumidity"),
+        (P, "/target_heading", "std_msgs/Float32", "sensingOrientation"),
+        (P, "/lidar_gimbal_mode", "std_msgs/Int16", "measuringOneDistance"),
+        (S, "/amcl_pose", "geometry_msgs/PoseWithCovarianceStamped", "beingToldPose"),
+        (S, "/robot/pose", "geometry_msgs/PoseStamped", "goingToPose"),
+        (P, "/debug_image", "sensor_msgs/Image", "seeing"),
+        (P, "/flir/image", "sensor_msgs/Image", "sensingTemperature"),
+        (P, "/face/mode", "std_msgs/String", "sensingMode"),
+        (P, "/smart_move/object", "std_msgs/String", "recognizingObjects"),
+        (S, "/display_server/stimulus_mode", "std_msgs/String", "showing"),
+        (SERVICE, "/node/tf2_frames", "tf2_msgs/FrameGraph", "knowingFrames"),
+        (SERVICE, "/gripper/emergency_release", "std_srvs/Trigger", "stoppingInEmergency"),
+        (P, "/wind/true", "geometry_msgs/Pose2D", "sensingPose"),
+    ],
+)
+def test_names_that_mean_something_else(role: Role, name: str, kind: str, capability: str) -> None:
+    """The name tells that a message is not used for what it could be."""
+    assert capability not in reached(("/node", role, name, kind))
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("/detected_objects", "geometry_msgs/PoseArray"), ("/ball_position", "geometry_msgs/PointStamped")],
+)
+def test_places_of_things(name: str, kind: str) -> None:
+    """Points and poses tell where things are if the name speaks of things."""
+    assert "knowingPlaces" in reached(("/node", P, name, kind))

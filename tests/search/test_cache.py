@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from search.store import CONTENT
 
-from kg.search import cache, kept
+from kg.search import cache
 from kg.search.index import build
 from kg.search.searching import Search, hit_object
 
@@ -60,7 +60,7 @@ def test_a_damaged_index_is_no_index(tmp_path_factory: pytest.TempPathFactory, d
 def test_an_index_of_other_code_or_data_is_no_index(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Terms depend on the lexicon, and scores on the code, so an index is only valid for both."""
     cache.save(tmp_path, "1", INDEX)
-    monkeypatch.setattr(kept, "_version", lambda: 1)
+    monkeypatch.setattr(cache, "_version", lambda: 1)
     assert cache.load(tmp_path, "1") is None
 
 

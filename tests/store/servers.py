@@ -15,10 +15,16 @@ import pytest
 from patience import patient
 from ports import own_port
 
+from kg.store.embedded import EmbeddedStore
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["oxigraph_server", "virtuoso_server"]
+    from kg.store.remote import RemoteStore
+
+__all__ = ["load_server", "oxigraph_server", "virtuoso_server"]
+
+BATCH = 500
 
 VIRTUOSO = """
 [Parameters]
@@ -75,6 +81,19 @@ def virtuoso_server(folder: Path) -> Iterator[str]:
         finally:
             process.terminate()
             process.wait()
+
+
+def load_server(store: Path, remote: RemoteStore) -> None:
+    """Send all quads of a store's folder to a server, in requests that any server takes."""
+    with EmbeddedStore.create(store).read() as snapshot:
+        for graph in snapshot.graphs():
+            lines = snapshot.content(graph).decode().splitlines()
+            plain = [line for line in lines if "_:" not in line]
+            for start in range(0, len(plain), BATCH):
+                remote.update(f"INSERT DATA {{ GRAPH {graph} {{\n" + "\n".join(plain[start : start + BATCH]) + "\n} }")
+            # Together, so that a label stands for one node; Virtuoso takes blank nodes in a template only.
+            if blank := [line for line in lines if "_:" in line]:
+                remote.update(f"INSERT {{ GRAPH {graph} {{\n" + "\n".join(blank) + "\n} } WHERE { }")
 
 
 def _wait(address: str, seconds: float = 10) -> None:

@@ -45,6 +45,7 @@ def test_kept_answers_are_those_of_the_store(snapshot: EmbeddedSnapshot, folder:
             for implicit in (False, True):
                 expected = overview.channels(snapshot, kind, implicit=implicit)
                 assert answers.channels(snapshot, kind, implicit=implicit) == expected
+        assert answers.node_summaries(snapshot) == overview.nodes(snapshot)
         lines = answers.node_lines(snapshot)
         records = node_records(snapshot)
         assert [json.loads(one.text) for one in lines] == [json.loads(json.dumps(node_object(one))) for one in records]

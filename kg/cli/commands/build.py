@@ -1,4 +1,4 @@
-"""`kg build`: read sources into the store. `kg status`: what stands in it, and what has changed since."""
+"""`kg build`: read sources into the store. `kg status`: the sources in the store, and their changes since."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -8,32 +8,20 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import (
-    Artifacts,
-    Base,
-    Calls,
-    Cluster,
-    Families,
-    Jobs,
-    Json,
-    MaxFileBytes,
-    Memory,
-    NlpModel,
-    NoRules,
-    Rules,
-    Store,
-)
+from kg.cli.options import Json, NoRules, UpdateUrl, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal
-from kg.cli.session import session
 from kg.cli.supervising import supervise
-from kg.errors import Exit
+from kg.errors import Exit, UsageError
 from kg.render.text import count
-from kg.store.opening import layout_of, writable
+from kg.settings import Settings
+from kg.store.opening import layout_of, mirrored, writable
 
 if TYPE_CHECKING:
     from kg.graph.source_states import SourceState
-    from kg.settings import Settings
+    from kg.store.remote import RemoteStore
 
+_SERVER_SECONDS: Final = 3600.0
+"""Seconds for a server to replace graphs."""
 _WATCH_SECONDS: Final = 1.0
 
 Sources = Annotated[
@@ -56,27 +44,30 @@ DryRun = Annotated[
 Problems = Annotated[bool, typer.Option("--problems", help="List all problems and reasons, not only the first.")]
 
 
+@with_settings(
+    "jobs",
+    "cluster",
+    "artifacts",
+    "max_file_bytes",
+    "memory",
+    "nlp_model",
+    "base",
+    "calls",
+    "rules",
+    "rule_families",
+    "store",
+)
 def build(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     sources: Sources = None,
     *,
+    settings: Settings,
     corpus: Corpus = None,
     problems: Problems = False,
-    jobs: Jobs = None,
-    cluster: Cluster = None,
-    artifacts: Artifacts = None,
     dry_run: DryRun = False,
-    max_file_bytes: MaxFileBytes = None,
-    memory: Memory = None,
-    nlp_model: NlpModel = None,
-    base: Base = None,
-    calls: Calls = None,
     watch: Watch = False,
     no_rules: NoRules = False,
-    rules: Rules = None,
-    rule_families: Families = None,
     json: Json = False,
-    store: Store = None,
+    update_url: UpdateUrl = None,
 ) -> None:
     """Read ROS packages into the store.
 
@@ -89,30 +80,21 @@ def build(  # noqa: PLR0913 - the options of a command
         kg build --corpus robots/corpus.lock.toml
         kg build
         kg build --cluster tcp://scheduler:8786 --artifacts /shared/kg SOURCE...
+        kg build --store http://localhost:7878/query --update-url http://localhost:7878/update SOURCE...
     """
-    given = session(context).settings(
-        store=store,
-        jobs=jobs,
-        cluster=cluster,
-        artifacts=artifacts,
-        max_file_bytes=max_file_bytes,
-        memory=memory,
-        nlp_model=nlp_model,
-        base=base,
-        calls=calls,
-        rules=rules,
-        rule_families=rule_families,
-    )
-    if given.memory:
-        supervise(given.memory)
+    if settings.memory:
+        supervise(settings.memory)
+    server = _server(settings, update_url)
+    if server is not None:
+        settings = mirrored(settings)
     checkouts, whole = _checkouts(corpus) if corpus else ([], True)
     named = [*(sources or ()), *checkouts]
     if dry_run:
-        _estimate(named, given, json=json)
+        _estimate(named, settings, json=json)
         return
-    sound = _build(named, given, problems=problems, infer=not no_rules, json=json) and whole
+    sound = _build(named, settings, server, problems=problems, infer=not no_rules, json=json) and whole
     if watch:
-        _watch(given, problems=problems, infer=not no_rules, json=json)
+        _watch(settings, server, problems=problems, infer=not no_rules, json=json)
     elif not sound:
         raise typer.Exit(Exit.FOUND)
 
@@ -128,29 +110,52 @@ def _checkouts(corpus: str) -> tuple[list[str], bool]:
     return [str(folder) for folder in checkouts(lock, found)], not found.missing and not found.drifted
 
 
-def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, json: bool) -> bool:
-    """Build, tell what was found, and return whether all rules could be used."""
+def _server(settings: Settings, update_url: str | None) -> "RemoteStore | None":
+    """Return the server that the settings name as the store, None if that is a folder."""
+    if not isinstance(settings.store, str):
+        if update_url:
+            raise UsageError("KG003", "--update-url needs a server, but the store is a folder")
+        return None
+    layout_of(settings)  # refuses a server that a file of settings names
+    from kg.store.remote import RemoteStore  # noqa: PLC0415 - start-up time
+    from kg.store.remote_reading import without_credentials  # noqa: PLC0415 - start-up time
+
+    for address in filter(None, (settings.store, update_url)):
+        without_credentials(address)
+    return RemoteStore(settings.store, update_url, timeout=_SERVER_SECONDS, from_environment=True)
+
+
+def _build(  # noqa: PLR0913 - the options of the command
+    named: list[str], settings: Settings, server: "RemoteStore | None", *, problems: bool, infer: bool, json: bool
+) -> bool:
+    """Build, report the results, and return whether all rules could be used."""
     from kg.cli.build_view import left_out, report_object, summary  # noqa: PLC0415 - start-up time
     from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
     from kg.pipeline.build import build as run  # noqa: PLC0415 - start-up time
 
-    with writable(given, create=bool(named)) as target, for_this_stream() as progress:
-        report = run(named, target, given, progress, " ".join(["kg build", *named]), rules=infer)
+    with writable(settings, create=bool(named)) as target, for_this_stream() as progress:
+        report = run(named, target, settings, progress, " ".join(["kg build", *named]), rules=infer)
     for line in summary(report, target.layout.root, every=problems):
         say(line)
+    if server is not None:
+        from kg.store.replacing import replace_on  # noqa: PLC0415 - start-up time
+
+        sent = replace_on(target.layout, server)
+        removed = f", removed {sent.removed:,}" if sent.removed else ""
+        say(f"wrote {count(sent.graphs, 'graph')} with {count(sent.triples, 'triple')}{removed} to {server.address}")
     if json:
         json_lines([report_object(report)])
     return not left_out(report.inferred)
 
 
-def _estimate(named: list[str], given: "Settings", *, json: bool) -> None:
+def _estimate(named: list[str], settings: Settings, *, json: bool) -> None:
     """List what a build would read of each source, and about how long that takes."""
     from kg.cli.build_view import volume_object, volume_row, volumes_in_words  # noqa: PLC0415 - start-up time
     from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
     from kg.pipeline.estimating import estimate  # noqa: PLC0415 - start-up time
 
     with for_people() as progress:
-        found = estimate(named, given, progress)
+        found = estimate(named, settings, progress)
     columns = (
         Column("source", "name"),
         *(Column(title, "number") for title in ("packages", "unchanged", "files", "code MB", "s of reading")),
@@ -161,29 +166,23 @@ def _estimate(named: list[str], given: "Settings", *, json: bool) -> None:
         note(line)
 
 
-def _watch(given: "Settings", *, problems: bool, infer: bool, json: bool) -> None:
+def _watch(settings: Settings, server: "RemoteStore | None", *, problems: bool, infer: bool, json: bool) -> None:
     """Build again whenever a source has changed, until Ctrl-C, which is how watching ends."""
     from kg.pipeline.pending import pending  # noqa: PLC0415 - start-up time
 
-    layout = layout_of(given)
+    layout = layout_of(settings)
     note("watching the sources; press Ctrl-C to stop")
     try:
         while True:
             sleep(_WATCH_SECONDS)
-            if any(pending(layout, given).values()):
-                _build([], given, problems=problems, infer=infer, json=json)
+            if any(pending(layout, settings).values()):
+                _build([], settings, server, problems=problems, infer=infer, json=json)
     except KeyboardInterrupt:
         say()
 
 
-def status(
-    context: typer.Context,
-    *,
-    rules: Rules = None,
-    rule_families: Families = None,
-    json: Json = False,
-    store: Store = None,
-) -> None:
+@with_settings("rules", "rule_families", "store")
+def status(*, settings: Settings, json: Json = False) -> None:
     """List the sources in the store and what has changed since the build.
 
     Shows each source's commit, packages, nodes, unresolved names, nodes that reached a limit of the interpretation
@@ -194,7 +193,6 @@ def status(
     from kg.pipeline.pending import pending, rules_changed  # noqa: PLC0415 - start-up time
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
     layout = layout_of(settings)
     with EmbeddedStore(layout).read() as snapshot:
         states, quads, generation = sources(snapshot), snapshot.count(), snapshot.generation

@@ -8,14 +8,13 @@ import typer
 from kg.cli import completion
 from kg.cli.commands.lists import channel_rows
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, Store, System
+from kg.cli.options import Json, System, with_settings
 from kg.cli.output import json_lines, line_width, show, terminal
-from kg.cli.session import session
 from kg.render.text import count
+from kg.settings import Settings
 from kg.store.opening import reading
 
-_MOST = 5
-"""So many names are listed in a note."""
+_MOST = 5  # so many names are listed in a note
 _HELP = "Name in a system (`/{0}`), name in the code (`{0}` or `~/{0}`), or a part of either."
 All = Annotated[bool, typer.Option("--all", "-a", help="Show a row for each launch file instead of their number.")]
 Via = Annotated[
@@ -30,19 +29,18 @@ def _command(kind: str, example: str, text: str) -> Callable[..., None]:
     )
 
     def command(  # noqa: PLR0913 - the options of a command
-        context: typer.Context,
         name: Annotated[str, name_of_kind],
         *,
+        settings: Settings,
         system: System = None,
         every: All = False,
         via: Via = False,
         json: Json = False,
-        store: Store = None,
     ) -> None:
-        _show(context, kind, name, system, store, every=every, via=via, json=json)
+        _show(settings, kind, name, system, every=every, via=via, json=json)
 
     command.__doc__ = text
-    return command
+    return with_settings("store")(command)
 
 
 topic = _command(
@@ -64,11 +62,10 @@ action = _command("action", "dock", "Show an action's servers and clients; works
 
 
 def _show(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+    settings: Settings,
     kind: str,
     name: str,
     system: str | None,
-    store: str | None,
     *,
     every: bool,
     via: bool,
@@ -79,7 +76,6 @@ def _show(  # noqa: PLR0913 - the options of a command
     from kg.views.channel import channel  # noqa: PLC0415 - start-up time
     from kg.views.evidence import places  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store)
     with reading(settings) as snapshot:
         found = channel(snapshot, settings, kind=kind, name=name, system=system or "")
         others = [one["name"] for one in found["meant"]]

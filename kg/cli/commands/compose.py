@@ -7,11 +7,11 @@ import typer
 from kg.cli.completion import features, nodes
 from kg.cli.diagnostics import note
 from kg.cli.numbers import whole
-from kg.cli.options import Json, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, terminal, write
-from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count
+from kg.settings import Settings
 from kg.store.opening import existing
 
 if TYPE_CHECKING:
@@ -61,9 +61,10 @@ Launch = Annotated[
 ]
 
 
+@with_settings("store")
 def compose(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     *,
+    settings: Settings,
     source: From,
     target: To,
     using: Using = None,
@@ -72,7 +73,6 @@ def compose(  # noqa: PLR0913 - the options of a command
     limit: Most = "5",
     launch: Launch = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Find chains of nodes that convert one message type into another.
 
@@ -97,7 +97,7 @@ def compose(  # noqa: PLR0913 - the options of a command
         whole(length, "--length", 1, _LONGEST) if length is not None else None,
         max(whole(limit, "--limit", 1), rank),
     )
-    kept = existing(session(context).settings(store=store))
+    kept = existing(settings)
     with kept.read() as snapshot:
         answer = composed(snapshot, question, kept.layout.cache)
     for one in answer.asked.notes:

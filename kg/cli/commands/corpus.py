@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from kg.corpus.fetching_list import Wanted
     from kg.corpus.selection import Selection
 
-_MOST_JOBS: Final = 64
-"""No server is asked for more at a time."""
+_MOST_JOBS: Final = 64  # no server is asked for more at a time
 
 Table = Annotated[str, typer.Argument(metavar="DATASET.csv", help="A table of projects, as CSV.")]
 CriteriaFile = Annotated[
@@ -65,7 +64,6 @@ Update = Annotated[bool, typer.Option("--update", help="Fetch the newest commits
 
 
 def select(
-    context: typer.Context,  # noqa: ARG001 - the signature that all commands have
     table: Table,
     *,
     criteria: CriteriaFile = None,
@@ -112,7 +110,6 @@ def _tables(found: "Selection") -> None:
 
 
 def _write_list(path: Path, found: "Selection") -> None:
-
     lines = [f"# {count(len(found.kept), 'project')} of {found.dataset.path.name}, by {found.criteria.path.name}"]
     try:
         path.write_text("\n".join([*lines, *found.addresses(), ""]), "utf-8")
@@ -121,7 +118,6 @@ def _write_list(path: Path, found: "Selection") -> None:
 
 
 def fetch(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,  # noqa: ARG001 - the signature that all commands have
     repositories: Repositories = None,
     *,
     into: Into = None,

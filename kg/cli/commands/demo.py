@@ -2,6 +2,7 @@
 
 import sys
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -52,8 +53,9 @@ def demo(context: typer.Context, *, store: Keep = None) -> None:
         bold = ("\x1b[1m", "\x1b[0m") if colored(sys.stdout) else ("", "")
         with target.read() as snapshot:
             _ask_all(snapshot, settings, bold)
-        _prove(context, str(target.layout.root), bold)
-        _check(context, str(target.layout.root), bold)
+        settings = replace(settings, store=target.layout.root)
+        _prove(settings, bold)
+        _check(settings, bold)
     for line in _next(str(chosen) if chosen else None):
         write(line)
 
@@ -102,24 +104,24 @@ def _ask(snapshot: "EmbeddedSnapshot", query: "StoredQuery", settings: "Settings
         table(result, links)
 
 
-def _prove(context: typer.Context, root: str, bold: tuple[str, str]) -> None:
+def _prove(settings: "Settings", bold: tuple[str, str]) -> None:
     """Show the proof of `FACT` as `kg why` does."""
     from kg.cli.commands.why import why  # noqa: PLC0415 - start-up time
 
     title = "How is it known that a robot can measure distances with scan_filter?"
     write(f"\n{bold[0]}{len(QUESTIONS) + 1}. {title}{bold[1]}\n")
     write(f"    kg why {' '.join(FACT)}\n")
-    why(context, list(FACT), store=root)
+    why(list(FACT), settings=settings)
 
 
-def _check(context: typer.Context, root: str, bold: tuple[str, str]) -> None:
+def _check(settings: "Settings", bold: tuple[str, str]) -> None:
     """Show what `kg lint` finds in the launch files."""
     from kg.cli.commands.lint import lint  # noqa: PLC0415 - start-up time
 
     write(f"\n{bold[0]}{len(QUESTIONS) + 2}. What is wrong in the launch files?{bold[1]}\n")
     write("    kg lint\n")
     with suppress(typer.Exit):
-        lint(context, store=root)
+        lint(settings=settings)
 
 
 def _next(kept: str | None) -> list[str]:

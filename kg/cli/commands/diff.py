@@ -1,19 +1,27 @@
 """`kg diff`: what changed in interfaces and wiring between two commits, or two stores."""
 
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from kg.cli.drawing import Output, Svg, deliver, form_of
-from kg.cli.options import Families, Jobs, Json, Rules
+from kg.cli.options import Json, with_settings
 from kg.cli.output import json_line
-from kg.cli.session import session
 from kg.errors import Exit, UsageError
 from kg.render.text import count
+from kg.settings import Settings
 
 if TYPE_CHECKING:
-    from kg.cli.compared import Known, Sides
-    from kg.launch.comparison import Difference
+    from collections.abc import Mapping, Sequence
+
+    from kg.cli.links import Links
+    from kg.graph.source_states import SourceState
+    from kg.graph.systems_reading import SystemName
+    from kg.launch.comparison import Difference, Side, Sources
+    from kg.store.embedded import EmbeddedStore
+
 
 _SHOWN: Final = 12
 
@@ -38,10 +46,11 @@ Markdown = Annotated[bool, typer.Option("--markdown", help="Write Markdown for a
 ExitCode = Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if there are differences.")]
 
 
+@with_settings("jobs", "rules", "rule_families")
 def diff(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     named: Named = None,
     *,
+    settings: Settings,
     repository: Repository = None,
     launch: Launch = None,
     every: All = False,
@@ -50,9 +59,6 @@ def diff(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     output: Output = None,
     exit_code: ExitCode = False,
-    jobs: Jobs = None,
-    rules: Rules = None,
-    rule_families: Families = None,
 ) -> None:
     """Show changes in interfaces and wiring between two commits.
 
@@ -65,13 +71,11 @@ def diff(  # noqa: PLR0913 - the options of a command
         kg diff main...HEAD --launch rover.launch -o changes.svg
         kg diff before/.kg after/.kg
     """
-    from kg.cli.compared import known, sides, stores  # noqa: PLC0415 - start-up time
     from kg.launch.comparison import compare  # noqa: PLC0415 - start-up time
     from kg.pipeline.launch_names import unknown_launch  # noqa: PLC0415 - start-up time
 
     form = form_of({"svg": svg, "markdown": markdown, "json": json}, output)
     asked = sides(named or (), repository)
-    settings = session(context).settings(jobs=jobs, rules=rules, rule_families=rule_families)
     before, after = (known(store, settings, launch) for store in stores(asked, settings))
     if launch is not None and not (before.sources.systems or after.sources.systems):
         raise unknown_launch([*before.launches, *after.launches], launch)
@@ -82,7 +86,6 @@ def diff(  # noqa: PLR0913 - the options of a command
 
 
 def _written(found: "Difference", asked: "Sides", both: "tuple[Known, Known]", form: str, *, every: bool) -> str:
-    from kg.cli.compared import address  # noqa: PLC0415 - start-up time
     from kg.cli.links import Links  # noqa: PLC0415 - start-up time
     from kg.launch.comparison.report import difference_lines, difference_markdown, difference_objects  # noqa: PLC0415 - as above
 
@@ -133,3 +136,95 @@ def _one_system(found: "Difference", both: "tuple[Known, Known]") -> str:
         return names[0]
     hint = "\n".join(f"`--launch {name}`" for name in names[:_SHOWN]) or "Omit the picture to compare interfaces."
     raise UsageError("KG003", f"{count(len(names), 'launch file')} could be drawn; one can", hint=hint)
+
+
+@dataclass(frozen=True, slots=True)
+class Sides:
+    """The request: two stores, or two commits of `repository`; `since` for three dots."""
+
+    before: str
+    after: str
+    repository: Path | None = None
+    since: bool = False
+
+    @property
+    def title(self) -> str:
+        """The title of the comparison."""
+        if self.repository is None:
+            return f"{self.before} and {self.after}"
+        return f"{self.before}{'...' if self.since else '..'}{self.after}"
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """The data of one side: nodes and systems, the states of its sources, and the names of its launch files."""
+
+    sources: "Sources"
+    states: "Mapping[str, SourceState]"
+    launches: "Sequence[SystemName]"
+
+
+def sides(named: "Sequence[str]", repository: str | None) -> Sides:
+    """Return the sides of the arguments: `A..B`, `A...B`, `A B`; two folders are stores. KG003 for anything else."""
+    folder = Path(repository or ".")
+    if len(named) == 1 and ".." in named[0]:
+        dots = "..." if "..." in named[0] else ".."
+        before, _, after = named[0].partition(dots)
+        return Sides(before or "HEAD", after or "HEAD", folder, since=dots == "...")
+    if len(named) == 2:  # noqa: PLR2004 - a before and an after
+        if repository is None and all(Path(name).is_dir() for name in named):
+            return Sides(named[0], named[1])
+        return Sides(named[0], named[1], folder)
+    hint = (
+        f"`kg diff {named[0]}..HEAD` compares it with the last commit."
+        if named
+        else "For example: `kg diff main..HEAD`."
+    )
+    raise UsageError("KG003", "two commits or two stores are compared", hint=hint)
+
+
+def stores(asked: Sides, settings: Settings) -> "tuple[EmbeddedStore, EmbeddedStore]":
+    """Return both stores; commits without a store are built now. Raises as `kg.pipeline.revisions` does."""
+    from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
+    from kg.pipeline.revisions import merge_base, resolve, revision_store  # noqa: PLC0415 - start-up time
+    from kg.store.opening import existing  # noqa: PLC0415 - start-up time
+
+    if asked.repository is None:
+        first, second = (existing(replace(settings, store=Path(name))) for name in (asked.before, asked.after))
+        return first, second
+    before, after = resolve(asked.repository, asked.before), resolve(asked.repository, asked.after)
+    if asked.since:
+        before = merge_base(asked.repository, before, after)
+    found = []
+    for revision in (before, after):
+        with for_people() as progress:
+            found.append(revision_store(asked.repository, revision, settings, progress))
+    return found[0], found[1]
+
+
+def known(store: "EmbeddedStore", settings: Settings, launch: str | None) -> Known:
+    """Return the data of a side; with `launch` only that of the launch files it may name."""
+    from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
+    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
+    from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - start-up time
+    from kg.launch.comparison import Sources  # noqa: PLC0415 - start-up time
+    from kg.lint.reading import read_findings  # noqa: PLC0415 - start-up time
+    from kg.pipeline.launch_names import matching  # noqa: PLC0415 - start-up time
+    from kg.views.impact_changes import compared_finding  # noqa: PLC0415 - start-up time
+
+    with store.read() as snapshot:
+        every = system_names(snapshot)
+        names = every if launch is None else matching(every, launch)
+        chosen = {one.name for one in names}
+        findings = [compared_finding(one) for one in read_findings(snapshot, settings.base) if one.system in chosen]
+        nodes = node_records(snapshot) if launch is None else []
+        found = Sources(nodes, systems(snapshot, names, settings.base), findings)
+        return Known(found, {one.name: one for one in sources(snapshot)}, every)
+
+
+def address(links: "tuple[Links, Links]", side: "Side", *, is_after: bool) -> str | None:
+    """Return the address of a line's page on the forge; None if the source is not a commit of a forge."""
+    if side.location is None or not side.repository:
+        return None
+    found = links[is_after].to(side.repository, side.location)
+    return found if found and found.startswith("https://") else None

@@ -6,14 +6,15 @@ from dataclasses import asdict
 import typer
 
 from kg.cli.diagnostics import colored, say
-from kg.cli.options import Json, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, write
-from kg.cli.session import session
 from kg.errors import Exit
 from kg.render.text import count, printable
+from kg.settings import Settings
 
 
-def doctor(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
+@with_settings("store")
+def doctor(*, settings: Settings, json: Json = False) -> None:
     """Check the installation and the store.
 
     Checks Python and the packages that kg needs, git, Java, the disk, the store and the settings. Exits with 1 if a
@@ -23,7 +24,7 @@ def doctor(context: typer.Context, *, json: Json = False, store: Store = None) -
 
     wrong = 0
     marks = {"ok": "32", "note": "36", "wrong": "1;31"}
-    for check in checks(session(context).settings(store=store)):
+    for check in checks(settings):
         wrong += check.state == "wrong"
         if json:
             json_lines([asdict(check)])

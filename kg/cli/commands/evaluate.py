@@ -8,18 +8,17 @@ import typer
 from kg.cli.diagnostics import say
 from kg.cli.evaluation_view import deliver, misses_csv
 from kg.cli.numbers import whole
-from kg.cli.options import Json, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import write_text
-from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count
+from kg.settings import Settings
 from kg.similar import did_you_mean
 from kg.store.opening import existing, reading
 
 if TYPE_CHECKING:
     from kg.evaluate.gathering import Choice
     from kg.evaluate.linking import Ground
-    from kg.settings import Settings
 
 References = Annotated[
     list[str] | None,
@@ -62,9 +61,10 @@ Output = Annotated[
 ]
 
 
+@with_settings("store")
 def completeness(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     *,
+    settings: Settings,
     reference: References = None,
     code: Code = False,
     number: SampleSize = "300",
@@ -77,7 +77,6 @@ def completeness(  # noqa: PLR0913 - the options of a command
     forget: Forget = False,
     output: Output = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Measure how much of references or code the graph contains.
 
@@ -90,7 +89,6 @@ def completeness(  # noqa: PLR0913 - the options of a command
         kg eval completeness -r src/scan_tools/README.md -r src/nav/doc/wiki.txt --output tables
         kg eval completeness --code --sample 500 --missed missed.csv
     """
-    settings = session(context).settings(store=store)
     if code:
         size, chance = whole(number, "--sample", 1), whole(seed, "--seed", 0)
         _code(settings, size, chance, tests=tests, missed=missed, output=output, json=json)
@@ -107,7 +105,7 @@ def completeness(  # noqa: PLR0913 - the options of a command
 
 
 def _code(  # noqa: PLR0913 - the options of a command
-    settings: "Settings", size: int, seed: int, *, tests: bool, missed: str | None, output: str | None, json: bool
+    settings: Settings, size: int, seed: int, *, tests: bool, missed: str | None, output: str | None, json: bool
 ) -> None:
     from kg.evaluate.code_check import check_code  # noqa: PLC0415 - start-up time
     from kg.evaluate.source_lines import SourceLines  # noqa: PLC0415 - start-up time
@@ -120,9 +118,10 @@ def _code(  # noqa: PLR0913 - the options of a command
         say(f"{count(len(found.missed), 'miss', 'misses')} in {missed}")
 
 
+@with_settings("store")
 def correctness(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     *,
+    settings: Settings,
     reference: References = None,
     closed: Closed = False,
     package: Package = None,
@@ -130,7 +129,6 @@ def correctness(  # noqa: PLR0913 - the options of a command
     keep: Keep = False,
     output: Output = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Compare the relations of nodes with references: precision, recall and F1.
 
@@ -142,7 +140,6 @@ def correctness(  # noqa: PLR0913 - the options of a command
     """
     from kg.evaluate.correctness import correctness as measure  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store)
     choice = _choice(closed=closed, any_commit=any_commit, package=package)
     with reading(settings) as snapshot:
         table, ground = measure(snapshot, _paths(reference), choice)
@@ -151,9 +148,10 @@ def correctness(  # noqa: PLR0913 - the options of a command
         _keep(settings, ground)
 
 
+@with_settings("store")
 def sample(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     *,
+    settings: Settings,
     size: Size = "100",
     seed: Seed = "0",
     relation: Relations = None,
@@ -161,7 +159,6 @@ def sample(  # noqa: PLR0913 - the options of a command
     score: Judged = None,
     tables: Tables = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Draw facts to be judged by a person, or score a judged sheet.
 
@@ -183,7 +180,7 @@ def sample(  # noqa: PLR0913 - the options of a command
 
     number, chance = whole(size, "--size", 1), whole(seed, "--seed", 0)
     chosen = [_known_relation(one) for one in relation] if relation else list(RELATIONS)
-    with reading(session(context).settings(store=store)) as snapshot:
+    with reading(settings) as snapshot:
         facts = Facts(snapshot)
         found = drawn(facts, chosen, number, chance)
         text = as_sheet(facts, found, SourceLines(snapshot))
@@ -200,14 +197,14 @@ def _known_relation(name: str) -> str:
     return name
 
 
-def search(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("store")
+def search(
     *,
+    settings: Settings,
     queries: Needs,
     model: Model = None,
     output: Output = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Compare the search with other methods: NDCG@1 and NDCG@5.
 
@@ -222,7 +219,7 @@ def search(  # noqa: PLR0913 - the options of a command
     from kg.search.searching import open_search  # noqa: PLC0415 - start-up time
 
     needs = read_needs(Path(queries).expanduser())
-    found = open_search(existing(session(context).settings(store=store)))
+    found = open_search(existing(settings))
     table = retrieval(found, needs, Path(model).expanduser() if model else None)
     deliver(table, json=json, output=output)
 
@@ -239,14 +236,14 @@ def _choice(*, closed: bool = False, any_commit: bool = False, package: str | No
     return Choice(closed, any_commit, package)
 
 
-def _keep(settings: "Settings", ground: "Ground") -> None:
+def _keep(settings: Settings, ground: "Ground") -> None:
     from kg.evaluate.keeping import keep  # noqa: PLC0415 - the branch that needs it
 
     keep(settings, ground.triples)
     say(f"kept {count(len(ground.linked), 'reference')} in the store")
 
 
-def _forget(settings: "Settings") -> None:
+def _forget(settings: Settings) -> None:
     from kg.evaluate.keeping import forget  # noqa: PLC0415 - the branch that needs it
 
     say("forgot the references" if forget(settings) else "no references were kept")

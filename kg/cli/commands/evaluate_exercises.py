@@ -5,13 +5,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.evaluation_view import deliver
-from kg.cli.options import Json, Store
-from kg.cli.session import session
+from kg.cli.options import Json, with_settings
 from kg.errors import Exit
+from kg.settings import Settings
 
 if TYPE_CHECKING:
     from kg.evaluate.tables import Table
-    from kg.settings import Settings
 
 Capabilities = Annotated[
     bool, typer.Option("--capabilities", help="Print Table 1: the inferred capabilities of each simulated robot.")
@@ -26,14 +25,14 @@ Results = Annotated[
 ]
 
 
-def exercises(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("store")
+def exercises(
     *,
+    settings: Settings,
     capabilities: Capabilities = False,
     run: Run = False,
     output: Output = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Compare capability programs with equivalent code in four exercises.
 
@@ -45,14 +44,13 @@ def exercises(  # noqa: PLR0913 - the options of a command
         kg eval exercises --capabilities
         kg eval exercises --run
     """
-    settings = session(context).settings(store=store)
     if run:
         _run(settings, json=json, output=output)
     else:
         deliver(_table(settings, capabilities=capabilities), json=json, output=output)
 
 
-def _table(settings: "Settings", *, capabilities: bool) -> "Table":
+def _table(settings: Settings, *, capabilities: bool) -> "Table":
     import asyncio  # noqa: PLC0415 - start-up time
 
     from kg.evaluate.exercise_tables import (  # noqa: PLC0415 - start-up time
@@ -65,7 +63,7 @@ def _table(settings: "Settings", *, capabilities: bool) -> "Table":
     return capabilities_table(found) if capabilities else exercises_table(found)
 
 
-def _run(settings: "Settings", *, json: bool, output: str | None) -> None:
+def _run(settings: Settings, *, json: bool, output: str | None) -> None:
     import asyncio  # noqa: PLC0415 - start-up time
 
     from kg.evaluate.exercise_tables import runs_table  # noqa: PLC0415 - start-up time

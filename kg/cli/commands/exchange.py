@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import say
-from kg.cli.options import Base, NoRules, Store
+from kg.cli.options import NoRules, with_settings
 from kg.cli.output import write_bytes
-from kg.cli.session import session
 from kg.errors import Exit, Place, QueryError, UsageError
 from kg.render.text import count
+from kg.settings import Settings
 from kg.similar import did_you_mean, unknown
 from kg.store.opening import existing, reading, writable
 
@@ -37,15 +37,14 @@ Files = Annotated[list[str], typer.Argument(metavar="FILE", help="RDF files.")]
 Sources = Annotated[list[str], typer.Argument(metavar="SOURCE", help="Names of sources, as listed by `kg status`.")]
 
 
-def export(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("base", "store")
+def export(
     *,
+    settings: Settings,
     output: Output = None,
     format_name: FormatName = None,
     source: Source = None,
     graph: GraphName = None,
-    base: Base = None,
-    store: Store = None,
 ) -> None:
     """Write the graph as RDF.
 
@@ -57,7 +56,6 @@ def export(  # noqa: PLR0913 - the options of a command
     """
     from kg.graph.vocabulary import PREFIXES  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, base=base)
     target = Path(output) if output else None
     rdf_format = _format(format_name, target) or _format("nq", None)
     if rdf_format is None:
@@ -74,15 +72,14 @@ def export(  # noqa: PLR0913 - the options of a command
     say(f"wrote {count(len(data), 'byte')} of {rdf_format.name} to {target}")
 
 
-def import_files(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("base", "store")
+def import_files(
     files: Files,
     *,
+    settings: Settings,
     format_name: FormatName = None,
     graph: GraphName = None,
     no_rules: NoRules = False,
-    base: Base = None,
-    store: Store = None,
 ) -> None:
     """Add RDF files to the store.
 
@@ -98,7 +95,6 @@ def import_files(  # noqa: PLR0913 - the options of a command
     from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
     from kg.pipeline.inferring import Inference  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, base=base)
     iris = Iris(settings.base)
     with writable(settings) as target:
         rdf_format = _format(format_name, None)
@@ -115,14 +111,8 @@ def import_files(  # noqa: PLR0913 - the options of a command
     _end(inferred)
 
 
-def forget(
-    context: typer.Context,
-    sources: Sources,
-    *,
-    no_rules: NoRules = False,
-    base: Base = None,
-    store: Store = None,
-) -> None:
+@with_settings("base", "store")
+def forget(sources: Sources, *, settings: Settings, no_rules: NoRules = False) -> None:
     """Remove sources from the store.
 
     Removes everything read from them, and what rules inferred from it. Their source code is not touched. `kg build`
@@ -132,7 +122,6 @@ def forget(
     """
     from kg.pipeline.forgetting import forget as drop  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, base=base)
     target = existing(settings)
     with target.read() as snapshot:
         for name in sources:

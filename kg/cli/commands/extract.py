@@ -7,11 +7,12 @@ from typing import Annotated
 import typer
 
 from kg.cli.diagnostics import colored, render, say
-from kg.cli.options import Calls, Json
+from kg.cli.options import Json, takes
 from kg.cli.output import json_lines, write
 from kg.cli.session import session
 from kg.errors import Exit, KgError
 from kg.render.text import count
+from kg.settings import DECLARED
 
 Files = Annotated[
     list[str] | None,
@@ -19,7 +20,8 @@ Files = Annotated[
 ]
 
 
-def check(context: typer.Context, files: Files = None, *, json: Json = False, calls: Calls = None) -> None:
+@takes([DECLARED["calls"]])
+def check(context: typer.Context, files: Files = None, *, json: Json = False, **given: str | None) -> None:
     """Check descriptions of framework calls: columns, types, arguments, matches.
 
     Descriptions define the calls of a framework whose sources `kg build` does not have (docs/calls.md). Reports rows
@@ -31,7 +33,7 @@ def check(context: typer.Context, files: Files = None, *, json: Json = False, ca
     from kg.pipeline.calls import call_files, read_calls  # noqa: PLC0415 - start-up time
     from kg.symbolic.checking import check as find  # noqa: PLC0415 - start-up time
 
-    named = [Path(file) for file in files] if files else call_files(session(context).settings(calls=calls))
+    named = [Path(file) for file in files] if files else call_files(session(context).settings(**given))
     errors = find(read_calls(named))
     if json:
         json_lines(map(_object, errors))

@@ -8,9 +8,8 @@ import typer
 from kg.cli.diagnostics import note
 from kg.cli.drawing import Dot, Mermaid, Output, Svg, deliver, form_of
 from kg.cli.numbers import whole
-from kg.cli.options import Json, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, json_line, listing, terminal
-from kg.cli.session import session
 from kg.cli.systems import (
     Arguments,
     Environment,
@@ -23,12 +22,12 @@ from kg.cli.systems import (
     with_variants,
 )
 from kg.errors import Exit, UnknownNameError, UsageError
+from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.render.system_graph import SystemGraph
-    from kg.settings import Settings
 
 _SHOWN: Final = 12
 _COLUMNS: Final = (Column("node", "name"), Column("does"), Column("name"), Column("type"), Column("with"))
@@ -52,10 +51,11 @@ Expand = Annotated[
 All = Annotated[bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (tf, rosout, ...).")]
 
 
+@with_settings("store")
 def graph(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     file: File = None,
     *,
+    settings: Settings,
     launch: Launch = None,
     arg: Arguments = None,
     env: Environment = None,
@@ -69,7 +69,6 @@ def graph(  # noqa: PLR0913 - the options of a command
     mermaid: Mermaid = False,
     json: Json = False,
     output: Output = None,
-    store: Store = None,
 ) -> None:
     """Show the nodes and connections that a launch file starts.
 
@@ -88,7 +87,6 @@ def graph(  # noqa: PLR0913 - the options of a command
     form = form_of({"svg": svg, "dot": dot, "mermaid": mermaid, "json": json}, output)
     if depth is not None and focus is None:
         raise UsageError("KG003", "--depth needs --focus", hint="Add `--focus NODE`.")
-    settings = session(context).settings(store=store)
     launch, arg = named(file, launch, arg)
     launch = launch or _only(settings)
     (system,) = [with_variants(settings, launch, arg, env)] if variants else chosen_systems(settings, launch, arg, env)
@@ -129,7 +127,7 @@ def _table(graph: "SystemGraph") -> None:
     listing(_COLUMNS, rows)
 
 
-def _only(settings: "Settings") -> str:
+def _only(settings: Settings) -> str:
     """Return the only launch file of the store; KG003 with those that no other one includes where there are several."""
     from kg.graph.systems_reading import included, system_names  # noqa: PLC0415 - start-up time
 

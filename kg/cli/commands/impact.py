@@ -7,14 +7,13 @@ import typer
 
 from kg.cli.completion import subjects
 from kg.cli.drawing import Output, deliver, form_of
-from kg.cli.options import Json, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import json_line
-from kg.cli.session import session
 from kg.errors import Exit, StoreError, UsageError
+from kg.settings import Settings
 
 if TYPE_CHECKING:
-    from kg.impact import Impact
-    from kg.settings import Settings
+    from kg.impact.model import Impact
     from kg.views.evidence import Places
 
 Name = Annotated[
@@ -41,10 +40,11 @@ Markdown = Annotated[bool, typer.Option("--markdown", help="Write Markdown for a
 ExitCode = Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if something breaks.")]
 
 
+@with_settings("store")
 def impact(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     name: Name = None,
     *,
+    settings: Settings,
     diff: Diff = None,
     repository: Repository = None,
     kind: KindOf = None,
@@ -52,7 +52,6 @@ def impact(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     output: Output = None,
     exit_code: ExitCode = False,
-    store: Store = None,
 ) -> None:
     """Show what breaks if a name is renamed, removed or changed.
 
@@ -69,7 +68,6 @@ def impact(  # noqa: PLR0913 - the options of a command
     The store is not changed.
     """
     form = form_of({"markdown": markdown, "json": json}, output)
-    settings = session(context).settings(store=store)
     if (name is None) == (diff is None):
         raise UsageError("KG003", "a name or --diff COMMIT is required", hint="`kg impact /cmd_vel`, for example.")
     if diff is not None:
@@ -81,7 +79,7 @@ def impact(  # noqa: PLR0913 - the options of a command
         raise typer.Exit(Exit.FOUND)
 
 
-def _of_name(settings: "Settings", name: str, kind: str, form: str) -> tuple[bool, str]:
+def _of_name(settings: Settings, name: str, kind: str, form: str) -> tuple[bool, str]:
     from kg.store.opening import reading  # noqa: PLC0415 - start-up time
     from kg.views.evidence import places  # noqa: PLC0415 - start-up time
     from kg.views.impact import impact_of  # noqa: PLC0415 - start-up time
@@ -91,7 +89,7 @@ def _of_name(settings: "Settings", name: str, kind: str, form: str) -> tuple[boo
         return found.is_breaking, _written(found, form, places(snapshot))
 
 
-def _of_commit(settings: "Settings", commit: str, folder: Path, form: str) -> tuple[bool, str]:
+def _of_commit(settings: Settings, commit: str, folder: Path, form: str) -> tuple[bool, str]:
     from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
     from kg.impact.writing import broken_lines, broken_markdown, broken_objects  # noqa: PLC0415 - start-up time
     from kg.pipeline.revisions import beside, resolve  # noqa: PLC0415 - start-up time

@@ -3,14 +3,12 @@
 from collections import Counter
 from typing import TYPE_CHECKING, Final
 
-import typer
-
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, listing, terminal
-from kg.cli.session import session
 from kg.cli.systems import Arguments, Environment, File, Launch, Variants, chosen_systems, named, with_variants
 from kg.render.text import count
+from kg.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,16 +36,16 @@ _UNTYPED: Final = "of no node type of the store"
 _ALL: Final = (Column("system"), *_ONE)
 
 
+@with_settings("store")
 def instances(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     file: File = None,
     *,
+    settings: Settings,
     launch: Launch = None,
     arg: Arguments = None,
     env: Environment = None,
     variants: Variants = False,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """List the nodes that launch files start, with their run-time names.
 
@@ -62,7 +60,6 @@ def instances(  # noqa: PLR0913 - the options of a command
     """
     from kg.graph.records import instance_object  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store)
     launch, arg = named(file, launch, arg)
     found = [with_variants(settings, launch, arg, env)] if variants else chosen_systems(settings, launch, arg, env)
     objects = (instance_object(system, one) for system in found for one in system.instances)

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import colored, note, say
-from kg.cli.options import Families, Jobs, Json, PackageName, Rules, Store, takes
+from kg.cli.options import Json, PackageName, takes, with_settings
 from kg.cli.output import json_lines, write
 from kg.cli.remarks import Form, require_known
-from kg.cli.session import session
 from kg.cli.systems import Arguments, Environment, Launch, Variants, given, tell_left_out
 from kg.errors import Exit, UsageError
 from kg.lint.question import DECLARED, Question
 from kg.render.text import count
 from kg.settings import Settings, load_table
-from kg.store.opening import layout_of, reading
+from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.lint.running import Checked
@@ -40,10 +39,11 @@ Xunit = Annotated[
 
 
 @takes(DECLARED.values())
+@with_settings("rules", "rule_families", "jobs", "store")
 def lint(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     paths: Paths = None,
     *,
+    settings: Settings,
     launch: Launch = None,
     arg: Arguments = None,
     env: Environment = None,
@@ -54,10 +54,6 @@ def lint(  # noqa: PLR0913 - the options of a command
     xunit_file: Xunit = None,
     why: Why = False,
     json: Json = False,
-    rules: Rules = None,
-    rule_families: Families = None,
-    jobs: Jobs = None,
-    store: Store = None,
     **chosen: Any,
 ) -> None:
     """Report problems in the wiring of launch files.
@@ -80,7 +76,6 @@ def lint(  # noqa: PLR0913 - the options of a command
     folders = [Path(path) for path in paths or ()]
     own = load_table(DECLARED, chosen, folder=_folder(folders))
     question = Question(launch, package, arguments=arguments, environment=environment, variants=variants, **own)
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, jobs=jobs)
     if folders:
         settings = _read(settings, folders)
     checked = _checked(settings, folders, question)
@@ -89,7 +84,7 @@ def lint(  # noqa: PLR0913 - the options of a command
     _say(checked)
     tell_left_out(checked.left_out)
     if why:
-        _prove(context, checked, settings)
+        _prove(checked, settings)
     if xunit_file:
         _write_xunit(checked, Path(xunit_file), perf_counter() - began)
     if write_baseline:
@@ -104,16 +99,16 @@ def _require_provable(*, stored: bool, form: str) -> None:
         raise UsageError("KG003", "--why works only on the store and with text output", hint=hint)
 
 
-def _prove(context: typer.Context, checked: "Checked", settings: "Settings") -> None:
+def _prove(checked: "Checked", settings: Settings) -> None:
     """Show the proof of each finding."""
     from kg.cli.commands.why import why as prove  # noqa: PLC0415 - start-up time
 
     for finding in checked.report.findings:
         write("")
-        prove(context, [f"<{finding.iri}>", "rdf:type", "rnkg:Finding"], store=str(layout_of(settings).root))
+        prove([f"<{finding.iri}>", "rdf:type", "rnkg:Finding"], settings=settings)
 
 
-def _checked(settings: "Settings", folders: list[Path], question: "Question") -> "Checked":
+def _checked(settings: Settings, folders: list[Path], question: "Question") -> "Checked":
     """Return what is found."""
     from kg.lint.running import check_store  # noqa: PLC0415 - start-up time
 
@@ -130,7 +125,7 @@ def _folder(folders: list[Path]) -> Path:
     return (folders[0] if folders and folders[0].is_dir() else Path.cwd()).absolute()
 
 
-def _read(settings: "Settings", folders: list[Path]) -> "Settings":
+def _read(settings: Settings, folders: list[Path]) -> Settings:
     """Read folders, with a bar on a terminal and without a word elsewhere; return the settings for their store."""
     import sys  # noqa: PLC0415 - start-up time
 

@@ -1,23 +1,20 @@
 """`kg packages`, `kg files`, `kg topics`, `kg services`, `kg actions`: lists over the whole store."""
 
 from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Any, Final
 
 import typer
 
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, listing, terminal
-from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count
+from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from typing import Any
 
 _SORTS: Final = ("code", "both", "text", "other")
 
@@ -26,14 +23,15 @@ All = Annotated[
 ]
 
 
-def packages(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
+@with_settings("store")
+def packages(*, settings: Settings, json: Json = False) -> None:
     """List the packages with their nodes, interfaces and problems.
 
     Counts the nodes, interface definitions and problems of each package.
     """
     from kg.graph import overview  # noqa: PLC0415 - start-up time
 
-    with reading(session(context).settings(store=store)) as snapshot:
+    with reading(settings) as snapshot:
         found = overview.packages(snapshot)
     columns = (
         Column("package", "name"),
@@ -55,8 +53,13 @@ Package = Annotated[str | None, typer.Option("--package", "-p", metavar="NAME", 
 Sort = Annotated[str | None, typer.Option("--sort", metavar="SORT", help=f"Only {', '.join(_SORTS)} files.")]
 
 
+@with_settings("store")
 def files(
-    context: typer.Context, *, package: Package = None, sort: Sort = None, json: Json = False, store: Store = None
+    *,
+    settings: Settings,
+    package: Package = None,
+    sort: Sort = None,
+    json: Json = False,
 ) -> None:
     """List the files of packages, sorted into code and text.
 
@@ -71,7 +74,7 @@ def files(
 
     if sort is not None and sort not in _SORTS:
         raise UsageError("KG003", f"unknown sort `{sort}`", hint=f"Use one of {', '.join(_SORTS)}.")
-    with reading(session(context).settings(store=store)) as snapshot:
+    with reading(settings) as snapshot:
         every = overview.files(snapshot)
     found = [one for one in every if sort in {None, one.sort} and package in {None, one.package}]
     if package is not None and not found and package not in {one.package for one in every}:
@@ -91,34 +94,36 @@ def files(
         note(", ".join(f"{counts[one]} {one}" for one in _SORTS if counts[one]) or "no files")
 
 
-def topics(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
+@with_settings("store")
+def topics(*, settings: Settings, every: All = False, json: Json = False) -> None:
     """List the topics with their types and numbers of nodes.
 
     Names are those in launched systems, after remapping, and those of nodes started alone. `kg topic NAME` shows one.
     """
-    _list(context, "topic", store, every=every, json=json)
+    _list(settings, "topic", every=every, json=json)
 
 
-def services(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
+@with_settings("store")
+def services(*, settings: Settings, every: All = False, json: Json = False) -> None:
     """List the services with their types and numbers of nodes.
 
     `kg service NAME` shows one.
     """
-    _list(context, "service", store, every=every, json=json)
+    _list(settings, "service", every=every, json=json)
 
 
-def actions(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
+@with_settings("store")
+def actions(*, settings: Settings, every: All = False, json: Json = False) -> None:
     """List the actions with their types and numbers of nodes.
 
     `kg action NAME` shows one.
     """
-    _list(context, "action", store, every=every, json=json)
+    _list(settings, "action", every=every, json=json)
 
 
-def _list(context: typer.Context, kind: str, store: str | None, *, every: bool, json: bool) -> None:
+def _list(settings: Settings, kind: str, *, every: bool, json: bool) -> None:
     from kg.views.answers import channels  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store)
     with reading(settings) as snapshot:
         found = [asdict(one) for one in channels(snapshot, kind, implicit=every)]
     channel_rows(kind, found, json=json)

@@ -1,13 +1,12 @@
 """`kg mcp`: the server for coding assistants."""
 
-import typer
-
-from kg.cli.options import Robot, Store, Timeout
-from kg.cli.session import session
+from kg.cli.options import with_settings
 from kg.errors import UsageError
+from kg.settings import Settings
 
 
-def mcp(context: typer.Context, *, timeout: Timeout = None, robot: Robot = None, store: Store = None) -> None:
+@with_settings("timeout", "robot", "store")
+def mcp(*, settings: Settings) -> None:
     """Serve coding assistants over the Model Context Protocol.
 
     An assistant starts the server and talks to it on standard input and output. It can find and describe nodes, show
@@ -24,4 +23,4 @@ def mcp(context: typer.Context, *, timeout: Timeout = None, robot: Robot = None,
             raise
         hint = "pip install 'kg-ros[mcp]'"
         raise UsageError("KG555", "the SDK of the Model Context Protocol is not installed", hint=hint) from error
-    serve(session(context).settings(store=store, timeout=timeout, robot=robot))
+    serve(settings)

@@ -1,5 +1,6 @@
 """`kg node`: one node with all it declares, as words, JSON or a picture."""
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
@@ -9,21 +10,29 @@ import typer
 from kg.cli.completion import nodes
 from kg.cli.diagnostics import note, say
 from kg.cli.group import KgCommand
-from kg.cli.options import Json, Store
+from kg.cli.interface_table import Row, interface_table
+from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, line_width, show, terminal, write, write_bytes
-from kg.cli.session import session
 from kg.cli.systems import Launch
 from kg.errors import Place, UsageError
-from kg.render.text import count
+from kg.render.text import count, printable
+from kg.settings import Settings
 from kg.store.opening import reading
 from kg.views.names import one_node, starting_system
+from kg.views.wording import TITLES
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rich.console import RenderableType
+    from rich.text import Text
+
     from kg.cli.links import Links
+    from kg.facts import InstanceInterface, Location, NodeInstance, System
     from kg.graph.classes_reading import Classes
     from kg.graph.reading import NodeRecord
-    from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
+
 
 _MOST_PARAMETERS: Final = 25
 Name = Annotated[
@@ -69,10 +78,11 @@ class NodeCommand(KgCommand):
         return super().parse_args(ctx, spread)
 
 
+@with_settings("store")
 def node(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     name: Name,
     *,
+    settings: Settings,
     launch: Launch = None,
     every: All = False,
     via: Via = False,
@@ -80,7 +90,6 @@ def node(  # noqa: PLR0913 - the options of a command
     picture: Picture = None,
     graph: Graph = False,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Show the interface of one node, with lines of code.
 
@@ -102,7 +111,6 @@ def node(  # noqa: PLR0913 - the options of a command
     from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
     from kg.views.evidence import places  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store)
     if name.startswith("/"):
         _instance(settings, name, launch, every=every, picture=picture, json=json)
         return
@@ -131,10 +139,9 @@ def node(  # noqa: PLR0913 - the options of a command
 
 
 def _instance(  # noqa: PLR0913 - the options of the command
-    settings: "Settings", name: str, launch: str | None, *, every: bool, picture: str | None, json: bool
+    settings: Settings, name: str, launch: str | None, *, every: bool, picture: str | None, json: bool
 ) -> None:
     """Show what one launch file makes of a node."""
-    from kg.cli.instance_view import instance_view  # noqa: PLC0415 - start-up time
     from kg.cli.links import Links  # noqa: PLC0415 - start-up time
     from kg.graph.records import instance_object  # noqa: PLC0415 - start-up time
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
@@ -169,7 +176,7 @@ def _show(record: "NodeRecord", found: "Classes", links: "Links", *, every: bool
 
 
 def _related(
-    snapshot: "EmbeddedSnapshot", settings: "Settings", record: "NodeRecord", picture: str | None, *, every: bool
+    snapshot: "EmbeddedSnapshot", settings: Settings, record: "NodeRecord", picture: str | None, *, every: bool
 ) -> str:
     """Return the entities and relations of a node, in the form that is asked for."""
     from kg.render import node_graph  # noqa: PLC0415 - start-up time
@@ -196,3 +203,76 @@ def _draw(record: "NodeRecord", drawn: str, file: str) -> None:
     except OSError as error:
         raise UsageError("KG003", f"cannot write the picture: {error.strerror}", place=Place(str(path))) from error
     say(f"wrote {path}")
+
+
+_UNKNOWN: Final = "(not known)"
+
+
+def instance_view(
+    system: "System", instance: "NodeInstance", links: "Links", columns: int, *, every: bool
+) -> "tuple[RenderableType, ...]":
+    """Return the output for an instance at a width in columns; `every` adds the endpoints of frameworks."""
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    repository = system.configuration.repository
+    groups = [
+        (
+            title,
+            [_end(one, repository) for one in instance.interfaces if one.declared.role is role and _shown(one, every)],
+        )
+        for role, title in TITLES.items()
+    ]
+    remaps = [
+        Row(one.source, one.target, "" if one.used else "changes nothing", one.remap.location, dim=False)
+        for one in instance.remaps
+    ]
+    settings = [_setting(one.name, one.set.value, one.set.reason, one.set.location) for one in instance.parameters]
+    groups += [("remappings, from and to", remaps), ("parameters", settings)]
+    told = [(title, rows) for title, rows in groups if rows]
+    parts: list[RenderableType] = list(_header(system, instance))
+    if told:
+        parts += [Text(), interface_table(told, repository, links, columns)]
+    return tuple(parts)
+
+
+def _shown(end: "InstanceInterface", every: bool) -> bool:  # noqa: FBT001 - a filter
+    return every or not end.declared.implicit
+
+
+def _header(system: "System", instance: "NodeInstance") -> "Iterator[Text]":
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    started = instance.started
+    yield Text.assemble((printable(instance.name), "bold"), f"  {started.kind} of ROS {system.configuration.ros}")
+    fields = (
+        ("system", system.configuration.name),
+        ("node", f"{instance.started_type}{f' ({instance.reason})' if instance.reason else ''}"),
+        ("started", " > ".join(map(str, (*started.chain, started.location)))),
+        ("if", started.condition),
+        ("host", instance.host),
+        ("loads", ", ".join(f"{one.package}/{one.node}" for one in instance.plugins)),
+        ("arguments", " ".join(started.arguments)),
+    )
+    for name, value in fields:
+        if value:
+            yield Text.assemble((f"  {name:<9} ", "dim"), printable(value))
+
+
+def _end(end: "InstanceInterface", repository: str) -> Row:
+    declared, location = end.declared, end.declared.location
+    words = [
+        f"{declared.name or declared.written} in the code" if declared.name != end.resolved else "",
+        f"remapped at {end.remap.location}" if end.remap else "",
+        f"named by the parameter {end.parameter.name} at {end.parameter.location}" if end.parameter else "",
+        end.reason or "",
+    ]
+    if location.repository is None and end.owner.repository != repository:
+        location = replace(location, repository=end.owner.repository)
+    remark = ", ".join(filter(None, words))
+    return Row(
+        end.resolved or "(not resolved)", declared.type or "(type not known)", remark, location, declared.implicit
+    )
+
+
+def _setting(name: str, value: str | None, reason: str | None, location: "Location") -> Row:
+    return Row(name, _UNKNOWN if value is None else value, reason or "", location, dim=False)

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, PackageName, Store
+from kg.cli.options import Json, PackageName, with_settings
 from kg.cli.output import Column, listing, terminal, write
-from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count
+from kg.settings import Settings
 from kg.store.opening import reading
 from kg.views.names import known_package
 
@@ -30,8 +30,13 @@ Kind = Annotated[
 ]
 
 
+@with_settings("store")
 def nodes(
-    context: typer.Context, *, package: PackageName = None, kind: Kind = None, json: Json = False, store: Store = None
+    *,
+    settings: Settings,
+    package: PackageName = None,
+    kind: Kind = None,
+    json: Json = False,
 ) -> None:
     """List all nodes with the number of their interfaces.
 
@@ -45,7 +50,6 @@ def nodes(
 
     if kind is not None and kind not in set(NodeKind):
         raise UsageError("KG003", f"unknown kind `{kind}`", hint=f"The kinds are {', '.join(NodeKind)}.")
-    settings = session(context).settings(store=store)
     with reading(settings) as snapshot:
         if package:
             known_package(snapshot, package)
@@ -72,8 +76,10 @@ def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None
 
 def _table(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
     from kg.graph import overview  # noqa: PLC0415 - start-up time
+    from kg.views.answers import node_summaries  # noqa: PLC0415 - start-up time
 
-    found = [one for one in overview.nodes(snapshot, package) if kind in {None, one.kind}]
+    every = node_summaries(snapshot) if package is None else overview.nodes(snapshot, package)
+    found = [one for one in every if kind in {None, one.kind}]
     listing(COLUMNS, [_row(one) for one in found])
     if terminal():
         note(f"{count(len(found), 'node')}; `kg node NAME` shows one")

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.diagnostics import report, say
-from kg.cli.options import Json, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal, write, write_text
-from kg.cli.session import session
 from kg.errors import Exit
 from kg.render.text import count
+from kg.settings import Settings
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
-    from kg.graph.findings import OntologyCheck
+    from kg.graph.ontology import OntologyCheck
 
 Files = Annotated[list[str] | None, typer.Argument(metavar="FILE", help="Ontologies; by default those that kg ships.")]
 Entailed = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
@@ -71,7 +71,8 @@ def classify(files: Files = None, *, output: Entailed = None) -> None:
     say(f"{count(len(found), 'triple')} inferred")
 
 
-def validate(context: typer.Context, *, shapes: Shapes = None, json: Json = False, store: Store = None) -> None:
+@with_settings("store")
+def validate(*, settings: Settings, shapes: Shapes = None, json: Json = False) -> None:
     """Validate the data of the store against SHACL shapes.
 
     Exits with 1 if the data does not conform. Needs `pip install 'kg-ros[ontology]'`. Large stores take minutes.
@@ -80,7 +81,7 @@ def validate(context: typer.Context, *, shapes: Shapes = None, json: Json = Fals
 
     from kg.graph import ontology  # noqa: PLC0415 - start-up time
 
-    with reading(session(context).settings(store=store)) as snapshot:
+    with reading(settings) as snapshot:
         triples = snapshot.dump(RdfFormat.N_TRIPLES)
     found = ontology.validate(triples, Path(shapes) if shapes else None)
     columns = (Column("severity"), Column("message"), Column("node"), Column("path"), Column("value"))

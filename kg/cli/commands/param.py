@@ -7,25 +7,25 @@ import typer
 from kg.cli.commands.channels import All, Via
 from kg.cli.completion import parameters
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, Store, System
+from kg.cli.options import Json, System, with_settings
 from kg.cli.output import Column, json_lines, line_width, listing, show, terminal
-from kg.cli.session import session
 from kg.render.text import count
+from kg.settings import Settings
 from kg.store.opening import reading
 
 _HELP = "Name in the code (`rate`), in a parameter file (`FollowPath.speed`), `/node/rate`, or a part of one."
 Name = Annotated[str, typer.Argument(metavar="NAME", help=_HELP, autocompletion=parameters, show_default=False)]
 
 
+@with_settings("store")
 def param(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     name: Name,
     *,
+    settings: Settings,
     system: System = None,
     every: All = False,
     via: Via = False,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Show the nodes that declare a parameter, and its value per launch file.
 
@@ -41,7 +41,6 @@ def param(  # noqa: PLR0913 - the options of a command
     from kg.views.evidence import places  # noqa: PLC0415 - start-up time
     from kg.views.parameter import parameter  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store)
     with reading(settings) as snapshot:
         found = parameter(snapshot, settings, name=name, system=system or "")
         if json:

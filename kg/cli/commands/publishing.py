@@ -7,12 +7,12 @@ from typing import Annotated
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Base, Json, Rules, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines
-from kg.cli.session import session
 from kg.errors import UsageError
 from kg.forms import FormError, size
 from kg.render.text import count
+from kg.settings import Settings
 from kg.store.opening import existing, writable
 
 Target = Annotated[
@@ -31,15 +31,13 @@ MaxBytes = Annotated[
 ]
 
 
-def publish(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("rules", "base", "store")
+def publish(
     target: Target,
     *,
+    settings: Settings,
     no_index: NoIndex = False,
-    rules: Rules = None,
-    base: Base = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Write the graph for others, to a folder or a web server.
 
@@ -53,7 +51,6 @@ def publish(  # noqa: PLR0913 - the options of a command
     from kg.pipeline.snapshots import publish as write  # noqa: PLC0415 - start-up time
     from kg.rules.folders import user_folders  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, base=base, rules=rules)
     opened = existing(settings)
     if not no_index:
         from kg.search.searching import open_search  # noqa: PLC0415 - start-up time
@@ -67,14 +64,14 @@ def publish(  # noqa: PLR0913 - the options of a command
     say(f"published {count(manifest.quads, 'quad')} with digest {manifest.digest} to {target}")
 
 
-def pull(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("store")
+def pull(
     address: Address,
     *,
+    settings: Settings,
     index: WithIndex = False,
     max_bytes: MaxBytes = "4G",
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Fetch a published graph and make a store of it.
 
@@ -87,7 +84,6 @@ def pull(  # noqa: PLR0913 - the options of a command
     """
     from kg.pipeline.snapshots import pull as fetch  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store)
     try:
         limit = size(max_bytes, Path())
     except FormError as error:

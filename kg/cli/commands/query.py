@@ -1,5 +1,6 @@
 """`kg query`: SPARQL typed, from a file, or stored under a name."""
 
+import shlex
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -8,20 +9,21 @@ import typer
 
 from kg.cli.completion import queries as query_names
 from kg.cli.diagnostics import note
-from kg.cli.options import Format, Json, Limit, Queries, Rules, Stores, Timeout
-from kg.cli.output import json_lines, listing, terminal, write
+from kg.cli.options import Json, from_setting, takes
+from kg.cli.output import Column, json_lines, listing, terminal, write
 from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
 from kg.render.text import count
+from kg.settings import DECLARED, Settings
 from kg.store.opening import reading_all
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from kg.cli.links import Links
     from kg.query.stored import StoredQuery
-    from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
+
 
 Text = Annotated[
     str | None,
@@ -43,8 +45,12 @@ OnDemand = Annotated[
     ),
 ]
 File = Annotated[str | None, typer.Option("--file", "-f", metavar="FILE", help="Read the query from FILE.")]
+Stores = Annotated[
+    list[str] | None, from_setting("store", also="May be repeated: the query sees the union of all stores.")
+]
 
 
+@takes(DECLARED[one] for one in ("format", "limit", "timeout", "queries", "rules"))
 def query(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
     text: Text = None,
@@ -52,15 +58,11 @@ def query(  # noqa: PLR0913 - the options of a command
     file: File = None,
     param: Parameter = None,
     on_demand: OnDemand = None,
-    rules: Rules = None,
     listed: Listed = False,
     help_query: HelpQuery = False,
-    format_name: Format = None,
-    limit: Limit = None,
-    timeout: Timeout = None,
-    queries: Queries = None,
     json: Json = False,
     store: Stores = None,
+    **given: str | None,
 ) -> None:
     """Run a SPARQL query or a stored query.
 
@@ -79,14 +81,7 @@ def query(  # noqa: PLR0913 - the options of a command
         kg query --on-demand kinship 'SELECT ?who { ?who <urn:x:ancestor> <urn:x:anna> }'
     """
     stores = store or ()
-    settings = session(context).settings(
-        store=stores[-1] if stores else None,
-        format=format_name,
-        limit=limit,
-        timeout=timeout,
-        queries=queries,
-        rules=rules,
-    )
+    settings = session(context).settings(store=stores[-1] if stores else None, **given)
     if listed:
         _list(settings, json=json)
         return
@@ -97,8 +92,7 @@ def query(  # noqa: PLR0913 - the options of a command
     _answer(asked, pairs(param or []), settings, stores, on_demand, json=json)
 
 
-def _list(settings: "Settings", *, json: bool) -> None:
-    from kg.cli.stored_view import COLUMNS, list_rows  # noqa: PLC0415 - start-up time
+def _list(settings: Settings, *, json: bool) -> None:
     from kg.query.stored import discover  # noqa: PLC0415 - start-up time
     from kg.views.stored import query_object  # noqa: PLC0415 - start-up time
 
@@ -109,7 +103,6 @@ def _list(settings: "Settings", *, json: bool) -> None:
 
 
 def _explain(asked: "StoredQuery", *, json: bool) -> None:
-    from kg.cli.stored_view import manual  # noqa: PLC0415 - start-up time
     from kg.views.stored import query_object  # noqa: PLC0415 - start-up time
 
     if json:
@@ -122,7 +115,7 @@ def _explain(asked: "StoredQuery", *, json: bool) -> None:
 def _answer(  # noqa: PLR0913 - the options of a query
     asked: "StoredQuery",
     values: dict[str, str],
-    settings: "Settings",
+    settings: Settings,
     stores: "Sequence[str]",
     family: str | None,
     *,
@@ -151,7 +144,7 @@ def _extended(
     snapshot: "EmbeddedSnapshot",
     asked: "StoredQuery",
     values: dict[str, str],
-    settings: "Settings",
+    settings: Settings,
     family: str | None,
 ) -> "Iterator[EmbeddedSnapshot]":
     """Yield the snapshot to ask: with a family, one that has what its rules derive for the query."""
@@ -191,7 +184,37 @@ def _links(snapshot: "EmbeddedSnapshot") -> "Links":
     return Links.of(sources(snapshot))
 
 
-def _limit(settings: "Settings", chosen: str) -> int | None:
+def _limit(settings: Settings, chosen: str) -> int | None:
     """Return the cap of rows: the default one is for tables, which people read; one that was asked for is for all."""
     asked = settings.origin("limit").kind != "default"
     return (settings.limit or None) if asked or chosen == "table" else None
+
+
+COLUMNS = (Column("query", "name"), Column("answers"), Column("parameters", spare=1))
+
+
+def list_rows(queries: "Iterable[StoredQuery]") -> list[tuple[str, str, str]]:
+    """Return a row for each query: name, purpose, parameters."""
+    return [(one.name, one.title, " ".join(parameter.name for parameter in one.parameters)) for one in queries]
+
+
+def manual(query: "StoredQuery") -> "Iterator[str]":
+    """Yield the lines about one query, ending with its text."""
+    yield f"{query.name}: {query.title}"
+    if query.description:
+        yield ""
+        yield query.description
+    if query.parameters:
+        yield ""
+        yield "Parameters:"
+        longest = max(len(one.name) for one in query.parameters)
+        for one in query.parameters:
+            default = f", by default {one.default}" if one.default else ""
+            yield f"  {one.name:<{longest}}  {one.description} ({one.type}{default})"
+        first = query.parameters[0]
+        yield ""
+        yield "For example:"
+        yield f"  kg query {query.name} --param {first.name}={shlex.quote(first.example)}"
+    yield ""
+    lines = [line for line in query.text.splitlines() if not line.startswith("#")]
+    yield from "\n".join(lines).strip().splitlines()

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.completion import packages
-from kg.cli.options import Families, Json, Robot, Rules, Store
-from kg.cli.session import session
+from kg.cli.options import Json, is_given, with_settings
 from kg.cli.systems import Arguments, Environment, Launch, given
 from kg.errors import Exit, UsageError
+from kg.settings import Settings
 
 if TYPE_CHECKING:
     from kg.robot.live.asking import Subject
-    from kg.settings import Settings
 
 Live = Annotated[bool, typer.Option("--live", help="Use the running robot (the default).")]
 Package = Annotated[
@@ -35,21 +34,18 @@ Name = Annotated[
 Once = Annotated[bool, typer.Option("--once", help="Store the current state of the system and exit.")]
 
 
+@with_settings("robot", "rules", "rule_families", "store")
 def capabilities(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     *,
+    settings: Settings,
     launch: Launch = None,
     live: Live = False,
-    robot: Robot = None,
     package: Package = None,
     why: Why = None,
     every: All = False,
     arg: Arguments = None,
     env: Environment = None,
-    rules: Rules = None,
-    rule_families: Families = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """List a robot's capabilities and the topics, services or actions they use.
 
@@ -65,14 +61,14 @@ def capabilities(  # noqa: PLR0913 - the options of a command
     from kg.cli.robot_view import show_added, show_capabilities, show_proofs  # noqa: PLC0415 - start-up time
     from kg.robot.live.asking import launched, of_package  # noqa: PLC0415 - start-up time
 
-    if launch is not None and (live or robot is not None):
+    live = live or is_given(settings, "robot")
+    if launch is not None and live:
         raise UsageError("KG003", "--launch conflicts with --live and --robot", hint="Remove --live and --robot.")
-    settings = session(context).settings(store=store, robot=robot, rules=rules, rule_families=rule_families)
     with ExitStack() as stack:
         base = None
         if launch is not None:
             base = stack.enter_context(launched(settings, launch, *given(launch, arg, env)))
-        elif live or robot is not None or package is None:
+        elif live or package is None:
             base = _running(settings)
         subject = stack.enter_context(of_package(settings, package)) if package is not None else base
         if subject is None:
@@ -85,7 +81,7 @@ def capabilities(  # noqa: PLR0913 - the options of a command
             show_capabilities(subject.capabilities, every=every, json=json)
 
 
-def _running(settings: "Settings") -> "Subject":
+def _running(settings: Settings) -> "Subject":
     import asyncio  # noqa: PLC0415 - start-up time
 
     from kg.cli.robot_view import tell_problems  # noqa: PLC0415 - start-up time
@@ -98,16 +94,13 @@ def _running(settings: "Settings") -> "Subject":
     return running(graph, settings, address)
 
 
-def watch(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("robot", "rules", "rule_families", "store")
+def watch(
     *,
-    robot: Robot = None,
+    settings: Settings,
     name: Name = None,
     once: Once = False,
-    rules: Rules = None,
-    rule_families: Families = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Mirror a running robot in the store, and report what changes.
 
@@ -127,7 +120,6 @@ def watch(  # noqa: PLR0913 - the options of a command
     from kg.robot.live import Watching  # noqa: PLC0415 - start-up time
     from kg.store.opening import writable  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, robot=robot, rules=rules, rule_families=rule_families)
     try:
         with writable(settings) as target:
             watching = Watching(target, settings, address=address_of(settings), name=name or "")

@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
-from kg.cli.options import Exclusive, Json, Places, Robot, WatchdogSeconds
-from kg.cli.session import session
+from kg.cli.options import Exclusive, Json, with_settings
+from kg.settings import Settings
 
 CapabilityName = Annotated[
     str,
@@ -50,16 +50,16 @@ Within = Annotated[
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Print what would be sent where, without sending it.")]
 
 
+@with_settings("robot")
 def read(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     capability: Readable,
     *,
+    settings: Settings,
     once: Once = False,
     count: Count = None,
     seconds: Seconds = None,
     rate: Rate = None,
     way: Way = None,
-    robot: Robot = None,
     json: Json = False,
 ) -> None:
     """Print values sensed or stored by a robot, one per line, until Ctrl-C.
@@ -75,22 +75,20 @@ def read(  # noqa: PLR0913 - the options of a command
     from kg.cli.driving import Reading, read_capability  # noqa: PLC0415 - start-up time
 
     asked = Reading.of(once=once, count=count, seconds=seconds, rate=rate, way=way, json=json)
-    read_capability(session(context).settings(robot=robot), capability, asked)
+    read_capability(settings, capability, asked)
 
 
+@with_settings("places", "robot", "watchdog")
 def do(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     capability: CapabilityName,
     values: Values = None,
     *,
+    settings: Settings,
     keep: For = None,
     timeout: Within = None,
     way: Way = None,
     dry_run: DryRun = False,
     exclusive: Exclusive = False,
-    places: Places = None,
-    robot: Robot = None,
-    watchdog: WatchdogSeconds = None,
     json: Json = False,
 ) -> None:
     """Run a capability of a robot and wait until it is done.
@@ -109,4 +107,4 @@ def do(  # noqa: PLR0913 - the options of a command
     from kg.cli.driving import Doing, do_capability  # noqa: PLC0415 - start-up time
 
     asked = Doing.of(values or [], keep=keep, timeout=timeout, way=way, dry_run=dry_run, exclusive=exclusive, json=json)
-    do_capability(session(context).settings(robot=robot, places=places, watchdog=watchdog), capability, asked)
+    do_capability(settings, capability, asked)

@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
-from kg.cli.options import Json, Robot
-from kg.cli.session import session
+from kg.cli.options import Json, with_settings
+from kg.settings import Settings
 
 Node = Annotated[
     str | None, typer.Argument(metavar="NODE", help="A node, such as /amcl; in ROS 1, a node or a namespace.")
@@ -15,14 +15,14 @@ Value = Annotated[str | None, typer.Argument(metavar="VALUE", help="Its new valu
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Check the value without setting it.")]
 
 
+@with_settings("robot")
 def params(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     node: Node = None,
     name: Name = None,
     value: Value = None,
     *,
+    settings: Settings,
     dry_run: DryRun = False,
-    robot: Robot = None,
     json: Json = False,
 ) -> None:
     """Show the parameters of running nodes, or set one.
@@ -39,7 +39,6 @@ def params(  # noqa: PLR0913 - the options of a command
     """
     from kg.cli.parameters import set_parameter, show_parameters  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(robot=robot)
     if node is not None and name is not None and value is not None:
         set_parameter(settings, node, name, value, dry_run=dry_run, json=json)
     else:

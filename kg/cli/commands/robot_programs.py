@@ -5,18 +5,22 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.diagnostics import note, report
-from kg.cli.options import Exclusive, Families, Json, Places, Robot, Rules, Store, WatchdogSeconds
+from kg.cli.options import (
+    Exclusive,
+    Json,
+    is_given,
+    with_settings,
+)
 from kg.cli.output import json_lines, write
-from kg.cli.session import session
 from kg.cli.systems import Arguments, Environment, Launch, given
 from kg.errors import Exit, UsageError
+from kg.settings import Settings
 
 if TYPE_CHECKING:
     from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
     from kg.robot.programs.places import Places as PlacesByName
     from kg.robot.programs.runner import Execution
-    from kg.settings import Settings
 
 _FORMS = ("text", "json", "rospy", "rclpy", "bt")
 _TREE = ".xml"
@@ -34,20 +38,15 @@ Ids = Annotated[bool, typer.Option("--ids", help="Keep the names of blocks in te
 Metrics = Annotated[bool, typer.Option("--metrics", help="Write metrics of the program or the code instead.")]
 
 
+@with_settings("robot", "places", "watchdog", "rules", "rule_families", "store")
 def run(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     program: Program,
     *,
+    settings: Settings,
     dry_run: DryRun = False,
     exclusive: Exclusive = False,
     seconds: Seconds = None,
-    robot: Robot = None,
-    places: Places = None,
-    watchdog: WatchdogSeconds = None,
-    rules: Rules = None,
-    rule_families: Families = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Run a program on a robot and print what happens.
 
@@ -65,9 +64,6 @@ def run(  # noqa: PLR0913 - the options of a command
     from kg.robot.connecting import address_of  # noqa: PLC0415 - start-up time
     from kg.robot.programs.runner import execute, limited  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(
-        store=store, robot=robot, places=places, watchdog=watchdog, rules=rules, rule_families=rule_families
-    )
     loaded = read(program, json=json)
     wanted = limited(loaded.program, None if seconds is None else number_of_seconds(seconds, "--seconds"))
     outcome: list[Execution] = []
@@ -92,19 +88,15 @@ def run(  # noqa: PLR0913 - the options of a command
         raise typer.Exit(Exit.FOUND)
 
 
+@with_settings("robot", "places", "rules", "rule_families", "store")
 def check(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     program: Program,
     *,
+    settings: Settings,
     launch: Launch = None,
-    robot: Robot = None,
-    places: Places = None,
     arg: Arguments = None,
     env: Environment = None,
-    rules: Rules = None,
-    rule_families: Families = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Check a program: names, kinds, units, limits, dead code, dead nodes.
 
@@ -120,11 +112,8 @@ def check(  # noqa: PLR0913 - the options of a command
     from kg.robot.programs.check import doubts  # noqa: PLC0415 - start-up time
     from kg.robot.programs.places import placed  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(
-        store=store, robot=robot, places=places, rules=rules, rule_families=rule_families
-    )
     loaded = read(program, json=json)
-    capabilities, told, graph = _known(settings, robot, launch, arg, env)
+    capabilities, told, graph = _known(settings, launch, arg, env)
     meant = placed(loaded.program, told)
     problems = [*problems_of(meant, capabilities, told), *(doubts(meant, capabilities, graph) if graph else ())]
     show_problems(problems, loaded, json=json)
@@ -144,21 +133,17 @@ Convertible = Annotated[
 ]
 
 
+@with_settings("robot", "places", "rules", "rule_families", "store")
 def convert(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     program: Convertible,
     *,
+    settings: Settings,
     to: To = "text",
     ids: Ids = False,
     metrics: Metrics = False,
     launch: Launch = None,
-    robot: Robot = None,
-    places: Places = None,
     arg: Arguments = None,
     env: Environment = None,
-    rules: Rules = None,
-    rule_families: Families = None,
-    store: Store = None,
 ) -> None:
     """Convert a program to text, JSON, ROS code or a behaviour tree, or a tree to a program.
 
@@ -181,13 +166,7 @@ def convert(  # noqa: PLR0913 - the options of a command
 
     if to not in _FORMS:
         raise UsageError("KG003", f"unknown form `{to}` of a program", hint=f"One of {', '.join(_FORMS)}.")
-    settings = session(context).settings(
-        store=store, robot=robot, places=places, rules=rules, rule_families=rule_families
-    )
-    if program.endswith(_TREE):
-        loaded = load_tree(program, _known(settings, robot, launch, arg, env)[0])
-    else:
-        loaded = load(program)
+    loaded = load_tree(program, _known(settings, launch, arg, env)[0]) if program.endswith(_TREE) else load(program)
     if to in {"text", "json"}:
         if metrics:
             json_lines([to_builtins(program_metrics(loaded.program))])
@@ -199,10 +178,10 @@ def convert(  # noqa: PLR0913 - the options of a command
     from kg.robot.programs.trees import behavior_tree  # noqa: PLC0415 - start-up time
 
     if to == "bt":
-        capabilities, told, _ = _known(settings, robot, launch, arg, env)
+        capabilities, told, _ = _known(settings, launch, arg, env)
         write(behavior_tree(placed(loaded.program, told), capabilities, place=loaded.place).rstrip())
         return
-    capabilities, told, _ = _known(settings, robot or (None if launch else ""), launch, arg, env)
+    capabilities, told, _ = _known(settings, launch, arg, env, running=launch is None)
     code = code_of(
         placed(loaded.program, told), capabilities, to="rospy" if to == "rospy" else "rclpy", place=loaded.place
     )
@@ -216,27 +195,32 @@ def convert(  # noqa: PLR0913 - the options of a command
 
 
 def _known(
-    settings: "Settings", robot: str | None, launch: str | None, arg: list[str] | None, env: list[str] | None
+    settings: Settings, launch: str | None, arg: list[str] | None, env: list[str] | None, *, running: bool = False
 ) -> "tuple[Capabilities, PlacesByName, ComputationGraph | None]":
-    """Return what a launch file, a running robot, or any by the ontology can do; places; the graph of what runs."""
+    """Return what a launch file, a running robot, or any by the ontology can do; places; the graph of what runs.
+
+    A running robot is asked where the command line names one, or with `running`.
+    """
     import asyncio  # noqa: PLC0415 - start-up time
 
     from kg.cli.robot_view import tell_problems  # noqa: PLC0415 - start-up time
     from kg.robot.connecting import address_of  # noqa: PLC0415 - start-up time
-    from kg.robot.live.asking import launched, running  # noqa: PLC0415 - start-up time
+    from kg.robot.live.asking import launched  # noqa: PLC0415 - start-up time
+    from kg.robot.live.asking import running as of_running  # noqa: PLC0415 - start-up time
     from kg.robot.live.inference import general  # noqa: PLC0415 - start-up time
     from kg.robot.programs.places import read_places  # noqa: PLC0415 - start-up time
     from kg.robot.programs.runner import seen  # noqa: PLC0415 - start-up time
 
+    running = running or is_given(settings, "robot")
     own = read_places(settings.places)
     if launch is not None:
-        if robot:
+        if running:
             raise UsageError("KG003", "--launch conflicts with --robot", hint="Remove --robot.")
         with launched(settings, launch, *given(launch, arg, env)) as subject:
             return subject.capabilities, own, None
-    if robot is None:
+    if not running:
         return general(settings), own, None
     address = address_of(settings)
     graph, told = asyncio.run(seen(address))
     tell_problems(graph)
-    return running(graph, settings, address).capabilities, {**told, **own}, graph
+    return of_running(graph, settings, address).capabilities, {**told, **own}, graph

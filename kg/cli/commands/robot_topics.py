@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
-from kg.cli.options import Json, Robot
-from kg.cli.session import session
+from kg.cli.options import Json, with_settings
+from kg.settings import Settings
 
 File = Annotated[
     str,
@@ -19,7 +19,8 @@ For = Annotated[
 ]
 
 
-def nodes(context: typer.Context, *, robot: Robot = None, json: Json = False) -> None:
+@with_settings("robot")
+def nodes(*, settings: Settings, json: Json = False) -> None:
     """List a robot's nodes with the states of managed ones.
 
     A managed node of ROS 2 (life cycle) works only in the state `active`. Until then, the capabilities that only it
@@ -30,10 +31,11 @@ def nodes(context: typer.Context, *, robot: Robot = None, json: Json = False) ->
     """
     from kg.cli.recording import list_nodes  # noqa: PLC0415 - start-up time
 
-    list_nodes(session(context).settings(robot=robot), json=json)
+    list_nodes(settings, json=json)
 
 
-def topics(context: typer.Context, *, robot: Robot = None, json: Json = False) -> None:
+@with_settings("robot")
+def topics(*, settings: Settings, json: Json = False) -> None:
     """List a robot's topics with types, publishers and subscribers.
 
     For a recording, messages and the rate (messages per second of the recording) are listed, too. For example:
@@ -43,16 +45,16 @@ def topics(context: typer.Context, *, robot: Robot = None, json: Json = False) -
     """
     from kg.cli.recording import list_topics  # noqa: PLC0415 - start-up time
 
-    list_topics(session(context).settings(robot=robot), json=json)
+    list_topics(settings, json=json)
 
 
-def record(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("robot")
+def record(
     file: File,
     names: Topics = None,
     *,
+    settings: Settings,
     keep: For = None,
-    robot: Robot = None,
     json: Json = False,
 ) -> None:
     """Record topics of a robot to a file, until Ctrl-C.
@@ -68,5 +70,4 @@ def record(  # noqa: PLR0913 - the options of a command
     from kg.cli.numbers import seconds  # noqa: PLC0415 - start-up time
     from kg.cli.recording import record_topics  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(robot=robot)
     record_topics(settings, Path(file), names or (), keep=None if keep is None else seconds(keep, "--for"), json=json)

@@ -8,11 +8,12 @@ import typer
 
 from kg.cli.completion import rules as rule_names
 from kg.cli.diagnostics import note, report
-from kg.cli.options import Families, Json, Rules
+from kg.cli.options import Json, takes, with_settings
 from kg.cli.output import json_lines, listing, show, terminal, write
 from kg.cli.session import session
 from kg.errors import Exit, RuleError
 from kg.render.text import count
+from kg.settings import DECLARED, Settings
 
 if TYPE_CHECKING:
     from kg.rules.authoring.library import Entry, Library
@@ -31,14 +32,8 @@ NewName = Annotated[str, typer.Argument(metavar="FAMILY/NAME", help="Name of the
 Notation = Annotated[str, typer.Option("--notation", metavar="NOTATION", help="rq (SPARQL), ttl (SHACL) or srl.")]
 
 
-def new(
-    context: typer.Context,
-    name: NewName,
-    *,
-    notation: Notation = "rq",
-    rules: Rules = None,
-    rule_families: Families = None,
-) -> None:
+@takes(DECLARED[one] for one in ("rules", "rule_families"))
+def new(context: typer.Context, name: NewName, *, notation: Notation = "rq", **given: str | None) -> None:
     """Create a rule that runs as it is, with examples that pass.
 
     The files are written to the first folder of the setting `rules`. For example:
@@ -50,23 +45,16 @@ def new(
     from kg.rules.authoring.starting import start  # noqa: PLC0415 - start-up time
     from kg.rules.folders import own_folder  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(rules=rules, rule_families=rule_families)
-    for path in start(name, own_folder(settings), notation):
+    for path in start(name, own_folder(session(context).settings(**given)), notation):
         write(here(path))
-    option = f" --rules {shlex.quote(rules)}" if rules else ""
+    option = f" --rules {shlex.quote(given['rules'])}" if given["rules"] else ""
     note("next steps:")
     for command in ("check", "test", "diff"):
         note(f"  kg rules {command} {name}{option}")
 
 
-def list_rules(
-    context: typer.Context,
-    chosen: Chosen = None,
-    *,
-    rules: Rules = None,
-    rule_families: Families = None,
-    json: Json = False,
-) -> None:
+@with_settings("rules", "rule_families")
+def list_rules(chosen: Chosen = None, *, settings: Settings, json: Json = False) -> None:
     """List the active rules: those of kg, of installed packs, and your own.
 
     For example:
@@ -79,7 +67,7 @@ def list_rules(
     from kg.rules.authoring.manual import entry_object  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
 
-    library = Library.of(session(context).settings(rules=rules, rule_families=rule_families))
+    library = Library.of(settings)
     found = [(entry, *_read(library, entry)) for entry in choose(library, chosen or ())]
     errors = [*library.problems, *(error for _, _, error in found if error)]
     objects = (entry_object(*each) for each in found) if json else None
@@ -110,9 +98,8 @@ def _read(library: "Library", entry: "Entry") -> "tuple[Documentation, RuleError
         return Documentation(), error
 
 
-def show_rule(
-    context: typer.Context, name: Name, *, rules: Rules = None, rule_families: Families = None, json: Json = False
-) -> None:
+@with_settings("rules", "rule_families")
+def show_rule(name: Name, *, settings: Settings, json: Json = False) -> None:
     """Show one rule: documentation, text, inputs, results and dependencies."""
     from kg.cli.rules_view import manual_lines  # noqa: PLC0415 - start-up time
     from kg.pipeline.reasoning import ontology_schema  # noqa: PLC0415 - start-up time
@@ -120,7 +107,6 @@ def show_rule(
     from kg.rules.authoring.manual import manual, manual_object  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.naming import find_rule  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(rules=rules, rule_families=rule_families)
     library = Library.of(settings)
     entry = find_rule(library, name)
     known = manual(library, entry, ontology_schema(settings))

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.diagnostics import colored, render, say
-from kg.cli.options import Families, Json, Rules, Store, Timeout
+from kg.cli.options import Json, is_given, with_settings
 from kg.cli.output import json_lines, write
 from kg.cli.remarks import Form, Level, require_known
-from kg.cli.session import session
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.errors import Exit, RuleError, StoreError
 from kg.render.text import count
+from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
 
@@ -24,24 +24,20 @@ if TYPE_CHECKING:
 
     from kg.rules.checks.finding import Finding
     from kg.rules.checks.run import Read
-    from kg.settings import Settings
 
 Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Rules, families, files or folders.")]
 Every = Annotated[bool, typer.Option("--all", "-a", help="Check your rules, packs and the rules that kg ships.")]
 
 
+@with_settings("rules", "rule_families", "timeout", "store")
 def check(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     names: Names = None,
     *,
+    settings: Settings,
     every: Every = False,
     form: Form = "text",
     level: Level = "note",
     json: Json = False,
-    rules: Rules = None,
-    rule_families: Families = None,
-    store: Store = None,
-    timeout: Timeout = None,
 ) -> None:
     """Check rules: names, safety, strata, dead rules, documentation.
 
@@ -57,8 +53,7 @@ def check(  # noqa: PLR0913 - the options of a command
     require_known(form, level)
     from kg.rules.checks.finding import SECONDS  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, timeout=timeout)
-    seconds = SECONDS if timeout is None else settings.timeout or None
+    seconds = (settings.timeout or None) if is_given(settings, "timeout") else SECONDS
     findings, checked = _found(settings, names or [], seconds, every=every)
     shown = [one for one in findings if SEVERITIES.index(one.severity) <= SEVERITIES.index(level)]
     _write(shown, form, checked)
@@ -66,9 +61,7 @@ def check(  # noqa: PLR0913 - the options of a command
         raise typer.Exit(Exit.FOUND)
 
 
-def _found(
-    settings: "Settings", names: list[str], seconds: float | None, *, every: bool
-) -> "tuple[list[Finding], int]":
+def _found(settings: Settings, names: list[str], seconds: float | None, *, every: bool) -> "tuple[list[Finding], int]":
     from kg.pipeline.reasoning import check_context, rule_folders  # noqa: PLC0415 - start-up time
     from kg.rules.checks.run import check as run  # noqa: PLC0415 - start-up time
     from kg.rules.checks.run import read_all  # noqa: PLC0415 - start-up time

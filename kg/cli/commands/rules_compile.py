@@ -5,10 +5,10 @@ from typing import Annotated, Final
 import typer
 
 from kg.cli.completion import rules as rule_names
-from kg.cli.options import Families, Rules
+from kg.cli.options import with_settings
 from kg.cli.output import write
-from kg.cli.session import session
 from kg.errors import UsageError
+from kg.settings import Settings
 
 _FORMS: Final = ("form", "rq", "srl", "ttl")
 
@@ -18,9 +18,8 @@ Name = Annotated[
 To = Annotated[str, typer.Option("--to", metavar="NOTATION", help="form, rq (SPARQL), srl or ttl (SHACL).")]
 
 
-def compile_rule(
-    context: typer.Context, name: Name, *, to: To = "form", rules: Rules = None, rule_families: Families = None
-) -> None:
+@with_settings("rules", "rule_families")
+def compile_rule(name: Name, *, settings: Settings, to: To = "form") -> None:
     """Print a rule as it is evaluated, or in another notation.
 
     A rule with alternatives (UNION, OPTIONAL, paths) is compiled into several; all are printed, in SPARQL each after
@@ -38,7 +37,6 @@ def compile_rule(
 
     if to not in _FORMS:
         raise UsageError("KG003", f"unknown notation `{to}`", hint=f"Use one of {', '.join(_FORMS)}.")
-    settings = session(context).settings(rules=rules, rule_families=rule_families)
     library = Library.of(settings)
     entry = find_rule(library, name)
     file = library.read(entry.name)

@@ -6,27 +6,18 @@ import typer
 
 from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Families, Json, Limit, Rules, Store, Timeout
+from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, show
-from kg.cli.session import session
 from kg.errors import Exit
+from kg.settings import Settings
 
 if TYPE_CHECKING:
     from kg.rules.authoring.differences import Difference
     from kg.rules.explain.view import View
 
 
-def diff(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
-    chosen: Chosen = None,
-    *,
-    rules: Rules = None,
-    rule_families: Families = None,
-    limit: Limit = None,
-    timeout: Timeout = None,
-    json: Json = False,
-    store: Store = None,
-) -> None:
+@with_settings("rules", "rule_families", "limit", "timeout", "store")
+def diff(chosen: Chosen = None, *, settings: Settings, json: Json = False) -> None:
     """Show what the rules on disk would add to and remove from the store.
 
     Nothing is written. With rules named, shows only the changes caused by them. Exits with 1 if there are changes. For
@@ -38,9 +29,6 @@ def diff(  # noqa: PLR0913 - the options of a command
     from kg.pipeline.authoring import attempt  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.differences import difference, difference_objects  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(
-        store=store, rules=rules, rule_families=rule_families, limit=limit, timeout=timeout
-    )
     with attempt(settings, chosen or ()) as trial:
         found = difference(trial.bench, trial.files, trial.chosen, trial.limits)
         if json:

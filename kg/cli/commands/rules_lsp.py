@@ -6,12 +6,14 @@ from pathlib import Path
 
 import typer
 
-from kg.cli.options import Families, Rules, Store
+from kg.cli.options import Store, takes
 from kg.cli.session import session
 from kg.errors import GraphError
+from kg.settings import DECLARED
 
 
-def lsp(context: typer.Context, *, rules: Rules = None, rule_families: Families = None, store: Store = None) -> None:
+@takes(DECLARED[one] for one in ("rules", "rule_families"))
+def lsp(context: typer.Context, *, store: Store = None, **given: str | None) -> None:
     """Serve editors: rules as you type them, and the findings of `kg lint`.
 
     Rules get errors, fixes, completion, documentation, definitions, references and renaming. Launch files and code get
@@ -28,9 +30,8 @@ def lsp(context: typer.Context, *, rules: Rules = None, rule_families: Families 
 
     # The editor names the folder to work in later.
     store = store if store is None or "://" in store else str(Path(store).absolute())
-    given = {"rules": rules, "rule_families": rule_families, "store": store}
-    options = [f"--{name.replace('_', '-')}={value}" for name, value in given.items() if value and name != "store"]
-    source = Source(lambda: session(context).settings(**given), options)
+    options = [f"--{name.replace('_', '-')}={value}" for name, value in given.items() if value]
+    source = Source(lambda: session(context).settings(store=store, **given), options)
     # Copies: the server closes its streams when the editor leaves, and the command still has words to say.
     with (
         os.fdopen(os.dup(sys.stdin.fileno()), "rb") as reading,

@@ -8,11 +8,11 @@ import typer
 
 from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Base, Families, Json, Rules, Store, Timeout
+from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, json_line, json_lines, listing, show, terminal
-from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count
+from kg.settings import Settings
 from kg.similar import did_you_mean
 from kg.store.opening import reading
 
@@ -38,14 +38,13 @@ Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", he
 Form = Annotated[str | None, typer.Option("--format", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
 
 
-def graph(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("rules", "rule_families")
+def graph(
     chosen: Chosen = None,
     *,
+    settings: Settings,
     output: Output = None,
     form: Form = None,
-    rules: Rules = None,
-    rule_families: Families = None,
     json: Json = False,
 ) -> None:
     """Draw which rules feed which, as SVG, Mermaid or JSON.
@@ -62,7 +61,6 @@ def graph(  # noqa: PLR0913 - the options of a command
     from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
 
     form = _form("json" if json else form, output)
-    settings = session(context).settings(rules=rules, rule_families=rule_families)
     library = Library.of(settings)
     entries = choose(library, chosen or ())
     found = rule_graph(library.with_those_in_force(entries), ontology_schema(settings))
@@ -81,15 +79,12 @@ def graph(  # noqa: PLR0913 - the options of a command
         sys.stdout.write(text)
 
 
-def plan(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("rules", "rule_families", "base", "store")
+def plan(
     *,
+    settings: Settings,
     cluster: Cluster = True,  # noqa: ARG001 - the only plan there is
-    rules: Rules = None,
-    rule_families: Families = None,
-    base: Base = None,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Show which rules can run on each source alone, and why not.
 
@@ -103,7 +98,6 @@ def plan(  # noqa: PLR0913 - the options of a command
     from kg.pipeline.reasoning import division, rules_over  # noqa: PLC0415 - start-up time
     from kg.rules.partitions import verdicts  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, base=base)
     with reading(settings) as snapshot:
         parts, asserted = division(settings, snapshot)
         found = verdicts(rules_over(settings, snapshot).rules, parts, asserted)
@@ -139,16 +133,8 @@ def _form(form: str | None, output: str | None) -> str:
     return form
 
 
-def profile(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
-    chosen: Chosen = None,
-    *,
-    rules: Rules = None,
-    rule_families: Families = None,
-    timeout: Timeout = None,
-    json: Json = False,
-    store: Store = None,
-) -> None:
+@with_settings("rules", "rule_families", "timeout", "store")
+def profile(chosen: Chosen = None, *, settings: Settings, json: Json = False) -> None:
     """Run the rules in memory and show their cost, most expensive first.
 
     Shows seconds, triples and rounds. Nothing is written. For named rules, also shows the cost of each part of their
@@ -161,7 +147,6 @@ def profile(  # noqa: PLR0913 - the options of a command
     from kg.rules.authoring.profiling import profile as profiled  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.profiling import profile_objects  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, timeout=timeout)
     with attempt(settings, chosen or ()) as trial:
         found = profiled(trial.bench, trial.files, [file.name for file in trial.chosen], trial.limits)
     if json:
@@ -196,16 +181,8 @@ def _show_profile(found: "Profile") -> None:
         note("`kg rules profile NAME` shows the parts of one")
 
 
-def coverage(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
-    chosen: Chosen = None,
-    *,
-    rules: Rules = None,
-    rule_families: Families = None,
-    timeout: Timeout = None,
-    json: Json = False,
-    store: Store = None,
-) -> None:
+@with_settings("rules", "rule_families", "timeout", "store")
+def coverage(chosen: Chosen = None, *, settings: Settings, json: Json = False) -> None:
     """Show the rules, and parts of rules, that never matched in this store.
 
     Parts are the elements of bodies and the triples of heads. A rule with UNION or OPTIONAL counts as several. For a
@@ -217,7 +194,6 @@ def coverage(  # noqa: PLR0913 - the options of a command
     from kg.pipeline.authoring import attempt  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.coverage import cover, coverage_objects  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, timeout=timeout)
     with attempt(settings, chosen or ()) as trial:
         found = cover(trial.bench, trial.files, trial.chosen, trial.limits)
     if json:

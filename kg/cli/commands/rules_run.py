@@ -6,19 +6,18 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Families, Json, Memory, Rules, Store, Timeout
+from kg.cli.options import Json, UpdateUrl, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal
-from kg.cli.session import session
 from kg.cli.supervising import supervise
 from kg.errors import UsageError
 from kg.render.text import count
+from kg.settings import Settings
 from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
     from kg.rules.engine.limits import Limits
     from kg.rules.remote.running import RemoteReport
     from kg.rules.reports import RunReport
-    from kg.settings import Settings
 
 _CHANGES: Final = (Column("rule", "name"), Column("came", "number"), Column("went", "number"))
 _COLUMNS: Final = (
@@ -39,9 +38,6 @@ _REMOTE_COLUMNS: Final = (
 Full = Annotated[bool, typer.Option("--full", help="Evaluate everything again, not only what changed.")]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Write nothing.")]
 Remote = Annotated[str | None, typer.Option("--remote", metavar="URL", help="Run on this SPARQL 1.1 server.")]
-UpdateUrl = Annotated[
-    str | None, typer.Option("--update-url", metavar="URL", help="Update endpoint of that server, if different.")
-]
 Verbose = Annotated[
     bool, typer.Option("--all", "--verbose", "-v", help="Show the results of each rule and the time of each step.")
 ]
@@ -55,9 +51,10 @@ MaxTriples = Annotated[
 ]
 
 
+@with_settings("memory", "rules", "rule_families", "timeout", "store")
 def run(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     *,
+    settings: Settings,
     full: Full = False,
     dry_run: DryRun = False,
     remote: Remote = None,
@@ -65,13 +62,8 @@ def run(  # noqa: PLR0913 - the options of a command
     data: Data = None,
     output: Output = None,
     max_triples: MaxTriples = None,
-    memory: Memory = None,
-    rules: Rules = None,
-    rule_families: Families = None,
-    timeout: Timeout = None,
     verbose: Verbose = False,
     json: Json = False,
-    store: Store = None,
 ) -> None:
     """Run the active rules and write what they infer into the store.
 
@@ -85,9 +77,6 @@ def run(  # noqa: PLR0913 - the options of a command
         kg rules run --data all.ttl --output inferred.nt
     """
     _agree(remote=remote, update_url=update_url, data=data, output=output, dry_run=dry_run)
-    settings = session(context).settings(
-        store=store, rules=rules, rule_families=rule_families, timeout=timeout, memory=memory
-    )
     limits = limits_of(settings, max_triples)
     usual = not (full or dry_run or remote or data or max_triples)
     if usual and (done := _nothing_to_do(settings)):
@@ -112,7 +101,7 @@ def run(  # noqa: PLR0913 - the options of a command
         _show(report, verbose=verbose, json=json)
 
 
-def _nothing_to_do(settings: "Settings") -> "RunReport | None":
+def _nothing_to_do(settings: Settings) -> "RunReport | None":
     """Return the report of a run where nothing changed since the last one, without reading a rule."""
     from kg.pipeline.inferring import unchanged  # noqa: PLC0415 - start-up time
 
@@ -124,7 +113,7 @@ def _nothing_to_do(settings: "Settings") -> "RunReport | None":
     return nothing_changed(last.asserted, last.inferred, last.strata)
 
 
-def limits_of(settings: "Settings", max_triples: str | None = None) -> "Limits":
+def limits_of(settings: Settings, max_triples: str | None = None) -> "Limits":
     """Return the limits of a run: a deadline only where one is set, for it is queries that the default is for."""
     from kg.rules.engine.limits import Limits  # noqa: PLC0415 - start-up time
 

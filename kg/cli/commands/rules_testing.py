@@ -9,11 +9,11 @@ import typer
 
 from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import colored, note, render, report, say
-from kg.cli.options import Families, Json, Rules, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, show, terminal, write
-from kg.cli.session import session
 from kg.errors import Exit, RuleError
 from kg.render.text import count
+from kg.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -22,25 +22,16 @@ if TYPE_CHECKING:
     from kg.rules.authoring.library import Entry
     from kg.rules.authoring.testing import Result
 
-_FEW = 3
-"""So many rules without examples are named; of more, how many there are."""
+_FEW = 3  # so many rules without examples are named; of more, how many there are
 
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Show all examples, not only failures.")]
 
-_CLEAR: Final = "\x1b[2J\x1b[H"
-"""Clears the screen; what was scrolled out of it stays."""
-_CHANGES: Final = 20
-"""How many triples of a difference are shown."""
+_CLEAR: Final = "\x1b[2J\x1b[H"  # clears the screen; what was scrolled out of it stays
+_CHANGES: Final = 20  # how many triples of a difference are shown
 
 
-def watch(
-    context: typer.Context,
-    chosen: Chosen = None,
-    *,
-    rules: Rules = None,
-    rule_families: Families = None,
-    store: Store = None,
-) -> None:
+@with_settings("rules", "rule_families", "store")
+def watch(chosen: Chosen = None, *, settings: Settings) -> None:
     """Check and test rules on every save, and show their effect on the store.
 
     Rules and their examples are checked for changes five times a second. Without a store, effects are not shown.
@@ -51,7 +42,6 @@ def watch(
     """
     from kg.pipeline.watching import glances  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
     try:
         for glance in glances(settings, chosen or ()):
             _show(glance)
@@ -91,13 +81,12 @@ def _show_difference(glance: "Glance") -> None:
         write(line)
 
 
-def try_rules(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("rules", "rule_families")
+def try_rules(
     chosen: Chosen = None,
     *,
+    settings: Settings,
     verbose: Verbose = False,
-    rules: Rules = None,
-    rule_families: Families = None,
     json: Json = False,
 ) -> None:
     """Run the examples of rules and show what differs.
@@ -114,7 +103,7 @@ def try_rules(  # noqa: PLR0913 - the options of a command
     from kg.rules.authoring.testing import parted, result_object, run_examples  # noqa: PLC0415 - start-up time
 
     begin = time.perf_counter()
-    library = Library.of(session(context).settings(rules=rules, rule_families=rule_families))
+    library = Library.of(settings)
     entries = choose(library, chosen or ())
     with_examples, without = parted(entries)
     results = run_examples(entries, library)

@@ -9,13 +9,13 @@ import typer
 from kg.cli.completion import features
 from kg.cli.diagnostics import note
 from kg.cli.numbers import whole
-from kg.cli.options import Json, PackageName, Store, with_options
+from kg.cli.options import Json, PackageName, with_options, with_settings
 from kg.cli.output import Column, listing, terminal
 from kg.cli.search_view import row, show_hits, tell
-from kg.cli.session import session
 from kg.errors import Exit, UsageError
 from kg.render.text import count
 from kg.search.options import FILTERS
+from kg.settings import Settings
 from kg.store.opening import existing, reading, reading_with_cache
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from kg.cli.links import Links
     from kg.search.searching import Search
-    from kg.settings import Settings
 
 COLUMNS: Final = tuple(map(Column, ("rank", "score", "package", "node", "why", "also in", "file:line")))
 Words = Annotated[list[str] | None, typer.Argument(metavar="TEXT", help="What the node does, in words.")]
@@ -40,15 +39,15 @@ Most = Annotated[str, typer.Option("--limit", "-n", metavar="N", help="Number of
 
 
 @with_options(FILTER_OPTIONS)
+@with_settings("store")
 def search(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     text: Words = None,
     *,
+    settings: Settings,
     package: PackageName = None,
     limit: Most = "10",
     interactive: Interactive = False,
     json: Json = False,
-    store: Store = None,
     **given: list[str] | None,
 ) -> None:
     """Find nodes by what they do, with the reasons.
@@ -73,7 +72,6 @@ def search(  # noqa: PLR0913 - the options of a command
         hint = 'For example `kg search "merge two laser scans"`, or `kg search --publishes LaserScan`.'
         raise UsageError("KG003", "no search words or filters given", hint=hint)
     most = whole(limit, "--limit", 1)
-    settings = session(context).settings(store=store)
     with _opened(settings) as found:
         if interactive:
             from kg.cli.narrowing import narrow  # noqa: PLC0415 - start-up time
@@ -94,7 +92,7 @@ def search(  # noqa: PLR0913 - the options of a command
 
 
 @contextmanager
-def _opened(settings: "Settings") -> "Iterator[Search]":
+def _opened(settings: Settings) -> "Iterator[Search]":
     """Yield the search over the store in force; for a SPARQL server the index is built for this command alone."""
     from kg.search.searching import open_search, search_of  # noqa: PLC0415 - start-up time
 
@@ -105,7 +103,7 @@ def _opened(settings: "Settings") -> "Iterator[Search]":
         yield open_search(existing(settings), _indexing)
 
 
-def _links(settings: "Settings") -> "Links":
+def _links(settings: Settings) -> "Links":
     """Return the links to the lines of code."""
     from kg.cli.links import Links  # noqa: PLC0415 - start-up time
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time

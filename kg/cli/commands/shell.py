@@ -1,13 +1,14 @@
 """`kg shell`: the store on the whole terminal."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from kg.cli.completion import queries as query_names
-from kg.cli.options import Format, Limit, Queries, Store, Timeout
+from kg.cli.options import Store, takes
 from kg.cli.session import session
 from kg.errors import Exit
+from kg.settings import DECLARED
 
 Once = Annotated[
     str | None,
@@ -20,16 +21,8 @@ Once = Annotated[
 ]
 
 
-def shell(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
-    *,
-    once: Once = None,
-    format_name: Format = None,
-    limit: Limit = None,
-    timeout: Timeout = None,
-    queries: Queries = None,
-    store: Store = None,
-) -> None:
+@takes(DECLARED[one] for one in ("format", "limit", "timeout", "queries"))
+def shell(context: typer.Context, *, once: Once = None, store: Store = None, **given: Any) -> None:
     """Explore the store in a full-screen terminal interface.
 
     It has a tree of the store, queries, evidence, proofs, search and rules. F1 shows all keys, Ctrl+P runs any action
@@ -42,13 +35,10 @@ def shell(  # noqa: PLR0913 - the options of a command
     if once is not None:
         from kg.cli.commands.query import query  # noqa: PLC0415 - the branch that needs it
 
-        stores = [store] if store else None
-        query(context, once, format_name=format_name, limit=limit, timeout=timeout, queries=queries, store=stores)
+        query(context, once, store=[store] if store else None, **given)
         return
     from kg.shell.running import run  # noqa: PLC0415 - start-up time
 
-    code = run(
-        session(context).settings(store=store, format=format_name, limit=limit, timeout=timeout, queries=queries)
-    )
+    code = run(session(context).settings(store=store, **given))
     if code != Exit.OK:
         raise typer.Exit(code)

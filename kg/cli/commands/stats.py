@@ -3,13 +3,11 @@
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Final
 
-import typer
-
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, json_lines, make_table, show, terminal, write
-from kg.cli.session import session
 from kg.render.text import count
+from kg.settings import Settings
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
@@ -19,7 +17,8 @@ if TYPE_CHECKING:
 _MOST: Final = 12
 
 
-def stats(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
+@with_settings("store")
+def stats(*, settings: Settings, json: Json = False) -> None:
     """Count entities, triples, neighbours and paths of the graph.
 
     Counts by kind: entities, triples, entities per node, neighbours. Two entities are neighbours if any property
@@ -30,7 +29,6 @@ def stats(context: typer.Context, *, json: Json = False, store: Store = None) ->
     from kg.cli.corpus_view import compared, rnkg_rows  # noqa: PLC0415 - start-up time
     from kg.views.answers import figures  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store)
     with reading(settings) as snapshot:
         figured = figures(snapshot)
     found, ours = figured.graph, figured.rnkg

@@ -3,20 +3,21 @@
 import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Base, Json, NoRules, Store
-from kg.cli.output import json_lines
-from kg.cli.session import session
+from kg.cli.options import Json, NoRules, with_settings
+from kg.cli.output import Column, json_lines, listing
 from kg.errors import Exit, Place, UsageError
 from kg.render.text import count
+from kg.settings import Settings
 from kg.store.opening import existing, layout_of, writable
 
 if TYPE_CHECKING:
     from kg.pipeline.updating.changes import Updated
+
 
 Text = Annotated[str | None, typer.Argument(metavar="UPDATE", help="SPARQL Update; - reads it from standard input.")]
 File = Annotated[str | None, typer.Option("--file", "-f", metavar="FILE", help="Read the update from FILE.")]
@@ -27,16 +28,15 @@ Target = Annotated[
 Source = Annotated[str, typer.Argument(metavar="BACKUP", help="Folder or file written by `kg backup`.")]
 
 
+@with_settings("base", "store")
 def update(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     text: Text = None,
     *,
+    settings: Settings,
     file: File = None,
     dry_run: DryRun = False,
     no_rules: NoRules = False,
     json: Json = False,
-    base: Base = None,
-    store: Store = None,
 ) -> None:
     """Change the store with SPARQL Update.
 
@@ -47,18 +47,17 @@ def update(  # noqa: PLR0913 - the options of a command
         kg update 'INSERT DATA { GRAPH <urn:notes> { <urn:rover> rdfs:comment "mine" } }'
         kg update -f cleaning.ru --dry-run
     """
-    from kg.cli.update_view import show  # noqa: PLC0415 - start-up time
     from kg.pipeline.updating.applying import apply  # noqa: PLC0415 - start-up time
     from kg.pipeline.updating.changes import Update  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, base=base)
     asked, place = _asked(text, file)
     updated = apply(existing(settings), settings, Update(text=asked, path=place), rules=not no_rules, dry_run=dry_run)
     show(updated, dry_run=dry_run, json=json)
     _end(updated)
 
 
-def backup(context: typer.Context, target: Target, *, json: Json = False, store: Store = None) -> None:
+@with_settings("store")
+def backup(target: Target, *, settings: Settings, json: Json = False) -> None:
     """Copy the store, even while it is being written.
 
     A folder backup is itself a store and takes milliseconds, because large files are shared by hard links. `kg
@@ -70,14 +69,14 @@ def backup(context: typer.Context, target: Target, *, json: Json = False, store:
     """
     from kg.store.backups import back_up  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store)
     found = back_up(layout_of(settings), Path(target))
     if json:
         json_lines([asdict(found)])
     say(f"wrote {count(found.quads, 'quad')} of snapshot {found.snapshot} to {target}")
 
 
-def restore(context: typer.Context, source: Source, *, store: Store = None) -> None:
+@with_settings("store")
+def restore(source: Source, *, settings: Settings) -> None:
     """Replace the contents of the store with a backup.
 
     The data becomes a new snapshot; the next build reads every source again. For example:
@@ -86,7 +85,6 @@ def restore(context: typer.Context, source: Source, *, store: Store = None) -> N
     """
     from kg.pipeline.updating.restoring import restore as put_back  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store)
     with writable(settings) as target:
         found = put_back(target, Path(source))
     original = f", made of snapshot {found.original} of the backup" if found.original else ""
@@ -112,3 +110,24 @@ def _end(updated: "Updated") -> None:
         note(sentence)
     if any("a rule was skipped" in sentence for sentence in updated.warnings):
         raise typer.Exit(Exit.FOUND)
+
+
+_COLUMNS: Final = (Column("graph"), Column("removed"), Column("added"))
+
+
+def show(updated: "Updated", *, dry_run: bool, json: bool) -> None:
+    """Write the numbers of triples removed from and added to each graph, and the effects of rules."""
+    rows = [(name or "default", removed, added) for name, (removed, added) in updated.graphs.items()]
+    objects = [
+        {"graph": name or None, "removed": removed, "added": added} for name, (removed, added) in updated.graphs.items()
+    ]
+    listing(_COLUMNS, rows, objects=objects if json else None)
+    if not updated.changed:
+        say("nothing changes" if dry_run else f"nothing changed; the data is snapshot {updated.snapshot}")
+        return
+    verb = "would change" if dry_run else "changed"
+    say(f"{verb}: {count(updated.removed, 'triple')} removed, {count(updated.added, 'triple')} added")
+    if updated.inferred is not None:
+        say(f"rules: {updated.inferred_removed} removed, {updated.inferred_added} added ({updated.mode})")
+    if not dry_run:
+        say(f"the data is now snapshot {updated.snapshot}")

@@ -6,11 +6,11 @@ import typer
 
 from kg.cli.diagnostics import note, report
 from kg.cli.numbers import whole
-from kg.cli.options import Families, Json, Rules, Store
+from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, write
 from kg.cli.query_text import pairs, query_meant
-from kg.cli.session import session
 from kg.errors import Exit, RuleError, UsageError
+from kg.settings import Settings
 from kg.store.opening import existing, reading_with_cache
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from kg.rules.explain.proof import Proof
     from kg.rules.explain.view import View
     from kg.rules.form import Rule, Term
-    from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
 _FORMATS = ("text", "json", "mermaid", "svg")
@@ -50,10 +49,11 @@ Parameter = Annotated[
 ]
 
 
+@with_settings("rules", "rule_families", "store")
 def why(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
     words: Words = None,
     *,
+    settings: Settings,
     query: Query = None,
     row: Row = "1",
     param: Parameter = None,
@@ -61,9 +61,6 @@ def why(  # noqa: PLR0913 - the options of a command
     shortest: Shortest = False,
     form: Form = "text",
     json: Json = False,
-    rules: Rules = None,
-    rule_families: Families = None,
-    store: Store = None,
 ) -> None:
     """Prove a fact: show the rules that derive it, down to the source line.
 
@@ -76,7 +73,6 @@ def why(  # noqa: PLR0913 - the options of a command
         kg why --query who-publishes --param topic=/chatter --row 2
     """
     form = _form("json" if json else form)
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
     with reading_with_cache(settings) as (snapshot, cache):
         known, view = _known(snapshot, settings, cache)
         if query is not None:
@@ -137,17 +133,15 @@ def _matched(
     return found.proofs
 
 
-def why_not(  # noqa: PLR0913 - the options of a command
-    context: typer.Context,
+@with_settings("rules", "rule_families", "store")
+def why_not(
     words: Words = None,
     *,
+    settings: Settings,
     depth: Annotated[
         str, typer.Option("--depth", metavar="N", help="How far missing premises are followed.", show_default=True)
     ] = "3",
     json: Json = False,
-    rules: Rules = None,
-    rule_families: Families = None,
-    store: Store = None,
 ) -> None:
     """Show why a fact is missing: what each rule that could derive it lacks.
 
@@ -161,7 +155,6 @@ def why_not(  # noqa: PLR0913 - the options of a command
     from kg.rules.explain.text import why_not_lines  # noqa: PLC0415 - start-up time
     from kg.rules.explain.why_not import why_not as explained  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
     kept = existing(settings)
     with kept.read() as snapshot:
         known, view = _known(snapshot, settings, kept.layout.cache)
@@ -186,7 +179,7 @@ def _form(name: str) -> str:
     return name
 
 
-def _known(snapshot: "EmbeddedSnapshot", settings: "Settings", cache: "Path") -> "tuple[tuple[Rule, ...], View]":
+def _known(snapshot: "EmbeddedSnapshot", settings: Settings, cache: "Path") -> "tuple[tuple[Rule, ...], View]":
     """Return the rules in force, and the store as explanations with these rules see it; rules left out are named."""
     from kg.views.why import explaining  # noqa: PLC0415 - start-up time
 

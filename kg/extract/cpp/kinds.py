@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.cpp import library
 from kg.symbolic import form
-from kg.symbolic.kinds import POINTER, POINTER_ALIASES, POINTERS, pointee
+from kg.symbolic.kinds import POINTER, POINTER_ALIASES, POINTER_NAME, POINTERS, pointee
 from kg.symbolic.state import Frame
 from kg.symbolic.values import Kind, Object, Pack, Truth, TypeValue, Unknown, Value
 
@@ -22,8 +21,8 @@ _DEEPEST: Final = 12
 _ROSSERIAL: Final = "ros/msg.h"
 """What the headers of messages include that rosserial generates, and no other header of messages."""
 _PLAIN: Final = library.NUMBERS | library.TEXTS | {"bool"}
-_POINTER_NAME: Final = re.compile(r"(?:Const)?(?:Shared|Unique|Weak)?Ptr$")
-"""The end of names that macros, such as `MOVEIT_CLASS_FORWARD`, give to pointers to a class."""
+_VALUES: Final = frozenset({"ParameterValue"})
+"""Classes whose objects have the type of the value that they hold."""
 _MOST_BASES: Final = 40
 _WEIGHT: Final = 6
 """How much of the depth the search in the outer type of a name takes."""
@@ -144,7 +143,7 @@ class Kinds:
             # The classes of messages in headers that rosserial generated are as those that are generated elsewhere.
             elsewhere = _ROSSERIAL in cast("CppUnit", cls.unit).includes
             return Kind((*cls.scope, cls.name), arguments, None if elsewhere else cls)
-        stem = _POINTER_NAME.sub("", names[-1])
+        stem = POINTER_NAME.sub("", names[-1])
         pointed = self._linker.find_class((*names[:-1], stem), unit, scope) if stem and stem != names[-1] else None
         if pointed is not None:
             return _pointer(Kind((*pointed.scope, pointed.name), (), pointed))
@@ -289,9 +288,17 @@ class Kinds:
     # Declarations
 
     def type_of(self, expression: Expression, frame: Frame) -> Kind | None:
-        """Return the declared type of a variable or member."""
+        """Return the declared type of a variable or member, or that of the object that an expression creates."""
         while isinstance(expression, form.Unary):
             expression = expression.operand
+        if isinstance(expression, form.Construct):
+            return self.kind_of(expression.type, frame)
+        if isinstance(expression, form.Call) and isinstance(expression.function, form.Name):
+            names, arguments = expression.function.names, expression.arguments
+            if names[-1] in _VALUES and len(arguments) == 1:
+                return self.type_of(arguments[0], frame)
+            called = form.Type(names, expression.function.template)
+            return self.kind_of(called, frame) if names[0] == "std" and names[-1] in library.TYPES else None
         if not isinstance(expression, (form.Name, form.Member)):
             return None
         found = self.written_type(expression, frame)

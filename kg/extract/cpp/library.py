@@ -281,7 +281,7 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
     if name in ("getenv", "secure_getenv"):
         variable = as_text(values[0]).known if values else None
         return Unknown("it is read from the environment", label=label_of(variable or "") or None)
-    if name in _PACKERS:
+    if name in _PACKERS or (name == "value_type" and len(values) == _PAIR):
         return Sequence(tuple(values))
     if not values:
         return None

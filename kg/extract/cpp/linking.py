@@ -6,6 +6,8 @@ import re
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
 
+from kg.symbolic.kinds import POINTER_NAME
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
@@ -118,14 +120,14 @@ class Linker:
         return bool(self._holding(unit, "enumerator", name))
 
     def generated(self, name: str, unit: Unit) -> _Scope | None:
-        """Return the qualified name of a class whose generated header, outside of the sources, a file includes."""
+        """Return the qualified name of a class, or of pointers to it, whose generated header a file includes."""
         key = (name, unit)
         if key not in self._generated:
-            snake = _SNAKE.sub("_", name).lower()
             self._generated[key] = next(
                 (
                     (*path.split("/")[:-1], name)
-                    for file in (f"{snake}.hpp", f"{name}.h")
+                    for stem in dict.fromkeys((name, POINTER_NAME.sub("", name)))
+                    for file in (f"{_SNAKE.sub('_', stem).lower()}.hpp", f"{stem}.h")
                     for one in self._holding(unit, "include", file)
                     for path in one.includes
                     if path.endswith("/" + file) and name.encode() in one.source

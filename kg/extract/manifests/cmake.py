@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import posixpath
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.buildmodel import PluginClass, Registration, Target, TargetKind
@@ -57,6 +58,8 @@ class Collected:
     plugin_executables: dict[str, str] = field(default_factory=dict)
     """Names of plugins and of the executables that run them alone."""
     plugin_files: dict[str, None] = field(default_factory=dict)
+    installed: dict[tuple[str, str], None] = field(default_factory=dict)
+    """Pairs of an installed file or folder and its source; folders end in a slash."""
 
     def run_alone(self, plugins: Iterable[PluginClass]) -> list[PluginClass]:
         """Return the plugins with the executables that run them; those are then no targets of their own.
@@ -218,10 +221,27 @@ class _Targets:
             self.model.plugin_files[path] = None
 
     def install(self, run: Run, words: list[str]) -> None:
+        if words[:1] in (["PROGRAMS"], ["FILES"], ["DIRECTORY"]):
+            self._installed(run, words)
         if words[:1] in (["PROGRAMS"], ["FILES"]):
             self.install_programs(run, words)
         elif words[:1] == ["DIRECTORY"] and words[1:]:
             self._install_folders(run, words[1:])
+
+    def _installed(self, run: Run, words: list[str]) -> None:
+        """Record where files or folders are installed."""
+        given = dict(pairwise(words))
+        destination = given.get("DESTINATION", "").strip("/")
+        for written in _until_keyword(words[1:]):
+            path = run.files.locate(strip_generators(written), run.folder)
+            if path is None:
+                continue
+            if words[0] == "DIRECTORY":
+                name = "" if written.endswith("/") else f"/{posixpath.basename(path)}"
+                self.model.installed[f"{destination}{name}/", "" if path == "." else f"{path}/"] = None
+            else:
+                name = given.get("RENAME") or posixpath.basename(path)
+                self.model.installed[f"{destination}/{name}", path] = None
 
     def install_programs(self, run: Run, words: list[str]) -> None:
         """install(PROGRAMS file... RENAME name) and catkin_install_python(PROGRAMS file...)."""

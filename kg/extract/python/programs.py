@@ -32,7 +32,10 @@ class Called:
 
 
 class _Recorder(Framework):
-    """Records the calls of everything that is not in the build. A method may return the object that it is called on."""
+    """Records the calls of everything that is not in the build. A method may return the object that it is called on.
+
+    The files that `glob` finds are its pattern.
+    """
 
     def __init__(self) -> None:
         super().__init__(Descriptions("python"))
@@ -41,7 +44,7 @@ class _Recorder(Framework):
     def construct(self, kind: Kind, given: Arguments) -> Value | None:
         """Record the call of a class or function."""
         self._record(kind.name, given)
-        return None
+        return Sequence(tuple(given.values[:1])) if kind.name == "glob" else None
 
     def call_method(self, of: Object, name: str, given: Arguments) -> Value | None:
         """Record the call of a method."""

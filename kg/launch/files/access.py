@@ -14,11 +14,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
+from kg.extract.manifests.installing import Installed
 from kg.facts import LaunchProblemKind, StartedNode
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kg.corpus.files import Place
     from kg.corpus.reading import Reader
 
 SCHEME: Final = "package://"
@@ -62,6 +64,7 @@ class Files:
     def __init__(self, reader: Reader) -> None:
         self.reader = reader
         self._near = reader.repository
+        self._installed: dict[Place, Installed] = {}
 
     def share(self, package: str) -> str | None:
         """Return the text for the folder of a package; None when it is neither in the build nor installed."""
@@ -95,13 +98,42 @@ class Files:
         installed = self.reader.workspace.installed_package(head)
         return _below(installed.repository, installed.path, inner) if installed else None
 
+    def existing(self, text: str) -> FilePath | None:
+        """Return the file that a text names, if the source has it there or installs it there."""
+        file = self.at(text)
+        if file is None or self.exists(file):
+            return file
+        package, _, inner = text.removeprefix(SCHEME).partition("/")
+        place = self.reader.workspace.package(package, self._near)
+        if place is None or not text.startswith(SCHEME) or not inner:
+            return None
+        if place not in self._installed:
+            other = self.reader.beside(place)
+            self._installed[place] = Installed(other, other.package)
+        source = self._installed[place].source(inner)
+        if source is not None:
+            return FilePath(place.repository, source)
+        return None if self._installed[place].complete else self._likely(place, inner)
+
+    def _likely(self, place: Place, inner: str) -> FilePath | None:
+        """Return the one file of a package whose path ends as a path that is installed from somewhere."""
+        parts = [part for part in inner.split("/") if part not in ("", ".", "..")]
+        paths = [entry.path for entry in self.reader.workspace.folder(place)[1].files]
+        for length in range(len(parts), 0, -1):
+            tail = "/" + "/".join(parts[-length:])
+            ending = [path for path in paths if f"/{path}".endswith(tail)]
+            if ending:
+                return FilePath(place.repository, ending[0]) if len(ending) == 1 else None
+        return None
+
     def find(self, text: str) -> Found:
         """Return the file that a text names."""
         if any(len(part) > _MOST_NAME for part in text.split("/")):
             return Found(None, reason="the name of the file is too long")
+        existing = self.existing(text)
+        if existing is not None:
+            return Found(existing)
         file = self.at(text)
-        if file is not None and self.exists(file):
-            return Found(file)
         if file is not None:
             return self.absent(file, text)
         package = text.removeprefix(SCHEME).partition("/")[0]

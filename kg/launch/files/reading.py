@@ -42,7 +42,8 @@ def read_launches(
     """
     launches = (entry.path for entry in package.files if entry.kind is FileKind.LAUNCH)
     paths = sorted(path for path in launches if not _TEMPLATES & set(path.split("/")))
-    found = [one for path in paths if (one := read_configuration(reader, path, ros)) is not None]
+    files = Files(reader)
+    found = [one for path in paths if (one := _configuration(files, path, ros)) is not None]
     if also is not None:
         found = [replace(one, problems=tuple(map(_undecided, one.problems))) for one in found]
     own = {entry.path for entry in package.files}
@@ -69,19 +70,30 @@ def read_configuration(
 
     None for a file that is not a launch file after all. Errors are in `problems` of the result.
     """
+    return _configuration(Files(reader), path, ros, given, environment)
+
+
+def _configuration(
+    files: Files,
+    path: str,
+    ros: int,
+    given: Mapping[str, str] = _NOTHING,
+    environment: Mapping[str, str] = _NOTHING,
+) -> LaunchConfiguration | None:
+    reader = files.reader
     file = FilePath(reader.repository, path)
     text = reader.read(file)
     dialect = _dialect_of(file, text or b"", ros)
     if text is None or dialect is None:
         return None
-    if ros == _ROS2 and dialect is LaunchDialect.ROS2_XML and _is_of_ros1(text):
+    if ros == _ROS2 and dialect is LaunchDialect.ROS2_XML and _is_only(text, _OF_ROS1, _OF_ROS2):
         problem = LaunchProblem(LaunchProblemKind.OTHER_VERSION, "the file is written for ROS 1", Location(path, 1))
         package = reader.package
         return LaunchConfiguration(
             reader.repository, package.name, path, 1, LaunchDialect.ROSLAUNCH, problems=(problem,), folder=package.path
         )
     evaluate = evaluate_roslaunch if dialect is LaunchDialect.ROSLAUNCH else evaluate_ros2
-    found = evaluate(Files(reader), file, dialect, given, environment)
+    found = evaluate(files, file, dialect, given, environment)
     return replace(found, package=reader.package.name, folder=reader.package.path)
 
 
@@ -95,12 +107,12 @@ def _dialect_of(file: FilePath, text: bytes, ros: int) -> LaunchDialect | None:
     if dialect is LaunchDialect.ROS2_XML:
         if b"<launch" not in text:
             return None
-        return dialect if ros == _ROS2 else LaunchDialect.ROSLAUNCH
+        return dialect if ros == _ROS2 or _is_only(text, _OF_ROS2, _OF_ROS1) else LaunchDialect.ROSLAUNCH
     named = re.search(r"\.launch\.ya?ml$", file.path)
     return dialect if named or re.search(rb"^['\"]?launch['\"]?\s*:", text, re.MULTILINE) else None
 
 
-def _is_of_ros1(text: bytes) -> bool:
-    """Return whether a launch file in XML has parts that only ROS 1 reads, and none that only ROS 2 reads."""
+def _is_only(text: bytes, own: re.Pattern[bytes], other: re.Pattern[bytes]) -> bool:
+    """Return whether a launch file in XML has parts that only one version of ROS reads, and none of the other's."""
     plain = _COMMENT.sub(b"", text)
-    return _OF_ROS1.search(plain) is not None and _OF_ROS2.search(plain) is None
+    return own.search(plain) is not None and other.search(plain) is None

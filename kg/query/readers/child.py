@@ -24,14 +24,16 @@ from kg.query.readers.parts import Parts, Pulse
 from kg.query.readers.requests import failure, received
 from kg.query.window import Window
 from kg.settings import Settings, load
+from kg.store.embedded import EmbeddedStore
 from kg.store.layout import Layout
-from kg.store.snapshot import EmbeddedSnapshot
+from kg.store.opening import take_layout
 from kg.store.terms import of_spelling
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.query.result import Row
+    from kg.store.snapshot import EmbeddedSnapshot
 
 _RESERVED_BYTES: Final = 1 << 30
 """Estimate of the reserved memory of a reader, for systems that do not report it."""
@@ -58,7 +60,8 @@ class _Reader:
 
     def __init__(self, configuration: Configuration, answers: BinaryIO) -> None:
         self._configuration = configuration
-        self._layout = Layout(Path(configuration.root))
+        self._layout = Layout(Path(configuration.root), configuration.address)
+        take_layout(self._layout)
         self._pointer = Pointer(self._layout)
         self._answers = answers
         self._snapshot: EmbeddedSnapshot | None = None
@@ -127,7 +130,7 @@ class _Reader:
 
     @cached_property
     def _settings(self) -> Settings:
-        return load({"store": self._configuration.root, **self._configuration.settings})
+        return load({"store": self._configuration.address or self._configuration.root, **self._configuration.settings})
 
     def _end(self, count: int, began: float, *, more: bool = False) -> End:
         """Return the end of a whole response."""
@@ -144,7 +147,7 @@ class _Reader:
             self._snapshot = None
         if self._snapshot is None:
             _cap_memory(None)
-            self._snapshot = EmbeddedSnapshot(self._layout)
+            self._snapshot = EmbeddedStore(self._layout).read()
             _cap_memory(self._configuration.memory)
         return self._snapshot
 

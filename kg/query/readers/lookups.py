@@ -77,7 +77,8 @@ class LookUps:
         """Return the response to a look-up on the data `identity`; None if a reader has to answer."""
         plain = not question.parameters and not question.offset and question.snapshot in {None, identity}
         given = question.default_graphs is not None or question.named_graphs is not None
-        if not plain or given or not is_look_up(question.text):
+        # A server may be slow to answer, which a reader can wait for.
+        if self._layout.address is not None or not plain or given or not is_look_up(question.text):
             return None
         if self._snapshot is None or self._snapshot.identity != identity:
             self._open(identity)

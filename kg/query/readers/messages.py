@@ -22,16 +22,19 @@ _PART: Final = 1
 
 
 class Configuration(msgspec.Struct, frozen=True, tag="configuration"):
-    """First message to a reader: `root` is the folder of the store, `memory` the memory limit of a request in bytes.
+    """The first message to a reader: `root` is the folder of the store, `memory` how many bytes a request may use.
 
-    `calls` names a module; its `CALLS` contain the functions for `Call.name`. They receive the settings that
-    `kg.settings.load` returns for the flags `settings`.
+    `address` is that of the server that has the data, None for a store of this machine.
+
+    `calls` names the module whose `CALLS` other requests are looked up in, by `Call.name`; `settings` are flags for
+    `kg.settings.load`, which these are given.
     """
 
     root: str
     memory: int | None = None
     calls: str = ""
     settings: dict[str, Any] = {}
+    address: str | None = None
 
 
 class Question(msgspec.Struct, frozen=True, tag="question", kw_only=True):
@@ -130,16 +133,16 @@ class Failure(msgspec.Struct, frozen=True, tag="failure"):
     def of(cls, error: KgError) -> Failure:
         """Return an error as a message."""
         place = error.place
-        fields = tuple(getattr(place, name) for name in Place.__dataclass_fields__) if place else ()
-        return cls(error.code, error.message, type(error).__name__, error.hint, *fields)
+        told = tuple(getattr(place, name) for name in Place.__dataclass_fields__) if place else ()
+        return cls(error.code, error.message, type(error).__name__, error.hint, *told)
 
     def error(self) -> KgError:
         """Return the message as an error."""
         place = None
         if self.path is not None:
             place = Place(self.path, self.line, self.column, self.excerpt, self.end_line, self.end_column)
-        kinds = {kind.__name__: kind for kind in _subclasses(KgError)}
-        return kinds.get(self.kind, QueryError)(self.code, self.message, place=place, hint=self.hint)
+        known = {kind.__name__: kind for kind in _subclasses(KgError)}
+        return known.get(self.kind, QueryError)(self.code, self.message, place=place, hint=self.hint)
 
 
 Message: TypeAlias = Configuration | Question | Call | Ready | Refresh | Head | Progress | End | Failure

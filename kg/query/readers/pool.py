@@ -29,6 +29,7 @@ from kg.query.readers.messages import Call, Configuration, Question, frame
 from kg.query.readers.processes import PROGRAM, Spawner
 from kg.query.readers.scheduler import Run, Scheduler
 from kg.query.runner import DeadlineError
+from kg.store.following import Following
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Mapping, Sequence
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Answer", "Job", "Readers", "Stats"]
 
-_WATCH_SECONDS: Final = 0.5
+_LOOK_SECONDS: Final = 0.5
 """Interval at which the pool checks for new data."""
 
 _PREPARE_SECONDS: Final = 2.0
@@ -94,18 +95,23 @@ class Readers:
         self._prepare = prepare
         self._preparing: asyncio.Task[None] | None = None
         self.jobs: dict[str, Job] = {}
-        configuration = Configuration(str(layout.root), memory, calls, dict(settings or {}))
+        configuration = Configuration(str(layout.root), memory, calls, dict(settings or {}), layout.address)
         self._fleet = Fleet(Spawner(configuration, program), processes + 1)
         self._scheduler = Scheduler.of(processes, queue, self._fleet)
-        self._cache = AnswerCache(cache)
+        self.following = Following(layout) if layout.address is not None else None
+        """Looks at the data of a server, which may be new before we notice: answers of queries are not kept."""
+        self._cache = AnswerCache(0 if self.following else cache)
         self._pointer = Pointer(layout)
         self._look_ups = LookUps(layout)
-        self._watching: asyncio.Task[None] | None = None
+        self._looking: asyncio.Task[None] | None = None
+        self._following: asyncio.Task[None] | None = None
         self._closed = False
 
     async def __aenter__(self) -> Self:
         self._fleet.fill()
-        self._watching = asyncio.get_running_loop().create_task(self._watch())
+        self._looking = asyncio.get_running_loop().create_task(self._look())
+        if self.following is not None:
+            self._following = asyncio.get_running_loop().create_task(_follow(self.following))
         self._begin_preparing()
         return self
 
@@ -113,7 +119,7 @@ class Readers:
         self._closed = True
         for job in tuple(self.jobs.values()):
             job.end(QueryError("KG510", _CLOSED))
-        for task in (self._watching, self._preparing):
+        for task in (self._looking, self._following, self._preparing):
             if task is not None:
                 task.cancel()
                 await asyncio.gather(task, return_exceptions=True)
@@ -219,11 +225,11 @@ class Readers:
             raise QueryError("KG505", "the job with this identity is still running", hint="Choose another identity.")
         self.jobs[job.identity] = job
 
-    async def _watch(self) -> None:
+    async def _look(self) -> None:
         """Check for new data regularly."""
         known = self._pointer.snapshot()
         while True:
-            await asyncio.sleep(_WATCH_SECONDS)
+            await asyncio.sleep(_LOOK_SECONDS)
             found = self._pointer.snapshot()
             if found != known:
                 known = found
@@ -240,6 +246,12 @@ class Readers:
         # A request that needs the preparation reports the error.
         with suppress(KgError):
             await self.call(self._prepare, {}, seconds=None)
+
+
+async def _follow(following: Following) -> None:
+    while True:
+        await asyncio.to_thread(following.look)
+        await asyncio.sleep(following.pause)
 
 
 def _expire(job: Job, seconds: float) -> None:

@@ -1,10 +1,10 @@
-"""Recordings as robots: `bag://FILE`, a bag of ROS 1 (`.bag`) or ROS 2 (`.mcap`, `.db3`, the folder of both).
+"""Recordings as robots: `bag://FILE`, a bag of ROS 1 (`.bag`) or ROS 2 (`.mcap`, `.db3`, or the folder of either).
 
     connection = await connect("bag://drive.mcap", "/kg")
     connection = await connect("bag://drive.mcap?start=30&speed=2", "/kg")    # from second 30 on, twice as fast
 
-It is played from the moment that the first topic is subscribed: values come in the time that they were recorded at.
-Nothing can be commanded. `kg.robot.bag.recording` writes such files from running robots.
+Playback starts with the first subscription, and messages arrive at their recorded times. Recordings cannot be
+commanded. `kg.robot.bag.recording` writes such files from running robots.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ async def connect(address: str, name: str, types: Types | None = None) -> BagCon
     """Open a recording.
 
     Raises:
-        RobotError: KG801 for an address of another form, KG850 for a file that cannot be read.
+        RobotError: KG801 an invalid address, KG850 an unreadable file.
     """
     read = BagAddress.read(address)
     return BagConnection(await asyncio.to_thread(Bag, read.path, types), read, name)

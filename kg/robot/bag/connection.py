@@ -1,4 +1,4 @@
-"""A recording that is played: a `Connection` whose topics can be read, and nothing commanded; its address and time."""
+"""Playback of a recording as a read-only `Connection`, with its address and clock."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _OPTIONS: Final = {"speed": "as a multiple of the recorded one", "start": "secon
 
 @dataclass(frozen=True, slots=True)
 class BagAddress:
-    """An address that was read: the file or folder, how fast it is played (1: as recorded), from which second on."""
+    """A parsed address: the file or folder, the speed (1: as recorded), and the first second."""
 
     text: str
     path: Path
@@ -38,7 +38,7 @@ class BagAddress:
 
     @classmethod
     def read(cls, text: str) -> BagAddress:
-        """Return what an address says; RobotError KG801 for an option or a value that there is not."""
+        """Return a parsed address; RobotError KG801 for an unknown option or invalid value."""
         place, _, query = text.removeprefix("bag://").partition("?")
         options = dict(parse_qsl(query, keep_blank_values=True))
         if unknown := set(options) - set(_OPTIONS):
@@ -60,11 +60,11 @@ def _number(address: str, options: dict[str, str], name: str, otherwise: float) 
 
 
 _LEAD: Final = 0.2
-"""Seconds of the wall between the first subscription and the first message: others subscribe at the same time."""
+"""Wall-clock seconds between the first subscription and the first message, for further subscriptions."""
 
 
 class BagClock:
-    """Stands still at the first moment until it is begun; then goes on, `speed` times as fast as the wall's."""
+    """A clock that stops at the first moment until it is started, then runs `speed` times as fast as the wall clock."""
 
     def __init__(self, start: float, speed: float) -> None:
         self._start = start
@@ -72,13 +72,13 @@ class BagClock:
         self._begun: float | None = None
 
     def begin(self) -> None:
-        """Let the time go on in a moment; beginning again is nothing."""
+        """Start the clock after a short delay; may be repeated."""
         if self._begun is None:
             self._begun = asyncio.get_running_loop().time() + _LEAD
 
     @property
     def begun(self) -> bool:
-        """Whether it goes on."""
+        """Whether the clock runs."""
         return self._begun is not None
 
     def now(self) -> float:
@@ -88,25 +88,25 @@ class BagClock:
         return self._start + max(asyncio.get_running_loop().time() - self._begun, 0.0) * self._speed
 
     async def sleep(self, seconds: float) -> None:
-        """Return when so many seconds of the recording have passed."""
+        """Sleep for some seconds of the recording."""
         await asyncio.sleep(max(seconds, 0) / self._speed)
 
     async def until(self, moment: float) -> None:
-        """Return when a moment of the recording has come; others get their turn also where it has already."""
+        """Return at a moment of the recording; yields to other tasks even if it has passed."""
         loop = asyncio.get_running_loop()
         due = (loop.time() if self._begun is None else self._begun) + (moment - self._start) / self._speed
         await asyncio.sleep(max(due - loop.time(), 0))
 
 
 UNKNOWN: Final = "/_recorded"
-"""The node that stands for the publishers that a recording does not name."""
+"""Placeholder for publishers that a recording does not name."""
 _UNNAMED: Final = "the recording does not name the publishers"
 _PARTLY: Final = "a recording contains only published messages"
 _OVER: Final = "the recording has ended"
 
 
 class BagConnection:
-    """A recording; `connect` makes it."""
+    """A recording, opened by `connect`."""
 
     def __init__(self, bag: Bag, address: BagAddress, name: str) -> None:
         self.ros = bag.ros
@@ -124,7 +124,7 @@ class BagConnection:
         self._closed = False
 
     async def graph(self) -> ComputationGraph:
-        """Return what was published by whom; RobotError KG802 when the recording was closed."""
+        """Return the recorded topics and their publishers; RobotError KG802 if the recording is closed."""
         if self._closed:
             raise RobotError("KG802", f"the recording {self.address} is closed")
         return self._graph()
@@ -151,15 +151,15 @@ class BagConnection:
         return RecordedTopic(topic, count, self._bag.end - self._bag.start)
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
-        """Yield the graph, and again when a message could not be understood."""
+        """Yield the graph, and again after each message that could not be decoded."""
         return self._changes.values(lambda: None if self._closed else self._graph())
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Inbox[Received]:
-        """Receive the messages of a topic in their time, from now on; the first subscription begins the recording.
+        """Subscribe to a topic from the current time on; the first subscription starts playback.
 
         Raises:
-            RobotError: KG804 for a topic that was not recorded or whose type cannot be understood, KG806 when it has
-                another type than `kind`, KG803 when the recording was closed or has ended.
+            RobotError: KG804 a topic that was not recorded or whose type is unusable, KG806 a type other than `kind`,
+                KG803 the recording is closed or has ended.
         """
         if self._closed or self._lost.done():
             raise RobotError("KG803", f"{self.address}: {_OVER if self._lost.done() else 'the recording is closed'}")
@@ -192,7 +192,7 @@ class BagConnection:
             inbox.end()
 
     def _put_latched(self, inbox: Inbox[Received], sources: list[Source], since: float) -> None:
-        """Deliver the last message that each publisher had latched before a moment."""
+        """Deliver the last message that each publisher latched before a moment."""
         last: dict[str | None, tuple[Source, float, bytes]] = {}
         for message in self._bag.messages(sources, stop=since) if sources and since > self._bag.start else ():
             last[message[0].node] = message
@@ -212,7 +212,7 @@ class BagConnection:
         self._changes.tell()
 
     async def _end(self) -> None:
-        """Be lost when all has been played."""
+        """Lose the connection at the end of the recording."""
         await self.clock.until(self._bag.end)
         await asyncio.gather(*self._playing.values(), return_exceptions=True)
         self._lost.set_result(_OVER)
@@ -223,17 +223,17 @@ class BagConnection:
             task.cancel()
 
     async def _refused(self, *_given: Any, **_options: Any) -> NoReturn:
-        """Raise RobotError KG851: a recording is not commanded."""
+        """Raise RobotError KG851: recordings cannot be commanded."""
         raise not_commanded(self.address)
 
     advertise = call = send_goal = canceller = serve = serve_action = _refused
 
     async def wait_lost(self) -> str:
-        """Return, when all has been played, that the recording has ended; never before."""
+        """Return at the end of the recording; never before."""
         return await asyncio.shield(self._lost)
 
     async def aclose(self) -> None:
-        """Stop playing; what is subscribed ends."""
+        """Stop playback, and close all subscriptions."""
         self._closed = True
         self._changes.tell()
         for inbox in list(self._playing):

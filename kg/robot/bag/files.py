@@ -1,15 +1,17 @@
-"""What is in a recording: its topics, their types, and who published them where the file tells; by `rosbags`.
+"""Content of recordings, read by `rosbags`: topics, their types, and their publishers if the file names them.
 
 A bag of ROS 1 names the publisher of each message (wiki.ros.org/Bags/Format/2.0, `callerid`). A bag of ROS 2 does not;
-of nodes it tells only what they say themselves in the topics `/parameter_events` and `/rosout`.
+it only has the nodes that name themselves on the topics `/parameter_events` and `/rosout`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from itertools import islice
-from typing import TYPE_CHECKING, Any, Final
+from pathlib import Path
+from typing import Any, Final
 
 from rosbags.interfaces import Connection as Channel
 from rosbags.interfaces import MessageDefinitionFormat, QosTime
@@ -23,26 +25,20 @@ from kg.robot.messages import Types
 from kg.robot.messages.types import learn, short
 from kg.robot.ros2.names import is_name
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
-
-
 _TELLING: Final = {
     "/parameter_events": ("rcl_interfaces/ParameterEvent", "node"),
     "/rosout": ("rcl_interfaces/Log", "name"),
 }
-"""Topics of ROS 2 whose messages name the node that sent them, with their types and fields."""
-_ENOUGH: Final = 1000
-"""So many messages of such a topic are read: nodes tell of themselves when they start."""
+"""Topics of ROS 2 whose messages name their sender, with their types and fields."""
+_ENOUGH: Final = 1000  # maximum number of messages read of such a topic: nodes name themselves when they start
 _LATCHED: Final = "transient_local"
 _FOREVER: Final = 2**31 - 1
-"""Seconds that stand for no limit, at least (`RMW_DURATION_INFINITE`, and what 32 bits hold)."""
+"""Seconds from which a duration counts as infinite (`RMW_DURATION_INFINITE`, and the maximum of 32 bits)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """One publisher of a topic, or all of it where the file does not tell them apart."""
+    """One publisher of a topic, or all of them if the file does not distinguish them."""
 
     topic: str
     type: str
@@ -54,13 +50,13 @@ class Source:
 
 
 class Bag:
-    """A file, opened: `sources`, `start` and `end` (seconds since 1970), `ros` (1 or 2).
+    """An opened file: `sources`, `start` and `end` (seconds since 1970), `ros` (1 or 2).
 
-    `unreadable` has the error of each topic whose messages cannot be understood. The definitions of the file go into
+    `unreadable` has the errors of topics whose messages cannot be decoded. The definitions of the file are added to
     `types`.
 
     Raises:
-        RobotError: KG850 when it is missing, broken, or no recording.
+        RobotError: KG850 the file is missing, broken, or not a recording.
     """
 
     def __init__(self, path: Path, types: Types | None = None) -> None:
@@ -79,7 +75,7 @@ class Bag:
 
     @contextmanager
     def _opened(self) -> Iterator[Any]:
-        """Give a reader; whatever broken bytes lead it to is KG850."""
+        """Yield a reader; any exception caused by broken bytes becomes KG850."""
         try:
             with Reader1(self.path) if self.ros == 1 else Reader2(self.path) as reader:
                 yield reader
@@ -100,7 +96,7 @@ class Bag:
     ) -> Iterator[tuple[Source, float, bytes]]:
         """Yield messages in the order of time, each with its time in seconds, from `start` on and before `stop`.
 
-        Each call opens the file anew, since readers keep their place in it. RobotError KG850 where it is broken.
+        Each call opens the file again, since readers keep a position in it. RobotError KG850 for a broken file.
         """
         limits = [None if one is None else round(one * 1e9) for one in (start, stop)]
         own = {(one.topic, one.type, one.node): one for one in sources}
@@ -124,7 +120,7 @@ class Bag:
         return Source(topic, kind, None, channel.msgcount, qos, latched, channel)
 
     def _define(self, source: Source) -> None:
-        """Learn the type of a topic as the recording has it; what cannot be is the error of the topic."""
+        """Learn the recorded type of a topic; a failure is recorded as the error of the topic."""
         text = source.channel.msgdef
         try:
             if text.format is not MessageDefinitionFormat.NONE:
@@ -134,9 +130,9 @@ class Bag:
             self.unreadable[source.topic] = error
 
     def _nodes(self, reader: Any) -> frozenset[str]:
-        """Return the names of nodes of ROS 2 that say themselves who they are.
+        """Return the names of ROS 2 nodes that name themselves.
 
-        The name of a logger has dots for slashes, and for the loggers below that of a node: only one without says it.
+        Logger names have dots instead of slashes, and also for child loggers: only names without dots are certain.
         """
         found = set()
         for one in self.sources:
@@ -151,7 +147,7 @@ class Bag:
 
     @property
     def problems(self) -> tuple[GraphProblem, ...]:
-        """What cannot be understood, by topic."""
+        """Decoding problems by topic."""
         return tuple(GraphProblem(one.code, topic, one.message) for topic, one in sorted(self.unreadable.items()))
 
 

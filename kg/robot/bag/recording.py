@@ -1,12 +1,12 @@
-"""Recording: topics of a robot into a file, `.bag` of ROS 1 or `.mcap` of ROS 2.
+"""Recording of a robot's topics to a file: `.bag` for ROS 1, `.mcap` for ROS 2.
 
     recorder = Recorder(connection, Path("drive.mcap"), topics=None, tell=print)
     try:
         await recorder.run()               # until it is cancelled or the robot is lost
     finally:
-        recorder.close()                   # writes what readers find messages by
+        recorder.close()                   # writes the index
 
-Every topic that is there, or comes, is subscribed; what cannot be is told once.
+Every current and future topic is subscribed to; failures are reported once.
 """
 
 from __future__ import annotations
@@ -38,16 +38,14 @@ if TYPE_CHECKING:
     from kg.robot.messages import Types
 
 SUFFIXES: Final = {1: ".bag", 2: ".mcap"}
-"""What the names of recordings end with, by the version of ROS."""
-_QUEUE: Final = 1000
-"""Messages of a topic that may wait to be written."""
-_VERSION: Final = 8
-"""Of the metadata of a bag of ROS 2: the newest that Iron reads, too."""
+"""Suffixes of recordings, by the version of ROS."""
+_QUEUE: Final = 1000  # maximum number of queued messages of a topic
+_VERSION: Final = 8  # version of the metadata of a ROS 2 bag: the newest that Iron reads
 
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """A topic that was recorded: how many messages were written, and how many lost since they came too fast."""
+    """A recorded topic: the numbers of messages written, and lost because they arrived too fast."""
 
     topic: str
     type: str
@@ -56,17 +54,17 @@ class Recorded:
 
 
 class Recorder:
-    """Writes what topics carry.
+    """Records topics.
 
     Args:
         connection: the robot.
-        path: the file, which must not exist yet; it is made with the first message.
+        path: the file, which must not exist; it is created with the first message.
         topics: names of topics, or None for all.
-        tell: gets a topic and its type when it is recorded from then on.
-        on_problem: gets why a topic is not recorded.
+        tell: receives a topic and its type when its recording starts.
+        on_problem: receives the reason why a topic is not recorded.
 
     Raises:
-        UsageError: KG003 for a file that exists, or of another version of ROS than the robot.
+        UsageError: KG003 the file exists, or is for another version of ROS than the robot's.
     """
 
     def __init__(
@@ -98,11 +96,11 @@ class Recorder:
 
     @property
     def written(self) -> int:
-        """How many messages are in the file."""
+        """Number of messages in the file."""
         return self._counts.total()
 
     async def run(self) -> None:
-        """Record until it is cancelled, or a recording is over; RobotError KG803 when the robot is lost."""
+        """Record until cancelled, or until the end of a played recording; RobotError KG803 when the robot is lost."""
         try:
             following = self._tasks.spawn(self._follow(), "following the topics of a robot")
             why = await self._connection.wait_lost()
@@ -149,7 +147,7 @@ class Recorder:
         self.last = max(self.last, received.at)
 
     def close(self) -> tuple[Recorded, ...]:
-        """Complete the file, and return what is in it; there is none when no message came."""
+        """Complete the file, and return its content; without messages there is no file."""
         if self._file is not None:
             self._file.close()
         self._file = None
@@ -161,7 +159,7 @@ class Recorder:
 
 
 def _published(graph: ComputationGraph, topics: frozenset[str] | None) -> Iterable[tuple[str, list[LiveEnd]]]:
-    """Yield the topics that somebody publishes and that are wanted, with the ends of their publishers."""
+    """Yield the selected topics that have publishers, with the ends of these."""
     found: dict[str, list[LiveEnd]] = {}
     for one in graph.ends:
         if one.role is Role.PUBLISHES and (topics is None or one.name in topics):
@@ -170,7 +168,7 @@ def _published(graph: ComputationGraph, topics: frozenset[str] | None) -> Iterab
 
 
 class _Bag1:
-    """A bag of ROS 1 that is written; each publisher of a topic is a connection of its own."""
+    """A ROS 1 bag being written; each publisher of a topic is a connection of its own."""
 
     def __init__(self, path: Path, types: Types) -> None:
         self._types = types
@@ -194,7 +192,7 @@ class _Bag1:
 
 
 class _Bag2:
-    """A file of ROS 2 that is written in a folder, as `rosbags` does, which it leaves at the end."""
+    """A ROS 2 file being written, in a folder, as `rosbags` does; the file is moved out of it at the end."""
 
     def __init__(self, path: Path, types: Types) -> None:
         self._path = path
@@ -223,14 +221,14 @@ class _Bag2:
         self._writer.write(channel, round(received.at * 1e9), self._types.encode(kind, received.value))
 
     def close(self) -> None:
-        """Write the index, and give the file its name."""
+        """Write the index, and rename the file."""
         self._writer.close()
         (self._folder / f"{self._folder.name}.mcap").replace(self._path)
         shutil.rmtree(self._folder)
 
 
 def _bag_qos(qos: Qos) -> BagQos:
-    """Return the quality of service that a publisher offers, as bags have it."""
+    """Return the quality of service of a publisher in the format of bags."""
 
     def word(kind: Any, name: str | None) -> Any:
         return kind.__members__.get((name or "system_default").upper(), kind.SYSTEM_DEFAULT)

@@ -3,9 +3,9 @@
     connection = await connect("dds://0", "/kg")
     connection = await connect("dds://0?clock=simulated", "/kg")     # the time is that of /clock
     connection = await connect("dds://0?distribution=humble", "/kg")     # write as Humble does, whoever is there
-    connection = await connect("dds://0?types=peers", "/kg")     # ask peers for types that are not known
+    connection = await connect("dds://0?types=peers", "/kg")     # request unknown types from peers
 
-Cyclone DDS is configured as everywhere, by `$CYCLONEDDS_URI`.
+Cyclone DDS is configured by `$CYCLONEDDS_URI`, as usual.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ __all__ = ["connect"]
 
 
 async def connect(address: str, name: str, types: Types | None = None) -> Ros2Connection:
-    """Become a node of a domain; there need not be anybody else in it yet.
+    """Join a domain as a node; the domain may be empty.
 
     Raises:
-        RobotError: KG801 for an address of another form, a name that is none, or when Cyclone DDS is not installed;
-            KG817 when the domain cannot be joined, as without a network.
+        RobotError: KG801 an invalid address or name, or Cyclone DDS is not installed; KG817 the domain cannot be
+            joined, for example without a network.
     """
     read = Address.read(address)
     own = absolute(name)

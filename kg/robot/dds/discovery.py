@@ -1,10 +1,10 @@
-"""Who is in a domain: what the discovery of DDS tells, and the nodes that participants say they hold.
+"""Discovery in a DDS domain: participants, readers and writers, and the nodes that participants announce.
 
-Source: rmw_dds_common. A participant tells for each of its nodes the identifiers (GIDs) of its readers and writers, as
-`ParticipantEntitiesInfo` on the topic `ros_discovery_info`; which topics those are of DDS itself tells. Identifiers
-have 16 bytes since Iron and 24 before, under one name of the type. DDS gets to know the newer form alone, and we read
-and write bytes. A reader of the newer form takes the older one as well: its 8 more bytes are zeros, and read as an
-empty list with something behind it.
+Source: rmw_dds_common. A participant announces the identifiers (GIDs) of the readers and writers of each of its nodes,
+as `ParticipantEntitiesInfo` on the topic `ros_discovery_info`; DDS itself announces their topics. Identifiers have 16
+bytes since Iron and 24 before, under the same type name. DDS knows only the newer form, so this module reads and writes
+bytes. A reader of the newer form also decodes the older one: its 8 extra bytes are zeros, read as an empty list with
+trailing bytes.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 
 INFO: Final = "rmw_dds_common/ParticipantEntitiesInfo"
 SHORT: Final = 16
-"""How many bytes an identifier has since Iron."""
+"""Bytes of an identifier since Iron."""
 LONG: Final = 24
-"""How many it has in Humble and before."""
+"""Bytes of an identifier in Humble and before."""
 _OLD: Final = "rmw_dds_common_before_iron"
 _KINDS: Final = {SHORT: INFO, LONG: f"{_OLD}/ParticipantEntitiesInfo"}
 _OLD_TYPES: Final = {
@@ -39,10 +39,10 @@ _OLD_TYPES: Final = {
 
 
 def decode_info(types: Types, content: bytes) -> tuple[Any, int]:
-    """Return what a participant tells, and the length of its identifiers: the one that takes up all bytes.
+    """Return a decoded announcement and the length of its identifiers: the one that consumes all bytes.
 
     Raises:
-        RobotError: KG810 when neither does.
+        RobotError: KG810 neither length fits.
     """
     try:
         return types.decode(INFO, content), SHORT
@@ -56,7 +56,7 @@ def decode_info(types: Types, content: bytes) -> tuple[Any, int]:
 def encode_info(
     types: Types, gid: bytes, nodes: Iterable[tuple[str, Iterable[bytes], Iterable[bytes]]], length: int
 ) -> bytes:
-    """Return the bytes for a participant and its nodes, each with the identifiers of its readers and writers."""
+    """Return the encoded announcement of a participant and its nodes, each with the GIDs of its readers and writers."""
 
     def spelt(identity: bytes) -> dict[str, bytes]:
         return {"data": identity.ljust(length, b"\0")}
@@ -86,18 +86,17 @@ Ends: TypeAlias = tuple[frozenset[bytes], ...]
 """The identifiers of the readers and of the writers of a node."""
 RosEnd: TypeAlias = "tuple[Role, str, str | None]"
 _PARTICIPANT: Final = b"\x00\x00\x01\xc1"
-_MOST: Final = 100_000
-"""So many entities of one kind are kept, more would be no robot."""
+_MOST: Final = 100_000  # maximum number of entities of one kind; beyond any robot
 
 
 def gid(told: Any) -> bytes:
-    """Return the 16 bytes of an identifier as ROS writes it: a list of characters, of 24 bytes before Iron."""
+    """Return the 16 bytes of an identifier from its ROS form: a list of characters, of 24 bytes before Iron."""
     return bytes(told["data"])[:16]
 
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """A reader or writer of another participant; `end` is None when it is of no ROS topic or service."""
+    """A reader or writer of another participant; `end` is None if it is not of a ROS topic or service."""
 
     participant: bytes
     topic: str
@@ -105,11 +104,11 @@ class Endpoint:
     qos: Qos
     handle: int
     mark: str | None = None
-    """By which `clientid` or `serviceid` the two halves of a service or client are known."""
+    """The `clientid` or `serviceid` that the two halves of a client or server share."""
     type_id: Any = None
     problem: GraphProblem | None = None
     hash: str | None = None
-    """That of its type, which distributions since Iron tell."""
+    """The hash of its type, announced since Iron."""
 
 
 @dataclass(slots=True)
@@ -119,11 +118,11 @@ class _Participant:
     problems: tuple[GraphProblem, ...] = ()
     ours: bool = False
     length: int | None = None
-    """How many bytes its identifiers have."""
+    """The length of its identifiers in bytes."""
 
 
 class Discovery:
-    """The participants, readers and writers that are alive, and the nodes that they belong to."""
+    """The live participants, readers and writers, and their nodes."""
 
     def __init__(self) -> None:
         self._participants: dict[bytes, _Participant] = {}
@@ -134,11 +133,11 @@ class Discovery:
         self._own: bytes = b""
 
     def leave_out(self, own: bytes) -> None:
-        """Note which participant is our own."""
+        """Set our own participant."""
         self._own = own[:PREFIX]
 
     def participant(self, key: bytes, address: str, *, ours: bool = False) -> None:
-        """Note a participant; `ours` when it is one of another process of kg."""
+        """Add a participant; `ours` marks one of another process of kg."""
         if key[:PREFIX] == self._own or len(self._participants) >= _MOST:
             return
         self._participants.setdefault(key[:PREFIX], _Participant(address, ours=ours))
@@ -146,14 +145,14 @@ class Discovery:
             self.told(*self._told.pop(key[:PREFIX]))
 
     def end(self, key: bytes, endpoint: Endpoint) -> None:
-        """Note a reader or writer."""
+        """Add a reader or writer."""
         if len(self._ends) < _MOST:
             self._ends[key] = endpoint
             self._handles[endpoint.handle] = key
 
     @staticmethod
     def read_end(topic: str, kind: str, *, writer: bool) -> tuple[RosEnd | None, GraphProblem | None]:
-        """Return what end of ROS a reader or writer is, and what is wrong with its name."""
+        """Return the ROS end of a reader or writer, and the error of its name."""
         end = ros_end(topic, kind, writer=writer)
         if end is None:
             return None, None
@@ -162,7 +161,7 @@ class Discovery:
         return end, None
 
     def gone(self, key: bytes) -> None:
-        """Forget a participant with all that it told, or a reader or writer."""
+        """Remove a participant with all its entities, or a reader or writer."""
         endpoint = self._ends.pop(key, None)
         if endpoint is not None:
             self._handles.pop(endpoint.handle, None)
@@ -171,18 +170,18 @@ class Discovery:
             del self._participants[key[:PREFIX]]
 
     def lengths(self) -> set[int]:
-        """Return how many bytes the identifiers of others have; of ours they are as long as those of others."""
+        """Return the lengths of the identifiers of others; participants of kg adapt theirs to others."""
         return {one.length for one in self._participants.values() if one.length is not None and not one.ours}
 
     def told(self, value: Any, length: int) -> None:
-        """Note the nodes that a participant says it holds; what is nonsense in it is reported."""
+        """Set the nodes that a participant announces; invalid ones are reported."""
         key = gid(value["gid"])[:PREFIX]
         if key == self._own:
             return
         found = self._participants.get(key)
         if found is None:
             if len(self._told) < _MOST:
-                self._told[key] = value, length  # its participant comes with another message
+                self._told[key] = value, length  # its participant arrives in another message
             return
         found.length = length
         for each in found.nodes.values():
@@ -195,16 +194,16 @@ class Discovery:
                     self._owners[one] = name
 
     def node(self, handle: int) -> str | None:
-        """Return the node whose writer it is that has a handle."""
+        """Return the node whose writer has a handle."""
         key = self._handles.get(handle)
         return None if key is None else self._owners.get(key)
 
     def endpoints(self, name: str) -> Iterator[Endpoint]:
-        """Yield the ends of a topic, or those of the requests and of the responses of a service."""
+        """Yield the ends of a topic, or those of the requests and responses of a service."""
         return (one for one in self._ends.values() if (one.end and one.end[1] == name) or one.topic == replies(name))
 
     def hashes(self, name: str) -> Iterator[tuple[str, str]]:
-        """Yield the nodes that have an end of a name, each with the hash of its type."""
+        """Yield the nodes with an end of a name, each with the hash of its type."""
         for key, one in self._ends.items():
             if one.end and one.end[1] == name and one.hash and (owner := self._owners.get(key)):
                 yield owner, one.hash

@@ -1,19 +1,19 @@
-"""Domains of DDS: how far nodes look for others, and how types are compared.
+"""DDS domains: the range of discovery, and the comparison of types.
 
-ROS_AUTOMATIC_DISCOVERY_RANGE is SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT, ROS_STATIC_PEERS lists hosts that are asked
-besides, and ROS_LOCALHOST_ONLY=1 is what they replace (docs.ros.org, "Improved dynamic discovery"). They become the
-settings of Cyclone DDS that rmw_cyclonedds_cpp makes of them (`check_create_domain`).
+ROS_AUTOMATIC_DISCOVERY_RANGE is SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT, ROS_STATIC_PEERS lists further hosts, and
+ROS_LOCALHOST_ONLY=1 is their predecessor (docs.ros.org, "Improved dynamic discovery"). They are converted to the same
+settings of Cyclone DDS as by rmw_cyclonedds_cpp (`check_create_domain`).
 
-Types are compared by their names, as ROS 2 does. Cyclone DDS compares descriptions of types as well (DDS XTypes), and
-asks a peer for a description that differs from its own. The response reaches all participants of the domain, and the
-Cyclone DDS of ROS 2 up to Jazzy (0.10) crashes on it. So ours ignores the descriptions that others send. Its own are
-sent all the same, but nobody of ROS 2 asks for more.
+ROS 2 compares types by name. Cyclone DDS also compares descriptions of types (DDS XTypes), and requests differing ones
+from peers. The response reaches all participants of the domain, and Cyclone DDS of ROS 2 up to Jazzy (0.10) crashes on
+it. So kg ignores descriptions of others. It sends its own, but no ROS 2 node requests more.
 """
 
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Final
+from collections.abc import Mapping
+from typing import Final
 from xml.sax.saxutils import quoteattr
 
 from cyclonedds.core import DDSException, Qos
@@ -22,18 +22,14 @@ from cyclonedds.domain import Domain, DomainParticipant
 from kg.errors import RobotError
 from kg.robot.dds.entities import delete
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-
 _RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 
 
 def discovery_settings(environment: Mapping[str, str]) -> str:
-    """Return the settings that variables ask for, empty where none does.
+    """Return the settings for environment variables, empty without any.
 
     Raises:
-        RobotError: KG817 for a range that there is not.
+        RobotError: KG817 an unknown range.
     """
     reach = environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or ""
     peers = [one.strip() for one in (environment.get("ROS_STATIC_PEERS") or "").split(";") if one.strip()]
@@ -59,14 +55,14 @@ _BY_NAME: Final = (
     "<CycloneDDS><Domain><Compatibility><IgnoreTypeInformation>1.1,1.15,1.16</IgnoreTypeInformation>"
     "</Compatibility></Domain></CycloneDDS>"
 )
-"""The numbers are those of the vendors RTI, eProsima and Eclipse, whose DDS ROS 2 runs on."""
+"""The numbers are those of the vendors RTI, eProsima and Eclipse, whose DDS ROS 2 uses."""
 _DOMAINS: Final[dict[int, Domain]] = {}
 
 
 def join(number: int, qos: Qos, *, by_name: bool) -> DomainParticipant:
-    """Become a participant of a domain; its settings are those of the first participant of this process.
+    """Join a domain as a participant; its settings are those of the first participant of this process.
 
-    What $CYCLONEDDS_URI says counts more than the variables of ROS. RobotError KG817 for a variable that says nothing.
+    $CYCLONEDDS_URI overrides the variables of ROS. RobotError KG817 for an invalid variable.
     """
     reach = discovery_settings(os.environ)
     if (by_name or reach) and number not in _DOMAINS:
@@ -74,13 +70,13 @@ def join(number: int, qos: Qos, *, by_name: bool) -> DomainParticipant:
         try:
             _DOMAINS[number] = Domain(number, settings)
         except DDSException as error:
-            if error.code != DDSException.DDS_RETCODE_PRECONDITION_NOT_MET:  # somebody else in this process is in it
+            if error.code != DDSException.DDS_RETCODE_PRECONDITION_NOT_MET:  # another connection uses it
                 raise
     return DomainParticipant(number, qos=qos)
 
 
 def leave(number: int, participant: DomainParticipant) -> None:
-    """Delete a participant, and the domain with the last one."""
+    """Delete a participant, and its domain with the last one."""
     delete(participant)
     if number in _DOMAINS and not _DOMAINS[number].get_participants():
         delete(_DOMAINS.pop(number))

@@ -1,10 +1,10 @@
-"""Readers and writers of DDS, as bytes, the services that consist of them, and the thread that waits for both.
+"""DDS readers and writers of bytes, services built from them, and the thread that waits for them.
 
-Callbacks of the library into Python are avoided altogether: its threads would wait for the interpreter's lock while
-they hold locks of the library, for which a call of ours would wait that holds the interpreter's lock.
+Callbacks of the library into Python are avoided: its threads would wait for the interpreter lock while they hold locks
+of the library, which deadlocks with our calls.
 
-Services are as rmw_cyclonedds_cpp has them: two topics, and a header before each message. The header is the identity
-of the client and the number of its request; the client picks its responses by it.
+Services are those of rmw_cyclonedds_cpp: two topics, and a header before each message. The header is the identity of
+the client and the number of its request, by which the client selects its responses.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ _EVER: Final = duration(infinite=True)
 
 
 def delete(entity: Entity) -> None:
-    """Delete an entity of DDS now, not when Python collects it."""
+    """Delete a DDS entity now, instead of at garbage collection."""
     entity.__del__()
 
 
 class Bell:
-    """What rings in the loop when the status of an entity has changed."""
+    """Notifies the event loop of status changes of entities."""
 
     def __init__(self, participant: DomainParticipant) -> None:
         self.participant = participant
@@ -62,25 +62,25 @@ class Bell:
         self._thread.start()
 
     def add(self, entity: Entity, mask: int, call: Callable[[], None]) -> None:
-        """Have `call` called in the loop when a status of the mask has changed."""
+        """Call `call` in the event loop when a status of the mask changes."""
         entity.set_status_mask(mask)
         self._calls[id(entity)] = (entity, mask, call)
         self._set.attach(entity)
 
     def remove(self, entity: Entity) -> None:
-        """Call for an entity no more."""
+        """Remove an entity."""
         if not self._closed and self._calls.pop(id(entity), None) is not None:
             self._set.detach(entity)
 
     def _wait(self) -> None:
-        """Wait, tell the loop, and wait until it has heard: a status stays set until it is taken."""
+        """Wait, notify the event loop, and wait until it is done: a status stays set until it is taken."""
         while not self._closed:
             self._set.wait(_EVER)
             self._heard.clear()
             try:
                 self._loop.call_soon_threadsafe(self._ring)
             except RuntimeError:
-                return  # the loop was closed without closing the connection
+                return  # the event loop was closed without closing the connection
             self._heard.wait()
 
     def _ring(self) -> None:
@@ -102,14 +102,14 @@ class Bell:
 
 
 PREFIX: Final = 12
-"""Of the 16 bytes of an identifier the first 12 are those of the participant (DDSI-RTPS 2.5, 9.3.1)."""
+"""The first 12 of the 16 bytes of an identifier are those of the participant (DDSI-RTPS 2.5, 9.3.1)."""
 _ANY: Final = SampleState.Any | ViewState.Any | InstanceState.Any
 _BATCH: Final = 100
 _ALIGNMENT: Final = 4
 
 
 def _matched(handles: Callable[[], list[int]]) -> list[int]:
-    """Return the handles of peers; the library counts before it fetches, and fails when one comes in between."""
+    """Return the handles of peers; the library counts before it fetches, and fails if one is added in between."""
     while True:
         try:
             return handles()
@@ -118,7 +118,7 @@ def _matched(handles: Callable[[], list[int]]) -> list[int]:
 
 
 class _End:
-    """What readers and writers share: peers that are matched, which ends when it is closed."""
+    """Base of readers and writers: their matched peers, until it is closed."""
 
     def __init__(self, bell: Bell, on_change: Callable[[], None]) -> None:
         self.on_close: Callable[[], None] = lambda: None
@@ -130,7 +130,7 @@ class _End:
 
     @property
     def peers(self) -> int:
-        """How many ends of others are matched."""
+        """Number of matched ends of others."""
         raise NotImplementedError
 
     def _match(self) -> None:
@@ -138,7 +138,7 @@ class _End:
         self._on_change()
 
     async def until(self, true: Callable[[], bool]) -> None:
-        """Return when a condition holds that can only change with who is matched; KG803 when it is closed before."""
+        """Return when a condition on the matched peers holds; KG803 if it is closed first."""
         while not true():
             if self._closed:
                 raise RobotError("KG803", "the connection was closed before anybody was there")
@@ -150,7 +150,7 @@ class _End:
         await self.until(lambda: self.peers > 0)
 
     def close(self) -> None:
-        """Delete it; deleting again is nothing."""
+        """Delete it; may be repeated."""
         if not self._closed:
             self._closed = True
             self._news.set()
@@ -160,7 +160,7 @@ class _End:
 
 
 class DdsReader(_End):
-    """A reader that hands on each message, with the handle of its writer and its identifier."""
+    """A reader that passes on each message, with the handle and identifier of its writer."""
 
     def __init__(
         self,
@@ -179,7 +179,7 @@ class DdsReader(_End):
 
     @property
     def peers(self) -> int:
-        """How many writers are matched."""
+        """Number of matched writers."""
         return 0 if self._closed else len(_matched(self._entity.get_matched_publications))
 
     def _happened(self) -> None:
@@ -187,12 +187,12 @@ class DdsReader(_End):
         self._drain()
 
     def origin(self, handle: int) -> bytes | None:
-        """Return the participant whose writer has a handle, None when it has gone."""
+        """Return the participant whose writer has a handle, None if it is gone."""
         found = None if self._closed else self._entity.get_matched_publication_data(handle)
         return found.key.bytes[:PREFIX] if found else None
 
     def _drain(self) -> None:
-        """Take what has come; the bell rings again for what comes meanwhile."""
+        """Take all messages; later ones trigger another notification."""
         while not self._closed:
             found = _clayer.ddspy_take(self._entity._ref, _ANY, _BATCH)  # noqa: SLF001 - the library has no public way to bytes
             if isinstance(found, int):
@@ -216,17 +216,17 @@ class DdsWriter(_End):
 
     @property
     def peers(self) -> int:
-        """How many readers are matched."""
+        """Number of matched readers."""
         return 0 if self._closed else len(_matched(self._entity.get_matched_subscriptions))
 
     def reaches(self, participant: bytes) -> bool:
-        """Tell whether a reader of a participant is matched."""
+        """Return whether a reader of a participant is matched."""
         handles = [] if self._closed else _matched(self._entity.get_matched_subscriptions)
         found = (self._entity.get_matched_subscription_data(handle) for handle in handles)
         return any(one.key.bytes[:PREFIX] == participant for one in found if one)
 
     def write(self, content: bytes) -> None:
-        """Send a message with its encapsulation; RobotError KG803 when the library does not take it."""
+        """Send a message with its encapsulation; RobotError KG803 if the library refuses it."""
         padded = content.ljust(-(-len(content) // _ALIGNMENT) * _ALIGNMENT, b"\0")
         code = DDSException.DDS_RETCODE_ALREADY_DELETED
         if not self._closed:
@@ -237,12 +237,11 @@ class DdsWriter(_End):
 
 _HEADER: Final = struct.Struct("<Qq")
 _ENCAPSULATION: Final = 4
-_CLIENT_IS_READY: Final = 1.0
-"""Seconds that a response waits for the reader of its client to be found."""
+_CLIENT_IS_READY: Final = 1.0  # seconds that a response waits for the discovery of its client's reader
 
 
 class Request(NamedTuple):
-    """A message with the header of a service taken off."""
+    """A message without its service header."""
 
     client: int
     number: int
@@ -250,15 +249,15 @@ class Request(NamedTuple):
 
 
 def headed(client: int, number: int, content: bytes) -> bytes:
-    """Return a message with the header of a service behind its encapsulation.
+    """Return a message with a service header after its encapsulation.
 
-    The header is 16 bytes long, so that everything behind it is aligned as before.
+    The header has 16 bytes, which keeps the alignment.
     """
     return content[:_ENCAPSULATION] + _HEADER.pack(client, number) + content[_ENCAPSULATION:]
 
 
 def unheaded(content: bytes) -> Request:
-    """Return the header and the message; RobotError KG816 for one that is too short."""
+    """Return the header and the message; RobotError KG816 if it is too short."""
     end = _ENCAPSULATION + _HEADER.size
     if len(content) < end:
         raise RobotError("KG816", f"a message of a service has {len(content)} bytes, too few for its header")
@@ -266,24 +265,36 @@ def unheaded(content: bytes) -> Request:
     return Request(client, number, content[:_ENCAPSULATION] + content[end:])
 
 
-class DdsCaller:
+class _ServiceEnd:
+    """A client or server of a service, which works with two ends."""
+
+    _requests: _End
+    _responses: _End
+
+    def connect(self, requests: _End, responses: _End) -> None:
+        """Take the two ends."""
+        self._requests, self._responses = requests, responses
+
+    @property
+    def peers(self) -> int:
+        """How many ends are at the other side."""
+        return self._requests.peers
+
+    def close(self) -> None:
+        """Close both ends."""
+        self._requests.close()
+        self._responses.close()
+
+
+class DdsCaller(_ServiceEnd):
     """A client of a service."""
+
+    _requests: DdsWriter
 
     def __init__(self, identity: int) -> None:
         self._identity = identity
         self._number = 0
         self._waiting: dict[int, asyncio.Future[bytes]] = {}
-        self._requests: DdsWriter
-        self._responses: DdsReader
-
-    def connect(self, requests: DdsWriter, responses: DdsReader) -> None:
-        """Take the two ends that it works with."""
-        self._requests, self._responses = requests, responses
-
-    @property
-    def peers(self) -> int:
-        """How many servers there are."""
-        return self._requests.peers
 
     async def ready(self) -> None:
         """Return when requests and responses are both connected."""
@@ -303,55 +314,46 @@ class DdsCaller:
             del self._waiting[number]
 
     def take(self, content: bytes, _: int) -> None:
-        """Take a response; those to other clients are left."""
+        """Take a response; those to other clients are ignored."""
         try:
             response = unheaded(content)
         except RobotError:
-            return  # nobody knows to whom it was
+            return  # its client is unknown
         waiting = self._waiting.get(response.number) if response.client == self._identity else None
         if waiting is not None and not waiting.done():
             waiting.set_result(response.content)
 
     def close(self) -> None:
-        """Stop being a client; who waits learns that it is lost."""
-        self._requests.close()
-        self._responses.close()
+        """Close the client; waiting calls get an error."""
+        super().close()
         for waiting in self._waiting.values():
             if not waiting.done():
                 waiting.set_exception(RobotError("KG803", "the connection was closed before the service answered"))
 
 
-class DdsServer:
-    """A service that is answered; a request that fails has no response, since ROS 2 has none for it."""
+class DdsServer(_ServiceEnd):
+    """A service server; a failed request has no response, since ROS 2 cannot report failures."""
+
+    _requests: DdsReader
+    _responses: DdsWriter
 
     def __init__(self, answer: Callable[[bytes], Awaitable[bytes]]) -> None:
         self._answer = answer
         self._running = Tasks()
-        self._requests: DdsReader
-        self._responses: DdsWriter
-
-    def connect(self, requests: DdsReader, responses: DdsWriter) -> None:
-        """Take the two ends that it works with."""
-        self._requests, self._responses = requests, responses
-
-    @property
-    def peers(self) -> int:
-        """How many clients there are."""
-        return self._requests.peers
 
     async def ready(self) -> None:
         """Return when there is a client."""
         await self._requests.ready()
 
     def take(self, content: bytes, writer: int) -> None:
-        """Take a request, and answer it when there is an answer."""
+        """Take a request, and respond when the response is ready."""
         self._running.spawn(self._respond(content, writer), "answering a request")
 
     async def _respond(self, content: bytes, writer: int) -> None:
         try:
             request = unheaded(content)
         except RobotError:
-            return  # nobody knows whose it is
+            return  # its client is unknown
         response = await outcome(self._answer(request.content))
         if isinstance(response, BaseException):
             return  # it was reported where it failed
@@ -362,7 +364,6 @@ class DdsServer:
         self._responses.write(headed(request.client, request.number, response))
 
     def close(self) -> None:
-        """Stop answering."""
+        """Stop serving."""
         self._running.cancel()
-        self._requests.close()
-        self._responses.close()
+        super().close()

@@ -1,4 +1,4 @@
-"""ROS 2 over DDS: a participant of Cyclone DDS that speaks as rmw_cyclonedds_cpp does."""
+"""ROS 2 over DDS: a participant of Cyclone DDS, compatible with rmw_cyclonedds_cpp."""
 
 from __future__ import annotations
 
@@ -39,15 +39,14 @@ _TOLD: Final = Qos("reliable", "transient_local", "keep_last", 1)
 _HEARD: Final = Qos("reliable", "transient_local", "keep_all")
 _SAMPLES: Final = 1000
 _ALIVE: Final = InstanceState.Alive
-_OURS: Final = "kg"
-"""In the user data of a participant: it is one of ours, which reads identifiers of any length."""
+_OURS: Final = "kg"  # user data of kg's own participants, which read identifiers of any length
 
 
 class DdsMiddleware:
     """Our participant of a domain, with one node.
 
-    It tells of its node with identifiers of the length that the others use: the longer one with `humble`, or while
-    somebody else of the domain does. `ask_types` has it ask peers for types it does not know.
+    It announces its node with identifiers of the length that others use: the longer one with `humble`, or while another
+    participant does. `ask_types` lets it request unknown types from peers.
     """
 
     def __init__(self, domain: int, name: str, types: Types, *, humble: bool = False, ask_types: bool = False) -> None:
@@ -68,7 +67,7 @@ class DdsMiddleware:
         self._discovery.leave_out(self._gid)
 
     def begin(self, watch: Watch) -> None:
-        """Watch the domain, and tell others of our node."""
+        """Watch the domain, and announce our node."""
         self._watch = watch
         self._bell = Bell(self._participant)
         self._builtin = [
@@ -144,12 +143,12 @@ class DdsMiddleware:
         self._watch.changed()
 
     def _tell(self) -> None:
-        """Tell others which readers and writers are our node's."""
+        """Announce the readers and writers of our node."""
         node = (self._name, sorted(self._readers), sorted(self._writers))
         self._info.write(encode_info(self.types, self._gid, [node], self._length))
 
     def _suit(self) -> None:
-        """Tell of our node again when others use identifiers of another length than before."""
+        """Announce our node again when others use another length of identifiers than before."""
         length = LONG if self._humble or LONG in self._discovery.lengths() else SHORT
         if length != self._length:
             self._length = length
@@ -193,7 +192,7 @@ class DdsMiddleware:
         return self._discovery.neighbourhood()
 
     def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> DdsReader:
-        """Read a topic."""
+        """Open a reader of a topic."""
 
         def take(content: bytes, writer: int) -> None:
             deliver(content, self._discovery.node(writer))
@@ -201,11 +200,11 @@ class DdsMiddleware:
         return self._reader(dds_topic(topic, Role.SUBSCRIBES), kind, qos, take)
 
     def writer(self, topic: str, kind: str, qos: Qos) -> DdsWriter:
-        """Write to a topic."""
+        """Open a writer of a topic."""
         return self._writer(dds_topic(topic, Role.PUBLISHES), kind, qos)
 
     def caller(self, service: str, kind: str) -> DdsCaller:
-        """Become a client of a service."""
+        """Open a client of a service."""
         identity = random.getrandbits(63)
         caller, mark = DdsCaller(identity), {"clientid": _spelt(identity)}
         responses = self._reader(replies(service), f"{kind}_Response", ANSWERS, caller.take, mark)
@@ -220,15 +219,14 @@ class DdsMiddleware:
         return server
 
     def hashes(self, name: str) -> list[tuple[str, str]]:
-        """Return the nodes that have an end of a topic or service, each with the hash of its type."""
+        """Return the nodes with an end of a topic or service, each with the hash of its type."""
         return list(self._discovery.hashes(name))
 
     async def learn(self, kind: str, name: str) -> bool:
-        """Ask the participants that have an end of that name for its types (DDS XTypes); tell whether they told any.
+        """Request the types of an end from its participants (DDS XTypes); return whether any was learned.
 
-        Of a service these are two, of the request and of the response. Only those can tell it that send type
-        information, as Cyclone DDS for Python does and ROS 2 before Kilted does not; without `ask_types` nobody is
-        asked, for theirs is ignored.
+        A service has two, of the request and of the response. Only participants that send type information can answer,
+        such as Cyclone DDS for Python, but not ROS 2 before Kilted. Without `ask_types` no request is sent.
         """
         told = False
         for end in list(self._discovery.endpoints(name)):

@@ -1,9 +1,10 @@
-"""Quality of service: from that of DDS, and to it."""
+"""Conversion between quality of service of ROS and of DDS."""
 
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Mapping
+from typing import Any, Final
 
 from cyclonedds.core import Policy
 from cyclonedds.core import Qos as DdsQos
@@ -13,15 +14,12 @@ from cyclonedds.util import duration
 
 from kg.facts import Qos
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 _POLICIES: Final[Any] = _CQos
 _STRUCTURE: Final[Any] = dds_c_t.qos_p
 _READ: Final = ("reliability", "durability", "deadline", "lifespan", "liveliness", "userdata", "property")
 
 _BLOCKING: Final = duration(milliseconds=100)
-"""How long writing may wait for readers that are slow: the event loop waits with it."""
+"""Maximum time that writing waits for slow readers; it blocks the event loop."""
 _COERCION: Final = Policy.TypeConsistency.AllowTypeCoercion(
     ignore_sequence_bounds=True,
     ignore_string_bounds=True,
@@ -29,14 +27,15 @@ _COERCION: Final = Policy.TypeConsistency.AllowTypeCoercion(
     prevent_type_widening=False,
     force_type_validation=False,
 )
-"""ROS 2 compares names of types, and since Iron their hashes; not the type information of DDS XTypes, which most of its
-middlewares do not send."""
+"""ROS 2 compares names of types, and since Iron their hashes; not the type information of DDS XTypes, which most of
+its middlewares do not send.
+"""
 _INFINITE: Final = (1 << 63) - 1
 _UNLIMITED: Final = -1
 
 
 def to_dds(qos: Qos, data: Mapping[str, str]) -> DdsQos:
-    """Return the policies for a reader or writer; `data` is what others read in its user data."""
+    """Return the policies for a reader or writer; `data` is announced as its user data."""
     history = Policy.History.KeepAll if qos.history == "keep_all" else Policy.History.KeepLast(max(qos.depth or 1, 1))
     policies = [
         Policy.Reliability.BestEffort if qos.reliability == "best_effort" else Policy.Reliability.Reliable(_BLOCKING),
@@ -54,12 +53,12 @@ def to_dds(qos: Qos, data: Mapping[str, str]) -> DdsQos:
 
 
 def written(data: Mapping[str, str]) -> bytes:
-    """Return user data as ROS 2 writes them: `key=value;` one after the other."""
+    """Return user data in the format of ROS 2: `key=value;` repeated."""
     return "".join(f"{key}={value};" for key, value in data.items()).encode()
 
 
 def user_data(qos: DdsQos) -> dict[str, str]:
-    """Return what somebody tells in the user data; what is not of the form `key=value;` is left out."""
+    """Return announced user data; parts not of the form `key=value;` are ignored."""
     found = _policy(qos, Policy.Userdata)
     if found is None:
         return {}
@@ -68,7 +67,7 @@ def user_data(qos: DdsQos) -> dict[str, str]:
 
 
 def told(pointer: int) -> DdsQos:
-    """Return those policies that we read, of the structure of the library's that others' ends are told with."""
+    """Return the policies that we use from the library's description of another end."""
     structure = ctypes.cast(pointer, _STRUCTURE)
     found = (getattr(_POLICIES, f"_get_p_{name}")(structure) for name in _READ)
     policies = (one if isinstance(one, list) else [one] for one in found if one is not None)
@@ -76,7 +75,7 @@ def told(pointer: int) -> DdsQos:
 
 
 def from_dds(qos: DdsQos, *, writer: bool) -> Qos:
-    """Return the quality of service of an end of another node; discovery does not tell history and depth of ROS."""
+    """Return the quality of service of another node's end; discovery does not include history and depth."""
     liveliness = _policy(qos, Policy.Liveliness)
     return Qos(
         reliability="best_effort" if _policy(qos, Policy.Reliability) == Policy.Reliability.BestEffort else "reliable",

@@ -1,7 +1,7 @@
-"""Message types and DDS: classes for Cyclone DDS made from what `Types` knows, and types learned from peers (XTypes).
+"""Message types in DDS: classes for Cyclone DDS created from `Types`, and types learned from peers (XTypes).
 
-The classes tell the library the form of a type; values are encoded and decoded by `Types`, since both write the CDR
-that ROS 2 has on the wire (XCDR version 1, little endian).
+The classes describe a type to the library; `Types` encodes and decodes the values, since both use the CDR of ROS 2
+(XCDR version 1, little endian).
 """
 
 from __future__ import annotations
@@ -47,18 +47,18 @@ _BASE: Final[dict[str, Any]] = {
 _ARRAY: Final[Any] = idl.array
 _SEQUENCE: Final[Any] = idl.sequence
 HEADER: Final = {"guid": idl.uint64, "seq": idl.int64}
-"""What rmw_cyclonedds_cpp puts before requests and responses (cdds_request_header_t)."""
+"""The header of rmw_cyclonedds_cpp before requests and responses (cdds_request_header_t)."""
 
 
 class Classes:
-    """The classes that were made, each once."""
+    """A cache of the created classes."""
 
     def __init__(self, types: Types) -> None:
         self._types = types
         self._made: dict[tuple[str, bool], Any] = {}
 
     def of(self, kind: str, *, header: bool = False) -> Any:
-        """Return the class of a message, with the header of a service before it if asked for; RobotError KG804."""
+        """Return the class of a message, optionally with a service header before it; RobotError KG804."""
         if (kind, header) not in self._made:
             fields = {one.name: self._sort(kind, one) for one in self._types.fields(kind)}
             fields = fields or {"structure_needs_at_least_one_member": idl.uint8}
@@ -86,9 +86,9 @@ _PLAIN: Final[dict[Any, str]] = {bool: "bool", str: "string"}
 
 
 async def learned(participant: DomainParticipant, type_id: Any, types: Types) -> bool:
-    """Ask for the description of a type and learn it with all that it uses; tell whether that succeeded.
+    """Request the description of a type and learn it with its nested types; return whether that succeeded.
 
-    The library waits for answers of peers, so that it is asked in a thread.
+    The library blocks until peers answer, so it is called in a thread.
     """
     try:
         _, found = await asyncio.to_thread(get_types_for_typeid, participant, type_id, _WAIT)
@@ -99,9 +99,9 @@ async def learned(participant: DomainParticipant, type_id: Any, types: Types) ->
 
 
 def definition(sort: Any) -> tuple[str, str]:
-    """Return the name and the text of the definition of a message; TypeError for what ROS 2 does not have.
+    """Return the name and the text of the definition of a message; TypeError for types unknown to ROS 2.
 
-    The header of a request or response is none of the service's own, and is left out.
+    The header of a request or response is not part of the service's type, and is left out.
     """
     hints = typing.get_type_hints(sort, include_extras=True)
     if _name(sort).endswith(("_Request", "_Response")) and [*hints][: len(HEADER)] == [*HEADER]:

@@ -1,9 +1,9 @@
-"""Driving: reading what a robot senses and doing what it can, by capabilities, without knowing its topics.
+"""Driving: reading and executing a robot's capabilities without knowing its topics.
 
 async with Driver(connection, capabilities) as driver:
-where = await driver.latest("sensingPose")                          # {"x": 0.3, "y": 1.2, "heading": 0.1}
-await driver.do("drivingAtVelocity", {"forward": 0.2}, seconds=2)   # then a zero command
-await driver.do("goingToPose", {"x": 3, "y": 1}, seconds=60)        # until it is there
+    where = await driver.latest("sensingPose")                          # {"x": 0.3, "y": 1.2, "heading": 0.1}
+    await driver.do("drivingAtVelocity", {"forward": 0.2}, seconds=2)   # then a zero command
+    await driver.do("goingToPose", {"x": 3, "y": 1}, seconds=60)        # until it is there
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a capability is given: texts and numbers become values of its parameters, or are refused."""
+"""Conversion and validation of arguments: texts and numbers become values of parameters, or are refused."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ _MOST: Final = sys.float_info.max
 
 
 def given(capability: Capability, arguments: Mapping[str, Any]) -> dict[str, Given]:
-    """Return the values of parameters: those that are given, converted and checked, and defaults of others.
+    """Return the values of parameters: those given, converted and checked, and the defaults of others.
 
     A number without a unit is in the unit of the parameter. A parameter that is not given and has no default is absent.
 
     Raises:
-        RobotError: KG823 for a name that is not a parameter, a value of another kind or unit, one that is out of the
-            limits (it is never moved into them), or none of the choices.
+        RobotError: KG823 an unknown parameter, a value of another kind or unit, outside of the limits (it is never
+            clamped), or not one of the choices.
     """
     known = {one.name: one for one in capability.parameters}
     for name in arguments:
@@ -47,7 +47,7 @@ def given(capability: Capability, arguments: Mapping[str, Any]) -> dict[str, Giv
 
 
 def missing(parameter: Parameter) -> RobotError:
-    """Return the error KG823 about a parameter that has no default and was not given."""
+    """Return the error KG823 about a parameter without a default that was not given."""
     return _refused(parameter, "it has to be given")
 
 
@@ -134,7 +134,7 @@ def _refused(parameter: Parameter, why: str, *, hint: str | None = None) -> Robo
 
 
 def in_words(parameter: Parameter) -> str:
-    """Return what a parameter takes: `a number in m/s, from -1 to 1, by default 0`."""
+    """Describe the values of a parameter: `a number in m/s, from -1 to 1, by default 0`."""
     kind = {"integer": "a whole number", "boolean": "true or false", "list": "a list"}.get(parameter.type)
     parts = [kind or f"a {parameter.type}"]
     if parameter.unit:

@@ -1,7 +1,7 @@
-"""Doing: topics once or renewed, services, and actions.
+"""Execution of commands: topics once or repeatedly, services, and actions.
 
-One command at a time holds a topic, and what was moved is stopped. A part of a robot is moved by one thing at a time,
-through whichever topics and actions it is reached.
+One command at a time owns a topic, and every movement is stopped. One command at a time moves a part of a robot,
+through any of its topics and actions.
 """
 
 from __future__ import annotations
@@ -25,16 +25,15 @@ if TYPE_CHECKING:
     from kg.robot.driving.watchdog import Watchdog
 
 Ending: TypeAlias = Literal["taken over", "stopped"] | RobotError
-"""Why something was ended before it was done: by a later command, by `stop`, by what went wrong."""
+"""Why a command was ended early: by a later command, by `stop`, or by an error."""
 
 Result = TypeVar("Result")
 
-_LOOK: Final = 0.02
-"""Seconds of the wall between two looks whether a subscriber is connected."""
+_LOOK: Final = 0.02  # wall-clock seconds between checks whether a subscriber is connected
 
 
 class Command:
-    """Something that is being done; `sent` counts its messages."""
+    """A running command; `sent` counts its messages."""
 
     def __init__(self) -> None:
         self.sent = 0
@@ -43,11 +42,11 @@ class Command:
 
     @property
     def ending(self) -> Ending | None:
-        """Why it was ended before it was done."""
+        """Why it was ended early."""
         return self._ending
 
     async def begin(self, work: Coroutine[Any, Any, Result]) -> Result:
-        """Do it: return what the work gives; CancelledError when it is ended, or was before."""
+        """Run the work and return its result; CancelledError if the command is ended, or already was."""
         task = asyncio.ensure_future(work)
         self._work = task
         if self._ending is not None:
@@ -55,28 +54,30 @@ class Command:
         return await task
 
     def end(self, why: Ending) -> None:
-        """End it; the first reason counts."""
+        """End the command; the first reason counts."""
         self._ending = self._ending or why
         if self._work is not None:
             self._work.cancel()
 
     async def ended(self) -> None:
-        """Return when nothing more is done for it."""
+        """Return when no more work runs for it."""
         if self._work is not None:
             await asyncio.wait((self._work,))
 
 
 class Channel:
-    """A topic that is written to.
+    """A topic that is published to.
 
-    Messages go out in the order that they are given here, no more than `limit` a second, and each goes out whole even
-    when who gave it is cancelled. `zero` makes the message that ends the movement that goes on, None when none does.
+    Messages are sent in order, at most `limit` per second, and each is sent whole even if its command is cancelled.
+    `zero` creates the message that ends the current movement; None without one.
     """
 
     def __init__(self, topic: str, publication: Publication, clock: Clock, limit: float) -> None:
         self.topic = topic
         self.zero: Callable[[], Value] | None = None
         self.last_zero: Callable[[], Value] | None = None
+        self.lost = False
+        """Whether the message that was to end the last movement could not be sent."""
         self._publication = publication
         self._clock = clock
         self._gap = 1 / limit
@@ -86,15 +87,15 @@ class Channel:
         self._sending = Tasks()
 
     def take(self, command: Command) -> None:
-        """Let a command have the channel; the one that had it ends, and its movement becomes the new one's to end."""
+        """Give the channel to a command; the previous one ends, and the new one takes over its movement."""
         earlier, self._holder = self._holder, command
         if earlier is not None:
             earlier.end("taken over")
 
     async def heard(self, seconds: float) -> None:
-        """Return when a subscriber is connected; RobotError KG824 when none is within so many seconds.
+        """Return when a subscriber is connected; RobotError KG824 if there is none within some seconds.
 
-        These are seconds of the wall: connecting takes as long however fast a simulation runs.
+        The seconds are wall-clock time: connecting takes as long however fast a simulation runs.
         """
         try:
             async with asyncio.timeout(seconds):
@@ -104,7 +105,7 @@ class Channel:
             raise RobotError("KG824", f"no node listens to `{self.topic}`") from None
 
     async def send(self, message: Value, command: Command) -> None:
-        """Send a message of the command that has the channel; KG824 when nobody listens any more."""
+        """Send a message of the command that owns the channel; KG824 if the subscriber is gone."""
         wait = min(self._free - self._clock.now(), self._gap)
         if wait > 0:
             await self._clock.sleep(wait)
@@ -115,21 +116,26 @@ class Channel:
         command.sent += 1
 
     async def release(self, command: Command) -> None:
-        """Give the channel back; a movement that goes on is ended."""
+        """Give the channel back; a current movement is stopped."""
         if self._holder is command:
             await self.still()
 
     async def still(self, *, again: bool = False) -> None:
-        """End the movement that goes on, whoever has the channel; with `again` also one that has ended before."""
+        """Stop the current movement, whoever owns the channel; with `again`, also send zero if it has ended before."""
         self._holder = None
         zero = self.zero or (self.last_zero if again else None)
         self.zero, self.last_zero = None, zero or self.last_zero
         if zero is not None:
-            with suppress(RobotError):  # a robot that is lost cannot be told; what was going on has its own error
+            try:
                 await self._send(zero())
+                self.lost = False
+            except RobotError:  # a lost robot cannot receive it; the running command has its own error
+                self.lost = True
 
     async def _send(self, message: Value) -> None:
-        task = asyncio.ensure_future(self._publish(message))  # its error is raised here, or nobody is there any more
+        task = asyncio.ensure_future(
+            self._publish(message)
+        )  # its error is raised here, or nothing receives it any more
         self._sending.hold(task)
         await asyncio.shield(task)
 
@@ -138,13 +144,13 @@ class Channel:
             await self._publication.publish(message)
 
     async def aclose(self) -> None:
-        """Offer the topic no more, after everything has gone out."""
+        """Stop publishing the topic, after sending all messages."""
         await self._sending.done()
         await self._publication.aclose()
 
 
 class Parts:
-    """Who moves what: `Capability.moves` says which part, the namespace of the node which of several robots."""
+    """Owners of the parts of robots: `Capability.moves` names the part, the namespace of the node the robot."""
 
     def __init__(self, capabilities: Capabilities) -> None:
         self._holders: dict[Command, Route] = {}
@@ -152,18 +158,18 @@ class Parts:
         self.know(capabilities)
 
     def know(self, capabilities: Capabilities) -> None:
-        """Take what the robots can do now; who has a part keeps it."""
+        """Set the robots' current capabilities; owners keep their parts."""
         self._robots = robots_of(way.node for one in capabilities.capabilities if one.moves for way in one.ways)
 
     @contextmanager
     def held(self, command: Command, route: Route) -> Iterator[None]:
-        """Let a command have the part that it moves, if it moves one.
+        """Reserve the part that a command moves, if it moves one.
 
-        On the same topic or action the later command takes over, so that what is driven can be driven otherwise; by
-        another way two would tear at the part, and the later one is refused.
+        On the same topic or action the later command takes over, so a movement can be redirected. Over another
+        interface, two commands would conflict, so the later one is refused.
 
         Raises:
-            RobotError: KG827 when something else has the part.
+            RobotError: KG827 another command moves the part.
         """
         for other in self._holders.values():
             if self._same(route, other):
@@ -183,7 +189,7 @@ class Parts:
         return different and self.may_be_one_robot(one.way.node, other.way.node)
 
     def may_be_one_robot(self, one: str, other: str) -> bool:
-        """Tell whether two nodes do not belong to different robots."""
+        """Return whether two nodes might belong to one robot."""
         return len({self._robot(one), self._robot(other)} - {None}) <= 1
 
     def _robot(self, node: str) -> str | None:
@@ -192,7 +198,7 @@ class Parts:
 
 
 def robots_of(nodes: Iterable[str]) -> frozenset[str]:
-    """Return the namespaces that are robots of their own: those with a node that another has under the same name."""
+    """Return the namespaces that are robots of their own: those with nodes that another namespace has too."""
     named = groupby(sorted({_split(node) for node in nodes}), key=lambda one: one[0])
     spaces = ([namespace for _, namespace in each if namespace] for _, each in named)
     return frozenset(namespace for each in spaces if len(each) > 1 for namespace in each)
@@ -205,19 +211,16 @@ def _split(node: str) -> tuple[str, str]:
 
 
 Feedback: TypeAlias = "Callable[[dict[str, Any]], None]"
-"""What is told how far an action is: its feedback by parameter, as it is where no parameter is known."""
+"""Receives the progress of an action: its feedback by parameter, or unchanged if no parameter is known."""
 
-_SERVICE: Final = 10.0
-"""Seconds that a service may take when nothing else is said."""
-_SERVED: Final = 5.0
-"""Seconds to wait for an action server."""
-_PATIENCE: Final = 2.0
-"""Seconds of the wall that an action server is given to take a cancellation."""
+_SERVICE: Final = 10.0  # default timeout of a service in seconds
+_SERVED: Final = 5.0  # seconds to wait for an action server
+_PATIENCE: Final = 2.0  # wall-clock seconds for an action server to accept a cancellation
 _SLACK: Final = 1e-9
 
 
 class Doing:
-    """What is done over one connection."""
+    """All commands over one connection."""
 
     def __init__(
         self, connection: Connection, parts: Parts, watchdog: Watchdog | None, *, limit: float, listen: float
@@ -235,10 +238,10 @@ class Doing:
     async def carry_out(
         self, command: Command, route: Route, plan: Plan, on_feedback: Feedback | None
     ) -> dict[str, Any]:
-        """Do what is planned, and return what came of it; however it ends, movements are stopped, goals cancelled.
+        """Execute a plan and return its outcome; in any case, movements are stopped and goals cancelled at the end.
 
         Raises:
-            RobotError: KG827 when something else moves the same part of the robot, and those of `Driver.do`.
+            RobotError: KG827 another command moves the same part of the robot, and those of `Driver.do`.
         """
         with self._parts.held(command, route):
             return await self._done(command, route, plan, on_feedback)
@@ -260,13 +263,13 @@ class Doing:
                 await channel.release(command)
             finally:
                 if self._watchdog is not None and channel.zero is None:
-                    await self._watchdog.forget(plan.name)
+                    await (self._watchdog.owe if channel.lost else self._watchdog.forget)(plan.name)
         return {}
 
     async def _channel(self, plan: Plan, route: Route) -> Channel:
         async with self._opening:
             if plan.name not in self.channels:
-                # Latched, the zero command that ended a movement also reaches who lost its connection meanwhile.
+                # Latched, the final zero command also reaches subscribers that reconnect later.
                 publication = await self._connection.advertise(plan.name, plan.type, latch=route.moves)
                 self.channels[plan.name] = Channel(plan.name, publication, self._connection.clock, self._limit)
             return self.channels[plan.name]
@@ -278,7 +281,7 @@ class Doing:
         await channel.send(route.restamped(plan.message, self._connection.clock.now()), command)
 
     async def _move(self, command: Command, channel: Channel, route: Route, plan: Plan) -> None:
-        """Renew a command until its time is over; when the robot's clock is set back its time is over too."""
+        """Repeat a command until its time is over, or until the robot's clock is set back."""
         clock, period = self._connection.clock, 1 / min(plan.rate, self._limit)
         stood, channel.zero = channel.zero is None, lambda: route.zero(clock.now())
         if stood and self._watchdog is not None and plan.afterwards is not None:
@@ -342,15 +345,15 @@ class Doing:
             ) from None
 
     async def _cancel(self, sending: asyncio.Future[Goal]) -> None:
-        """Cancel a goal, also one that is just being sent, whatever becomes of who gave it."""
+        """Cancel a goal, even one being sent, whatever happens to its command."""
         await asyncio.shield(self._cancelling.spawn(_cancelled(sending), "cancelling a goal"))
 
     async def still(self, *, again: bool) -> None:
-        """End all movements, with `again` those that had ended as well."""
+        """Stop all movements; with `again`, also send zero for those that have ended."""
         await asyncio.gather(*(one.still(again=again) for one in self.channels.values()))
 
     async def aclose(self) -> None:
-        """Offer no topics any more."""
+        """Stop publishing all topics."""
         try:
             await asyncio.gather(self._cancelling.done(), *(one.aclose() for one in self.channels.values()))
         finally:

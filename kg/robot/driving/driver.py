@@ -1,4 +1,4 @@
-"""The dynamic node (onto-ros, section 3.3): capabilities are read and done by the names of their parameters."""
+"""The dynamic node (onto-ros, section 3.3): reads and executes capabilities by the names of their parameters."""
 
 from __future__ import annotations
 
@@ -19,38 +19,34 @@ from kg.robot.tasks import finished, spawn
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Collection, Iterator, Mapping
-    from types import TracebackType
 
     from kg.robot.connection import ComputationGraph, Connection, GraphProblem, Subscription
     from kg.robot.driving.watchdog import Watchdog
 
-_QUEUE: Final = 100
-"""Messages that may wait for a reader that is slower than the robot."""
-_ANSWER: Final = 10.0
-"""Seconds that a service may take to tell what is read from it."""
-_GRAPH: Final = 1.0
-"""Seconds of the wall that a computation graph is good for when one of several ways is chosen."""
+_QUEUE: Final = 100  # maximum number of messages queued for a slow reader
+_ANSWER: Final = 10.0  # timeout in seconds of a service that is read
+_GRAPH: Final = 1.0  # wall-clock seconds for which a computation graph is reused to choose an interface
 
 _Key: TypeAlias = tuple[str, str, str, str]
 
 
 class Driver:
-    """What reads and does the capabilities of a robot, and stops it.
+    """Reads and executes the capabilities of a robot, and stops it.
 
-    While it is open everything that is moved goes through it, so that one place knows how to stop: on `stop`, when the
-    block is left, in whatever way, and when the connection is lost, movements end with a zero command and goals are
-    cancelled. It does not close the connection. What the robot can do may change while it is open: see `take`.
+    While it is open, all movements go through it, so one place can stop them: on `stop`, on exit for any reason, and on
+    a lost connection, movements end with a zero command and goals are cancelled. It does not close the connection. The
+    capabilities of the robot may change while it is open: see `take`.
 
     Args:
-        connection: the node that speaks with the robot.
-        capabilities: what the robot can do.
-        limit: messages a second that one topic gets at most.
-        listen: seconds to wait until a subscriber is connected to a topic that is written to.
-        dry_run: whether nothing is sent at all; what would be is in `Outcome.plan`.
-        exclusive: whether a movement is refused, and ended, with KG829 where another node publishes to its topic.
-        on_problem: is told which other node does, as KG829, where that is not refused; see `saw`.
-        watchdog: what stops movements and goals when this process dies or hangs; it ends with the driver.
-        graph: the computation graph that the capabilities are of, so that it is not asked for at once again.
+        connection: the node that communicates with the robot.
+        capabilities: those of the robot.
+        limit: maximum messages per second on one topic.
+        listen: seconds to wait for a subscriber of a topic.
+        dry_run: send nothing; `Outcome.plan` has what would be sent.
+        exclusive: refuse and end movements with KG829 if another node publishes to their topic.
+        on_problem: receives KG829 about such nodes otherwise; see `saw`.
+        watchdog: stops movements and goals if this process dies or hangs; it ends with the driver.
+        graph: the computation graph of the capabilities, to avoid reading it again at once.
     """
 
     def __init__(  # noqa: PLR0913 - what a driver can be told
@@ -93,9 +89,7 @@ class Driver:
             self._watchdog.open(self.interrupt)
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         await finished(self._close())
 
     async def _close(self) -> None:
@@ -108,10 +102,10 @@ class Driver:
         await self._doing.aclose()
 
     async def take(self, capabilities: Capabilities) -> None:
-        """Go on with what the robot can do now.
+        """Set the robot's current capabilities.
 
-        What is done or read in a way that is there no more ends with RobotError KG822, a movement with its zero
-        command, a goal cancelled; it returns when they have. Everything else goes on.
+        Commands and readings over interfaces that are gone end with RobotError KG822: movements with a zero command,
+        goals by cancellation. It returns after that. Others continue.
         """
         self.capabilities, self._graph = capabilities, None
         self._routes.clear()
@@ -131,7 +125,7 @@ class Driver:
             command.end(self._gone("the driver is closed"))
 
     def _gone(self, otherwise: str) -> RobotError:
-        """Return the error KG803 with the reason why the connection is lost, or with another where it is not."""
+        """Return the error KG803 with the reason of the lost connection, or with another one while it is open."""
         if self._lost is None:
             return RobotError("KG803", otherwise)
         return RobotError("KG803", f"the robot at {self.connection.address} is lost: {self._lost}")
@@ -139,16 +133,14 @@ class Driver:
     async def read(
         self, capability: str, *, way: str | None = None, rate: float | None = None
     ) -> AsyncGenerator[dict[str, Any], None]:
-        """Yield the values of a capability by parameter: of each message, at most `rate` a second.
+        """Yield the values of a capability by parameter: those of each message, at most `rate` per second.
 
-        It ends with the recording where one is played. A service is called once; where `rate` is given, so often a
-        second. None stands for what a message does not say
-        (NaN, the first of an empty list); a reading of a scan that is free is infinite.
+        On a recording, it ends with the recording. A service is called once, or `rate` times per second. None is a
+        value missing from a message (NaN, the first of an empty list); a scan without an obstacle is infinite.
 
         Raises:
-            RobotError: KG819 when no node of the way is active, KG821 or KG822 when there is no such capability or way,
-                KG803 when the robot is lost, KG804 or KG826 when its messages are not understood, and those of a
-                service.
+            RobotError: KG819 no node of the interface is active, KG821 or KG822 no such capability or interface, KG803
+                the connection is lost, KG804 or KG826 its messages cannot be decoded, and those of a service.
         """
         found = await self._route(capability, "read", way)
         if found.way.kind == "service":
@@ -161,7 +153,7 @@ class Driver:
         throttle = Throttle(rate)
         self._readings[subscription] = found
         try:
-            if self._closed or not self._there(found):  # it has come too late to be ended by `take`
+            if self._closed or not self._there(found):  # it came too late for `take` to end it
                 await subscription.aclose()
             async for received in subscription:
                 if throttle.takes(received.at):
@@ -173,12 +165,12 @@ class Driver:
             raise await self._ended(found)
 
     async def latest(self, capability: str, *, seconds: float = 5.0, way: str | None = None) -> dict[str, Any]:
-        """Return the newest values of a capability; it waits for the first, and listens on from then.
+        """Return the newest values of a capability; the first call waits for a message and subscribes.
 
-        `seconds` are of the wall: connecting takes as long however fast a simulation runs.
+        `seconds` are wall-clock time: connecting takes as long however fast a simulation runs.
 
         Raises:
-            RobotError: those of `read`; KG825 when nothing came in time.
+            RobotError: those of `read`; KG825 no message in time.
         """
         found = await self._route(capability, "read", way)
         if found.way.kind == "service":
@@ -194,9 +186,9 @@ class Driver:
         return found.values(newest.value)
 
     async def changes(self, capability: str, *, asked: float) -> AsyncGenerator[None, None]:
-        """Yield whenever `latest` may tell something else: with each message that it has from then, and with the first.
+        """Yield whenever `latest` may return another value: with the first message and each later one.
 
-        That of a service is to be asked for `asked` times a second. RobotError as `read`.
+        A service is called `asked` times per second. RobotError as `read`.
         """
         found = await self._route(capability, "read", None)
         while found.way.kind == "service":
@@ -218,7 +210,7 @@ class Driver:
         return found.answer(await self.connection.call(found.way.name, found.way.type, request, seconds=_ANSWER))
 
     async def _ended(self, found: Route) -> RobotError:
-        await asyncio.sleep(0)  # who watches the connection may know why in a moment
+        await asyncio.sleep(0)  # the watcher of the connection might know why in a moment
         if self._lost is None and not self._there(found):
             return _vanished(found)
         return self._gone(f"`{found.way.name}` has ended")
@@ -226,10 +218,10 @@ class Driver:
     async def doubts(
         self, capability: str, modality: Literal["read", "write"], *, way: str | None = None
     ) -> tuple[GraphProblem, ...]:
-        """Return why reading or doing something may come to nothing, as `kg.robot.driving.ways` has it.
+        """Return why a reading or command might have no effect, as in `kg.robot.driving.ways`.
 
-        Nodes that are dead and still registered, or a topic that nobody listens to, are worth a word before what is
-        sent there, or is waited for, is missed. RobotError KG821 or KG822 when there is no such capability or way.
+        For example, nodes are dead but registered, or a topic has no subscriber. Callers report this before they send
+        or wait. RobotError KG821 or KG822 if there is no such capability or interface.
         """
         found = await self._route(capability, modality, way)
         graph = await self._seen()
@@ -243,7 +235,7 @@ class Driver:
         seconds: float | None = None,
         way: str | None = None,
     ) -> Plan:
-        """Return what `do` would send where; errors as those of `do` that need no robot."""
+        """Return what `do` would send; errors as those of `do` that need no robot."""
         return self._plan(await self._route(capability, "write", way, arguments or ()), arguments or {}, seconds)
 
     async def do(  # noqa: PLR0913 - what a command can say
@@ -256,25 +248,24 @@ class Driver:
         on_feedback: Feedback | None = None,
         dry_run: bool = False,
     ) -> Outcome:
-        """Do something, and return when it is done.
+        """Execute a capability, and return when it is done.
 
-        A movement is renewed for `seconds`, without them until something else ends it, and then gets a zero command. A
-        goal is given up when it is not reached in `seconds`. Anything else is sent once. Whatever ends it (a deadline,
-        a cancellation, an error, a later command, `stop`, a lost connection), a movement gets its zero command and a
-        goal is cancelled.
+        A movement is repeated for `seconds`, or until something else ends it, and then gets a zero command. A goal is
+        cancelled if it is not reached within `seconds`. Anything else is sent once. Whatever ends it (timeout,
+        cancellation, error, a later command, `stop`, a lost connection), a movement gets its zero command and a goal is
+        cancelled.
 
         Args:
             capability: its name, label or alternative label.
             arguments: values by parameter: numbers in the parameter's unit, or texts (`30cm`, `45deg/s`, `true`).
             seconds: of the robot's time.
-            way: the channel, node or message type to use where there are several.
-            on_feedback: told how far an action is.
-            dry_run: whether to say what would be sent instead.
+            way: the channel, node or message type, if there are several interfaces.
+            on_feedback: receives the progress of an action.
+            dry_run: return what would be sent instead of sending it.
 
         Raises:
             RobotError: KG819, KG821 to KG823, KG826 and KG827 before anything is sent; KG805, KG807 to KG809 from the
-                robot; KG824 when nobody listens, KG825 when a goal is not reached in time, KG803 when the robot is
-                lost.
+                robot; KG824 no subscriber, KG825 a goal is not reached in time, KG803 the connection is lost.
         """
         command = Command()
         self._commands[command] = None
@@ -314,11 +305,11 @@ class Driver:
         return Outcome(plan=plan, ended="done", values=values, sent=command.sent, moved=observation.moved)
 
     def _observe(self, observation: Observation, found: Route) -> Iterator[asyncio.Task[None]]:
-        """Begin to compare what the robot does with what it is told, by all that measures that."""
+        """Compare the commanded with the measured movement, by all capabilities that measure it."""
         for one in self.capabilities.capabilities:
             for way in one.ways if one.name in MEASURED and one.modality == "read" else ():
                 if way.kind == "topic" and self._parts.may_be_one_robot(way.node, found.way.node):
-                    with suppress(RobotError):  # a path that does not fit is an error of who reads it
+                    with suppress(RobotError):  # a path that does not fit is an error of its reader
                         watching = observation.watch(self._ready(one, way), self._newest, self.connection.clock)
                         yield spawn(watching, "watching whether the robot moves")
 
@@ -339,7 +330,7 @@ class Driver:
         )
 
     async def stop(self) -> None:
-        """Stop the robot: end all commands, send zero commands to all that was ever moved, cancel all goals."""
+        """Stop the robot: end all commands, send zero to every topic that ever moved, cancel all goals."""
         await asyncio.shield(asyncio.ensure_future(self._stop()))
 
     async def _stop(self) -> None:
@@ -350,14 +341,14 @@ class Driver:
         await asyncio.gather(*(command.ended() for command in commands))
 
     def saw(self, graph: ComputationGraph) -> None:
-        """Take the computation graph that the connection tells: nodes that drive the same are reported, or end that."""
+        """Set the current computation graph: other controllers are reported, or end the movement."""
         self._whole = graph
         for command, found in self._commands.items():
             if found is not None and found.moves and (error := self._contested(found, graph)) is not None:
                 command.end(error)
 
     def _contested(self, found: Route, graph: ComputationGraph) -> RobotError | None:
-        """Report new nodes that publish to the topic of a movement; where it is exclusive, return them as an error."""
+        """Report new nodes that publish to the topic of a movement; if it is exclusive, return them as an error."""
         others = set(other_controllers(found.way.name, graph))
         if others and self._exclusive:
             names = ", ".join(f"`{one.subject}`" for one in sorted(others))
@@ -368,9 +359,9 @@ class Driver:
         return None
 
     def interrupt(self, error: RobotError) -> None:
-        """End all movements and goals with an error; programs that run on this driver end with it, too.
+        """End all movements and goals with an error; programs on this driver end with it too.
 
-        The robot must not go on by itself after its controller stood still, since nobody knows what happened meanwhile.
+        After its controller was suspended, the robot must not continue by itself, since its state is unknown.
         """
         self._interruption.set_result(error)
         self._interruption = asyncio.get_running_loop().create_future()
@@ -388,7 +379,7 @@ class Driver:
         if modality == "write" and is_recording(self.connection.address):
             raise not_commanded(self.connection.address)
         known = None
-        while known is not self.capabilities:  # others may be taken while the graph is asked
+        while known is not self.capabilities:  # others may take over while the graph is read
             known = self.capabilities
             capability = find(known, name, modality)
             ways = named(capability, way)
@@ -410,7 +401,7 @@ class Driver:
         return self._routes[key]
 
     def _there(self, found: Route) -> bool:
-        """Tell whether the robot can still do, or tell, something in a way."""
+        """Return whether the robot still has a capability over an interface."""
         key = _key(found.capability, found.way)
         return any(key == _key(one, way) for one in self.capabilities.capabilities for way in one.ways)
 
@@ -420,17 +411,17 @@ class Driver:
             try:
                 self._graph = (now, of_robot(await self.connection.graph()))
             except RobotError:
-                self._graph = (now, None)  # all ways count as alive then
+                self._graph = (now, None)  # all interfaces count as alive then
         return self._graph[1]
 
 
 def _key(capability: Capability, way: Way) -> _Key:
-    """Return what tells ways apart; the node does not, for another may take its place."""
+    """Return the key of an interface, without the node, which another one may replace."""
     return capability.iri, way.kind, way.name, way.type
 
 
 def _vanished(found: Route) -> RobotError:
-    """Return the error KG822 for what was done, or read, in a way that is there no more."""
+    """Return the error KG822 for a command or reading over an interface that is gone."""
     does = "provides" if found.capability.modality == "write" else "reports"
     message = f"no node of the robot {does} `{found.capability.name}` through `{found.way.name}` any more"
     return RobotError("KG822", message, hint=f"`{found.way.node}` did; start it again.")

@@ -1,7 +1,6 @@
-"""What a robot tells while it is driven: the newest messages of topics, and what becomes of a movement.
+"""Observation while driving: the newest messages of topics, whether the robot moves, and other controllers.
 
-Each topic is subscribed once, however many capabilities are read from it. They show whether the robot moves at all, and
-its graph whether others drive it, too.
+Each topic is subscribed to once for all capabilities.
 """
 
 from __future__ import annotations
@@ -22,19 +21,18 @@ if TYPE_CHECKING:
     from kg.robot.clock import Clock
     from kg.robot.driving.routes import Route
 
-_EARLY: Final = 0.1
-"""The part of a period by which a message may come early and still be its turn."""
+_EARLY: Final = 0.1  # fraction of a period by which a message may be early
 
 
 class Throttle:
-    """Whose turn it is when only so many messages a second are wanted; all of them without a rate."""
+    """Rate limiter for messages; without a rate it takes all."""
 
     def __init__(self, rate: float | None) -> None:
         self._period = 1 / rate if rate else None
         self._due: float | None = None
 
     def takes(self, at: float) -> bool:
-        """Tell whether the message of a time is one that is wanted; a clock that is set back begins anew."""
+        """Return whether to take a message of a time; a clock that is set back restarts it."""
         if self._period is None:
             return True
         early = 0.0 if self._due is None else self._due - at
@@ -46,7 +44,7 @@ class Throttle:
 
 
 class Newest:
-    """The newest message of a topic, from the first on."""
+    """The newest message of a topic."""
 
     def __init__(self, subscription: Subscription) -> None:
         self.newest: Received | None = None
@@ -65,43 +63,43 @@ class Newest:
             self._news.set()
 
     async def first(self) -> Received | None:
-        """Return the newest message, or the first one when none has come yet; None when the topic has ended."""
+        """Return the newest message, waiting for the first one; None if the topic has ended."""
         while self.newest is None and not self.ended:
             await self.news()
         return self.newest
 
     async def news(self) -> None:
-        """Return when another message has come, the topic has ended, or `ring` was called."""
+        """Return at the next message, at the end of the topic, or when `ring` is called."""
         self._news.clear()
         await self._news.wait()
 
     def ring(self) -> None:
-        """Let those look again who wait for news."""
+        """Wake all waiters."""
         self._news.set()
 
     async def aclose(self) -> None:
-        """Stop listening."""
+        """Close the subscription."""
         await self._subscription.aclose()
         await ended(self._task)
 
 
 class NewestMessages:
-    """The newest messages that come over a connection, by topic."""
+    """The newest messages over a connection, by topic."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
         self._by_topic: dict[str, asyncio.Task[Newest]] = {}
 
     async def of(self, topic: str, kind: str) -> Newest:
-        """Return that of a topic, which is subscribed when it is asked for first.
+        """Return the messages of a topic, which is subscribed to on first use.
 
         Raises:
-            RobotError: KG803 when they are closed meanwhile, and those of subscribing.
+            RobotError: KG803 closed at the same time, and those of subscribing.
         """
         known = self._by_topic.get(topic)
         if known is None or (known.done() and (known.cancelled() or known.exception() or known.result().ended)):
             known = self._by_topic[topic] = asyncio.ensure_future(self._subscribe(topic, kind))
-        await asyncio.wait((known,))  # others may wait for it who are not cancelled
+        await asyncio.wait((known,))  # other waiters might not be cancelled
         if known.cancelled():
             raise RobotError("KG803", f"the subscription to `{topic}` was closed")
         return known.result()
@@ -110,13 +108,13 @@ class NewestMessages:
         return Newest(await self._connection.subscribe(topic, kind, queue=1))
 
     async def aclose(self) -> None:
-        """Stop listening to everything."""
+        """Close all subscriptions."""
         await self.keep(())
 
     async def keep(self, topics: Container[str]) -> None:
-        """Stop listening to other topics; a subscription that is not made yet, as to a dead peer, is given up.
+        """Close the subscriptions to other topics, and cancel pending ones, such as to a dead peer.
 
-        Those who wait for news of the topics that are kept look again.
+        Waiters on the remaining topics are woken.
         """
         tasks = [self._by_topic.pop(topic) for topic in set(self._by_topic) if topic not in topics]
         for task in tasks:
@@ -130,25 +128,21 @@ class NewestMessages:
 
 
 _VELOCITY: Final = "sensingVelocity"
-"""The capability whose parameters measure what the parameters of the same names command."""
+"""The capability whose parameters measure the commanded parameters of the same names."""
 MEASURED: Final = frozenset({_VELOCITY, "sensingPose"})
 """The capabilities that show whether a robot moves."""
-_BEGINS: Final = 0.5
-"""Seconds of the robot's time that a robot may take to begin to move."""
-_SLOWEST: Final = 0.1
-"""The part of a commanded speed that counts as moving: what stands on smooth ground may slide."""
-_NOISE: Final = 0.15
-"""Metres, or radians, by which the measured place of a robot that stands still may vary."""
-_ENOUGH: Final = 2
-"""So many measurements without a speed show that a robot does not move."""
+_BEGINS: Final = 0.5  # seconds of the robot's time within which a movement should begin
+_SLOWEST: Final = 0.1  # fraction of a commanded speed that counts as moving: a standing robot may slide
+_NOISE: Final = 0.15  # metres or radians by which the measured pose of a standing robot may vary
+_ENOUGH: Final = 2  # number of measurements without speed after which a robot is not moving
 _NO_CONTROLLERS: Final = (NODES, "/_participant_")
-"""What names of nodes begin with that are watchdogs, or that DDS has found and that have not told their names yet."""
+"""Prefixes of the names of watchdogs, and of participants of DDS whose node names are not known yet."""
 
 
 class Observation:
-    """Compares the speeds that a robot was told with those that it measures, while `watch` runs.
+    """Compares commanded with measured speeds, while `watch` runs.
 
-    A place that changes shows that it moves, too: not everyone who publishes odometry measures speeds.
+    A changing pose shows movement too, since not all odometry includes speeds.
     """
 
     def __init__(self, commanded: Mapping[str, Any]) -> None:
@@ -159,11 +153,11 @@ class Observation:
 
     @property
     def moved(self) -> bool | None:
-        """Whether the robot moved; None when too little was measured."""
+        """Whether the robot moved; None without enough measurements."""
         return True if self._moved else False if self._still >= _ENOUGH else None
 
     async def watch(self, measuring: Route, newest: NewestMessages, clock: Clock) -> None:
-        """Follow what the robot measures until it moves; a measurement that cannot be read tells nothing."""
+        """Follow the measurements until the robot moves; unreadable ones are ignored."""
         begun = clock.now()
         with suppress(RobotError):
             following = await newest.of(measuring.way.name, measuring.way.type)
@@ -180,7 +174,7 @@ class Observation:
                     self._take_speeds(measured)
 
     def _take_place(self, measured: dict[str, Any], way: float) -> None:
-        """Compare a place with the first: its axes need not be those of the commands."""
+        """Compare a pose with the first one; its axes may differ from those of the commands."""
         self._first = self._first or measured
         pairs = [(self._first[name], measured[name]) for name in measured]
         least = max(_NOISE, _SLOWEST * way)
@@ -197,7 +191,7 @@ class Observation:
 def other_controllers(topic: str, graph: ComputationGraph) -> Iterator[GraphProblem]:
     """Yield a problem KG829 for each other node that publishes to a topic that moves a robot.
 
-    A node that carries out goals, as navigation does, publishes while it has one, and is not a controller of its own.
+    A node that executes goals, such as navigation, publishes while it has one and is not a controller of its own.
     """
     left_out = {one.name for one in graph.nodes if one.problem is not None}
     left_out |= {one.node for one in graph.ends if one.role is Role.ACTION_SERVERS}

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field of a message; of the message itself where there is nothing before it."""
+    """A field of a message, or of the result of another path."""
 
     of: Path | None
     name: str
@@ -37,7 +37,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Each:
-    """The elements of a list; what follows is taken of each."""
+    """The elements of a list; the rest of the path applies to each."""
 
     of: Path
 
@@ -47,7 +47,7 @@ class Each:
 
 @dataclass(frozen=True, slots=True)
 class Element:
-    """One element of a list, counted from 0, from the end where the index is negative."""
+    """One element of a list, counted from 0, or from the end if the index is negative."""
 
     of: Path
     index: int
@@ -58,7 +58,7 @@ class Element:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A function of a path, with numbers or further paths behind it."""
+    """A function of a path, with numbers or more paths as further arguments."""
 
     function: str
     arguments: tuple[Argument, ...]
@@ -78,7 +78,7 @@ _DEEPEST: Final = 16
 
 
 def parse(text: str) -> Path:
-    """Return the path that a text is; RobotError KG826 with the place where it is none."""
+    """Return the path in a text; RobotError KG826 with the place of a syntax error."""
     parser = _Parser(text)
     path = parser.path(0)
     parser.end()
@@ -86,14 +86,14 @@ def parse(text: str) -> Path:
 
 
 class _Parser:
-    """A text that is read from the left."""
+    """Parser of a path."""
 
     def __init__(self, text: str) -> None:
         self._text = text
         self._at = 0
 
     def path(self, depth: int) -> Path:
-        """Read a path."""
+        """Parse a path."""
         if depth > _DEEPEST:
             raise self._wrong(f"at most {_DEEPEST} functions in each other")
         name = self._take("name")
@@ -134,7 +134,7 @@ class _Parser:
         return self.path(depth) if number is None else float(number)
 
     def end(self) -> None:
-        """Raise RobotError KG826 unless all is read."""
+        """Raise RobotError KG826 unless all input is consumed."""
         if self._text[self._at :].strip():
             raise self._wrong("the end")
 
@@ -159,18 +159,18 @@ class _Parser:
 
 
 Look: TypeAlias = "Callable[[Argument, Any], Any]"
-"""What a path is in a value, None where there is nothing: what functions look with."""
+"""Returns the value at a path, None if it is missing: used by functions."""
 
 Read: TypeAlias = "Callable[[Look, Any, tuple[Argument, ...]], Any]"
-"""What a function is of the arguments written, in a value."""
+"""Returns the value of a function for its arguments."""
 
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A function of the language of paths.
+    """A function of paths.
 
-    `write` turns the value that is wanted, and the numbers behind the path, into the value of the field; without it
-    the function only reads. `least` and `most` are how many arguments there are.
+    `write` turns the wanted value, and the numeric arguments, into the value of the field; without it the function is
+    read-only. `least` and `most` limit the number of arguments.
     """
 
     read: Read
@@ -180,7 +180,7 @@ class Function:
 
 
 def numbers(value: Any) -> list[float]:
-    """Return the numbers in a list of any depth, without those that are NaN."""
+    """Return the numbers in a list of any depth, without NaN."""
     if isinstance(value, list | tuple | bytes):
         return [number for one in value for number in numbers(one)]
     if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
@@ -250,7 +250,7 @@ def _at(look: Look, value: Any, arguments: tuple[Argument, ...]) -> float | None
 
 
 def _beam(angle: float, first: float, step: float, count: int) -> int:
-    """Return the index of the beam at an angle; scans that go around count angles from 0 or from -pi."""
+    """Return the index of the beam at an angle; full-circle scans count angles from 0 or from -pi."""
     turn = round(math.tau / abs(step))
     index = round((angle - first) / step) % max(turn, 1)
     return index if index < count else index - turn
@@ -282,13 +282,14 @@ FUNCTIONS: Final = {
     "scaled": Function(_scaled, least=2, most=2, write=lambda value, factors: value / factors[0]),
 }
 """`yaw`, `pitch`, `roll` (rad) of a quaternion; `distance`: the length of a vector; `count`, `first`, `minimum`,
-`maximum` of a list; `at(ranges,ANGLE[,WIDTH])`: what a scan reads at an angle, the nearest within a width (rad);
-`nearest(list,PATH)`: the element whose vector at PATH is the shortest; `scaled(path,FACTOR)`. `yaw` and `scaled` can be
-written too."""
+`maximum` of a list; `at(ranges,ANGLE[,WIDTH])`: the range of a scan at an angle, the nearest within a width (rad);
+`nearest(list,PATH)`: the element with the shortest vector at PATH; `scaled(path,FACTOR)`. `yaw` and `scaled` can be
+written too.
+"""
 
 
 def look(path: Argument, value: Any) -> Any:
-    """Return what is at a path of a value; None for what is not there, and for a number that is NaN."""
+    """Return the value at a path; None if it is missing, or NaN."""
     if isinstance(path, float):
         return path
     if isinstance(path, Call):
@@ -310,7 +311,7 @@ def _called(call: Call, value: Any) -> Any:
 
 
 def _many(path: Path | None) -> bool:
-    """Tell whether what follows a path is taken of each of its elements."""
+    """Return whether the rest of a path applies to each element."""
     if path is None or isinstance(path, Call):
         return False
     return isinstance(path, Each) or _many(path.of)
@@ -335,10 +336,10 @@ def _element(of: Any, index: int, *, many: bool) -> Any:
 
 
 def put(path: Path, message: Value, value: Any) -> None:
-    """Put a value at a path of a message, which may lack what is on the way there.
+    """Set the value at a path of a message, creating missing parents.
 
     Raises:
-        RobotError: KG826 for a path that only reads.
+        RobotError: KG826 a read-only path.
     """
     if isinstance(path, Call):
         write, (target, *others) = _function(path).write, path.arguments
@@ -376,7 +377,7 @@ def _function(call: Call) -> Function:
 
 
 def roots(path: Argument) -> list[str]:
-    """Return the fields of the whole message that a path begins with; a function may look at several."""
+    """Return the top-level fields that a path reads; a function may read several."""
     if isinstance(path, float):
         return []
     if isinstance(path, Call):
@@ -386,21 +387,21 @@ def roots(path: Argument) -> list[str]:
 
 
 def check(path: Path, types: Types, kind: str) -> None:
-    """Raise RobotError KG826 for a path with a function that is not known, or to a field that a type does not have."""
+    """Raise RobotError KG826 for a path with an unknown function, or to a field missing from a type."""
     type_at(path, types, kind)
 
 
 def type_at(path: Path, types: Types, kind: str) -> str | None:
-    """Return the type that is at a path of a type, None where it is not known.
+    """Return the type at a path of a type, None if it is unknown.
 
     Raises:
-        RobotError: KG826 as `check`, KG804 when the type of the message is not known.
+        RobotError: KG826 as `check`, KG804 the type of the message is unknown.
     """
     return _kind(path, types, kind, str(path))
 
 
 def _kind(path: Argument, types: Types, kind: str, whole: str) -> str | None:
-    """Return the type that is at a path, None where it is not known."""
+    """Return the type at a path, None if it is unknown."""
     if isinstance(path, float):
         return None
     if isinstance(path, Call):

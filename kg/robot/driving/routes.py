@@ -1,4 +1,4 @@
-"""A way to reach a capability, made ready: paths parsed and checked, messages from values and back; plans."""
+"""Prepared interfaces of a capability: checked paths, conversion between messages and values, and plans."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 
 class Plan(msgspec.Struct, frozen=True, kw_only=True):
-    """What would be sent: the whole message (request, goal), where to, and for how long.
+    """A message (request, goal) to send, its target, and its duration.
 
-    `rate` is how often a second it is renewed, for `seconds` (None: until something else ends it); `afterwards` is the
-    command that ends a movement. Both are absent where a message is sent once.
+    `rate` is the number of repetitions per second, for `seconds` (None: until something else ends it). `afterwards` is
+    the command that ends a movement. Both are absent for a message that is sent once.
     """
 
     capability: str
@@ -39,12 +39,12 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):
-    """How a command ended.
+    """The result of a command.
 
     `ended` is `done`, `taken over` (by a later command on the same channel), `stopped` (by `Driver.stop`), or `planned`
-    for a dry run. `values` is what a service answered or an action gave as its result: by parameter, as it is where no
-    parameter is known. `sent` counts the messages, without the one that ends a movement. `moved` tells whether the
-    robot measured a speed while it was told one; None where that is not known.
+    for a dry run. `values` is the response of a service or the result of an action, by parameter, or unchanged if no
+    parameter is known. `sent` counts the messages, without the one that ends a movement. `moved` is whether the robot
+    measured a speed when one was commanded; None if unknown.
     """
 
     plan: Plan
@@ -55,7 +55,7 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def problem(self) -> RobotError | None:
-        """The error KG820 when the robot was told to move and did not."""
+        """The error KG820 if the robot was commanded to move and did not."""
         if self.moved is not False:
             return None
         told = f"{self.sent} messages were sent to `{self.plan.name}`, but the robot measured no speed: it did not move"
@@ -68,11 +68,10 @@ _TOLD: Final = {"topic": ("",), "service": ("_Response",), "action": ("_Feedback
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """A way whose paths are known to fit.
+    """An interface whose paths have been checked.
 
-    `sends` is the type of the message that is sent, `stamped` whether it has a header to put the time in; `arguments`
-    are the paths of its fields by parameter, `constants` fields that are always the same. `answers` are the paths of
-    what is read, by parameter, in order.
+    `sends` is the type of the message, `stamped` whether it has a header with a time. `arguments` are the paths of its
+    fields by parameter, `constants` fields with fixed values, and `answers` the paths to read, by parameter, in order.
     """
 
     capability: Capability
@@ -85,14 +84,14 @@ class Route:
 
     @property
     def moves(self) -> bool:
-        """Whether it is a movement: one that has to be renewed, and that a zero command ends."""
+        """Whether it is a movement: repeated, and ended by a zero command."""
         return self.way.kind == "topic" and self.way.rate > 0
 
     def message(self, values: Mapping[str, Any], now: float) -> Value:
-        """Return the message that gives the parameters these values at a time in seconds.
+        """Return the message with these values of parameters at a time in seconds.
 
         Raises:
-            RobotError: KG823 for a parameter without a value, or one that this way has no field for.
+            RobotError: KG823 a parameter without a value, or without a field in this message.
         """
         known = {one.name: one for one in self.capability.parameters}
         for name, value in values.items():
@@ -121,18 +120,18 @@ class Route:
         return self.restamped(message, now)
 
     def restamped(self, message: Value, now: float) -> Value:
-        """Return a message of this way with the time in its header."""
+        """Return a message with the time in its header."""
         return {**message, "header": {**message["header"], "stamp": stamp(now)}} if self.stamped else message
 
     def values(self, message: Value) -> dict[str, Any]:
-        """Return what a message says, by parameter; None for what it does not say (NaN, an empty list's first)."""
+        """Return the values in a message by parameter; None for missing ones (NaN, the first of an empty list)."""
         return {name: look(path, message) for name, path in self.answers.items()}
 
     def answer(self, message: Value) -> dict[str, Any]:
-        """Return what the response of a service, or feedback or result, says: by parameter, as it is if none is known.
+        """Return the values in a response, feedback or result, by parameter, or unchanged if none is known.
 
         Raises:
-            RobotError: KG808 for a response that says of itself that there was no `success`.
+            RobotError: KG808 the response reports that `success` is false.
         """
         if self.way.kind == "service" and message.get("success") is False:
             why = message.get("message") or message.get("status_message") or "no reason given"
@@ -142,10 +141,10 @@ class Route:
 
 
 def route(capability: Capability, way: Way, types: Types) -> Route:
-    """Make a way ready.
+    """Prepare an interface.
 
     Raises:
-        RobotError: KG826 for paths that do not fit the message, KG804 when its type is not known.
+        RobotError: KG826 paths that do not fit the message, KG804 its type is unknown.
     """
     sends = way.type + _GIVEN[way.kind]
     told = [way.type + part for part in _TOLD[way.kind]]

@@ -3,6 +3,9 @@
 The driving process, the controller, sends it heartbeats from the event loop that drives. Without one for a while the
 watchdog sends zero velocity to every topic that moves and cancels every goal, and reports so. The controller then ends
 its commands (KG828): when it runs again nothing moves before a new command.
+
+A connection that is lost while the robot moves takes the zero with it. A third process, which needs neither of the
+others, then sends it as soon as the robot can be reached again.
 """
 
 from __future__ import annotations
@@ -11,13 +14,14 @@ import asyncio
 import json
 import os
 import signal
+import subprocess
 import sys
 import time
 from asyncio.subprocess import PIPE, Process
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from kg.errors import RobotError
 from kg.robot.clock import stamp
@@ -30,28 +34,30 @@ if TYPE_CHECKING:
     from kg.robot.connection import Canceller, Connection, Publication, Value
 
 NODES: Final = "/kg_watchdog_"
-"""What the names of watchdogs begin with."""
+"""Prefix of the names of watchdogs."""
 SILENCE: Final = 0.5
-"""Seconds without a heartbeat after which the robot is stopped, where nothing else is set."""
-_BEATS: Final = 5
-"""Heartbeats in that time."""
-_IDLE: Final = 5.0
-"""Seconds that the controller may stand still while nothing moves before its commands end."""
-_TIMES: Final = 5
-"""How often zero is sent: what the controller sent last may still be on its way."""
+"""Default seconds without a heartbeat after which the robot is stopped."""
+_BEATS: Final = 5  # heartbeats within that time
+_IDLE: Final = 5.0  # seconds that the controller may be blocked without movement before its commands end
+_TIMES: Final = 5  # how often zero is sent: the controller's last command may still be in transit
 _PAUSE: Final = 0.1
-_HEARD: Final = 3.0
-"""Seconds to wait for a subscriber of a topic, or the server of a goal, that was used only just."""
-_ENDS: Final = 5.0
-"""Seconds that the watchdog may take to leave the graph."""
+_HEARD: Final = (
+    3.0  # seconds to wait for a subscriber of a topic, or the server of a goal, that was in use a moment ago
+)
+_ENDS: Final = 5.0  # seconds for the watchdog to leave the graph
+_AGAIN: Final = 60.0  # seconds for which a robot that was lost while it moved is looked for
+_LOOK: Final = 1.0  # seconds between attempts to reach it
 _CLOCK: Final = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
-"""A clock that also counts while the machine sleeps, where there is one."""
+"""A clock that includes the machine's sleep, if there is one."""
+
+_Order: TypeAlias = list[Any]
+"""What the controller sends: a word, and what it is about."""
 
 
 class Watchdog:
     """The controller's side: heartbeats while it is open, and the process, started with the first movement or goal.
 
-    A robot in memory ends with the controller and needs no other process.
+    A robot in memory ends with the controller and needs no watchdog.
 
     Args:
         address: the robot.
@@ -69,37 +75,42 @@ class Watchdog:
         self._tasks: list[asyncio.Task[None]] = []
 
     def open(self, on_silence: Callable[[RobotError], None]) -> None:
-        """Begin with heartbeats; `on_silence` gets the error KG828 when they have paused for too long."""
+        """Start the heartbeats; `on_silence` receives the error KG828 if they paused for too long."""
         self._on_silence = on_silence
         self._beaten = time.clock_gettime(_CLOCK)
         self._tasks.append(spawn(self._beat(), "sending heartbeats to the watchdog"))
 
     async def watch_topic(self, topic: str, kind: str, zero: Value) -> None:
-        """Stop a topic with a message when this process is silent or dies, until `forget`."""
+        """Stop a topic with a message if this process is silent or dies, until `forget`."""
         await self._watch(topic, ["topic", topic, kind, zero])
 
     async def watch_goal(self, action: str, kind: str, identity: str) -> None:
-        """Cancel a goal when this process is silent or dies, until `forget`."""
+        """Cancel a goal if this process is silent or dies, until `forget`."""
         await self._watch(identity, ["goal", identity, action, kind])
 
     async def _watch(self, key: str, order: list[Any]) -> None:
         self._watched.add(key)
         if self._process is None and self._needed:
-            # In a session of its own no signal to the group of this process reaches it: Ctrl-C, Ctrl-Z, a hang-up.
+            # In a session of its own, it gets no signal for the group of this process: Ctrl-C, Ctrl-Z, a hang-up.
             started = asyncio.create_subprocess_exec(*self._command, stdin=PIPE, stdout=PIPE, start_new_session=True)
             self._process = asyncio.ensure_future(started)
             self._tasks.append(spawn(self._listen(self._process), "listening to the watchdog"))
         await self._send(order)
 
     async def forget(self, key: str) -> None:
-        """Leave a topic, which others may move by now, or a goal alone: it was stopped, or has ended."""
+        """Stop watching a topic or goal that was stopped, or has ended."""
         self._watched.discard(key)
         await self._send(["forget", key])
 
-    def late(self) -> RobotError | None:
-        """Return the error KG828 when this process has sent no heartbeat for too long, None otherwise.
+    async def owe(self, topic: str) -> None:
+        """Have zero sent to a topic when the robot can be reached again: it was lost before it could be stopped."""
+        self._watched.discard(topic)
+        await self._send(["owe", topic])
 
-        Whatever sends a velocity asks before: the first thing that runs after a pause need not be the heartbeat.
+    def late(self) -> RobotError | None:
+        """Return the error KG828 if this process has sent no heartbeat for too long, None otherwise.
+
+        Checked before each velocity: after a pause, the heartbeat need not be the first to run.
         """
         paused = time.clock_gettime(_CLOCK) - self._beaten
         if paused <= (self.silence if self._watched else max(self.silence, _IDLE)):
@@ -116,8 +127,8 @@ class Watchdog:
             await asyncio.sleep(self.silence / _BEATS)
 
     async def _listen(self, starting: asyncio.Task[Process]) -> None:
-        """End commands when the watchdog has stopped the robot; its view of what is too late is the one that counts."""
-        with suppress(OSError):  # nothing could be started
+        """End commands when the watchdog has stopped the robot; the watchdog decides what is too late."""
+        with suppress(OSError):  # it did not start
             process = await asyncio.shield(starting)
             assert process.stdout is not None  # noqa: S101 - it was asked for
             async for line in process.stdout:
@@ -125,12 +136,12 @@ class Watchdog:
                 self._on_silence(RobotError("KG828", message))
 
     async def release(self) -> None:
-        """End the heartbeats and the other process: all that moved stands still, or was told to."""
+        """End the heartbeats and the process; all movements have been stopped."""
         process = await self._send(["end"])
         await ended(*self._tasks)
         if process is not None:
             with suppress(ProcessLookupError):
-                process.terminate()  # where it is only just starting, and reads nothing yet; else it ignores this
+                process.terminate()  # while it is starting and does not read yet; later it ignores this
             try:
                 async with asyncio.timeout(_ENDS):
                     await process.wait()
@@ -143,23 +154,23 @@ class Watchdog:
             return None
         try:
             process = await asyncio.shield(self._process)
-        except OSError:  # nothing could be started: the robot is moved without it
+        except OSError:  # it did not start: the robot is moved without it
             return None
         if process.stdin is None or process.returncode is not None:
             return None
-        # Not drained, since no robot waits for a watchdog that hangs; and it gets no heartbeats that it does not read.
+        # Not drained, since no robot should wait for a hanging watchdog, which gets no heartbeats either.
         if order != ["beat"] or not process.stdin.transport.get_write_buffer_size():
             process.stdin.write(f"{json.dumps(order)}\n".encode())
         return process
 
 
 def main() -> None:
-    """Be the watchdog; the address of the robot and the seconds of silence are the arguments."""
+    """Run the watchdog process; arguments are the robot's address and the seconds of silence."""
     address, silence = sys.argv[1], float(sys.argv[2])
     try:
-        import_module(SCHEMES[scheme_of(address)])  # most of the start; until then a signal ends the process at once
-        # From here on the pipe alone does: the node is to leave the graph properly, and to outlive a service manager's
-        # request to all processes of the robot.
+        import_module(SCHEMES[scheme_of(address)])  # most of the start; until here, a signal ends the process at once
+        # From here on only the pipe does: the node must leave the graph properly, and survive the signals
+        # that a service manager sends to all processes of the robot.
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         asyncio.run(_watch(address, silence))
     except RobotError as error:
@@ -169,26 +180,67 @@ def main() -> None:
 async def _watch(address: str, silence: float) -> None:
     connection = await connect(address, name=f"{NODES}{os.getpid()}")
     try:
-        await _Watching(connection, silence).run()
+        watching = _Watching(connection, silence)
+        await watching.run()
+        if watching.owed:  # before this connection is closed, which may take longer than the controller waits
+            _leave_to_another(address, watching.owed)
     finally:
         await connection.aclose()
 
 
+def _leave_to_another(address: str, owed: list[_Order]) -> None:
+    """Start the process that stops the robot later; who waits for the output of the controller need not wait for it."""
+    topics = ", ".join(f"`{order[1]}`" for order in owed)
+    _report("KG828", f"the robot was lost while it moved; for {_AGAIN:.0f} s, kg tries to send zero to {topics}")
+    command = (sys.executable, "-P", "-c", f"from {__name__} import stop_later; stop_later()", address)
+    stderr = None if sys.stderr.isatty() else subprocess.DEVNULL
+    process = subprocess.Popen(  # noqa: S603 - this program itself
+        command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=stderr, start_new_session=True
+    )
+    if process.stdin is not None:
+        process.stdin.write(json.dumps(owed).encode())
+        process.stdin.close()
+
+
+def stop_later() -> None:
+    """Be the process that stops a robot when it is back; the address is the argument, what to stop is the input."""
+    asyncio.run(_stop_later(sys.argv[1], json.load(sys.stdin)))
+
+
+async def _stop_later(address: str, owed: list[_Order]) -> None:
+    with suppress(TimeoutError):
+        async with asyncio.timeout(_AGAIN):
+            while True:
+                try:
+                    connection = await connect(address, name=f"{NODES}{os.getpid()}")
+                except RobotError:
+                    await asyncio.sleep(_LOOK)
+                    continue
+                try:
+                    await _Watching(connection, SILENCE).stop_all(owed)
+                finally:
+                    await connection.aclose()
+                return
+
+
 class _Watching:
-    """The process's side: what it has been told to stop, and since when the controller is silent."""
+    """The watchdog's state: topics and goals to stop, and the time of the last heartbeat."""
 
     def __init__(self, connection: Connection, silence: float) -> None:
         self._connection = connection
         self._silence = silence
         self._heard = 0.0
         self._released = False
+        self.owed: list[_Order] = []
+        """The orders of the topics that are to be stopped when the robot can be reached again."""
+        self._moving: dict[str, _Order] = {}
         self._zeros: dict[str, Value] = {}
         self._goals: dict[str, str] = {}
         self._publications: dict[str, asyncio.Task[Publication]] = {}
         self._cancellers: dict[str, asyncio.Task[Canceller]] = {}
 
     async def run(self) -> None:
-        """Watch until the controller releases this process, or its end of the pipe is closed, as when it dies."""
+        """Watch until the controller releases this process, or closes its end of the pipe by dying."""
         loop = asyncio.get_running_loop()
         reading = asyncio.ensure_future(self._read())
         while not reading.done():
@@ -205,30 +257,43 @@ class _Watching:
         loop = asyncio.get_running_loop()
         reader = asyncio.StreamReader(limit=1 << 24)
         await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
-        while (line := await reader.readline()).endswith(b"\n"):  # half an order is none
+        while (line := await reader.readline()).endswith(b"\n"):  # ignore a truncated order
             self._heard = loop.time()
-            match json.loads(line):
-                case ["topic", topic, kind, zero]:
-                    if topic not in self._publications:
-                        # Latched as the controller's: a subscriber that adapts to what publishers offer stays as it is.
-                        offering = self._connection.advertise(topic, kind, latch=True)
-                        self._publications[topic] = asyncio.ensure_future(offering)
-                        self._publications[topic].add_done_callback(partial(_check, f"stop `{topic}`"))
-                    self._zeros[topic] = zero
-                case ["goal", identity, action, kind]:
-                    if action not in self._cancellers:
-                        self._cancellers[action] = asyncio.ensure_future(self._connection.canceller(action, kind))
-                        self._cancellers[action].add_done_callback(partial(_check, f"cancel goals of `{action}`"))
-                    self._goals[identity] = action
-                case ["forget", key]:
-                    self._zeros.pop(key, None)
-                    self._goals.pop(key, None)
-                case ["end"]:
-                    self._released = True
-                    return
+            self._take(json.loads(line))
+            if self._released:
+                return
+
+    def _take(self, order: _Order) -> None:
+        match order:
+            case ["topic", topic, kind, zero]:
+                if topic not in self._publications:
+                    # Latched like the controller's: a subscriber that adapts to its publishers is not disturbed.
+                    offering = self._connection.advertise(topic, kind, latch=True)
+                    self._publications[topic] = asyncio.ensure_future(offering)
+                    self._publications[topic].add_done_callback(partial(_check, f"stop `{topic}`"))
+                self._zeros[topic], self._moving[topic] = zero, order
+            case ["goal", identity, action, kind]:
+                if action not in self._cancellers:
+                    self._cancellers[action] = asyncio.ensure_future(self._connection.canceller(action, kind))
+                    self._cancellers[action].add_done_callback(partial(_check, f"cancel goals of `{action}`"))
+                self._goals[identity] = action
+            case ["forget", key]:
+                self._zeros.pop(key, None)
+                self._goals.pop(key, None)
+            case ["owe", topic]:
+                if self._zeros.pop(topic, None) is not None:
+                    self.owed.append(self._moving[topic])
+            case ["end"]:
+                self._released = True
+
+    async def stop_all(self, orders: list[_Order]) -> None:
+        """Stop the topics of orders at once."""
+        for order in orders:
+            self._take(order)
+        await self._stop("the robot was lost while it moved, and is back")
 
     async def _stop(self, why: str) -> None:
-        """Stop everything at the same time: what cannot be stopped delays nothing else."""
+        """Stop everything in parallel, so one unreachable peer delays no other."""
         zeros, self._zeros = self._zeros, {}
         goals, self._goals = self._goals, {}
         if zeros or goals:
@@ -237,7 +302,7 @@ class _Watching:
             _report("KG828", f"{why}: {', '.join(done)}")
         work = [self._still(topic, zero) for topic, zero in zeros.items()]
         work += [self._cancelled(identity, action) for identity, action in goals.items()]
-        await asyncio.gather(*work, return_exceptions=True)  # what cannot be reached was reported, or does not listen
+        await asyncio.gather(*work, return_exceptions=True)  # the unreachable were reported, or do not subscribe
 
     async def _still(self, topic: str, zero: Value) -> None:
         publication = await self._publications[topic]
@@ -246,7 +311,7 @@ class _Watching:
                 while not publication.peers:  # noqa: ASYNC110 - nothing tells of peers
                     await asyncio.sleep(_PAUSE)
         for _ in range(_TIMES):
-            if topic in self._zeros:  # the controller is back and moves it by a new command
+            if topic in self._zeros:  # the controller is back and moves it with a new command
                 return
             if "header" in zero:
                 zero["header"]["stamp"] = stamp(self._connection.clock.now())
@@ -256,7 +321,7 @@ class _Watching:
     async def _cancelled(self, identity: str, action: str) -> None:
         async with asyncio.timeout(_HEARD):
             await (await self._cancellers[action]).cancel(identity)
-            await asyncio.sleep(_PAUSE)  # what was sent leaves before the node does
+            await asyncio.sleep(_PAUSE)  # messages leave before the node does
 
 
 def _check(what: str, task: asyncio.Task[Any]) -> None:
@@ -265,6 +330,6 @@ def _check(what: str, task: asyncio.Task[Any]) -> None:
 
 
 def _report(code: str, message: str) -> None:
-    """Write a warning where the controller writes its own, if that still exists."""
+    """Write a warning to the controller's standard error, if it still exists."""
     with suppress(OSError):
         os.write(sys.stderr.fileno(), f"warning[{code}]: {message}\n".encode())

@@ -1,8 +1,9 @@
-"""Which capability is meant, which of its ways is taken, and why what is done or read may come to nothing."""
+"""Resolution of capabilities by name, the choice of an interface, and doubts about its nodes."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, Literal
+from collections.abc import Collection, Iterator
+from typing import Final, Literal
 
 from kg.errors import RobotError
 from kg.facts import Role
@@ -11,16 +12,12 @@ from kg.robot.connection import ComputationGraph, GraphProblem
 from kg.robot.lifecycle import ACTIVE, idle
 from kg.similar import did_you_mean, folded
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
-
 
 def find(capabilities: Capabilities, name: str, modality: Literal["read", "write"] | None = None) -> Capability:
-    """Return the capability of a name, label or alternative label, whatever its case, that is read or done.
+    """Return the capability of a name, label or alternative label, in any case, that can be read or executed.
 
     Raises:
-        RobotError: KG821 when there is none, with those that were probably meant; KG822 for one that is only there the
-            other way, or that cannot be reached.
+        RobotError: KG821 unknown, with suggestions; KG822 it can only be used the other way, or is not available.
     """
     wanted = folded(name)
     named = [one for one in capabilities.capabilities if folded(one.name) == wanted or one.iri == name]
@@ -51,10 +48,10 @@ def _unknown(capabilities: Capabilities, name: str, modality: str | None) -> Rob
 
 
 def named(capability: Capability, name: str | None) -> list[Way]:
-    """Return the ways that can be meant: all, or those of a channel, node or message type.
+    """Return the candidate interfaces: all, or those of a channel, node or message type.
 
     Raises:
-        RobotError: KG822 when there is none of that name, or the capability cannot be reached at all.
+        RobotError: KG822 none of that name, or the capability is not available at all.
     """
     if not capability.ways:
         because = f"; it is implied by {', '.join(capability.implied_by)}" if capability.implied_by else ""
@@ -70,11 +67,11 @@ def named(capability: Capability, name: str | None) -> list[Way]:
 
 
 def choose(ways: list[Way], arguments: Collection[str], graph: ComputationGraph | None, *, reads: bool) -> Way:
-    """Return the way to take.
+    """Return the interface to use.
 
-    One whose node is there, and active, comes before one whose node is not; then one that has a field for every
-    argument; then the most specific, which has fields for the most parameters; then an action before a service before a
-    topic when something is done (an action tells how it ends), a topic first when something is read; then the first.
+    Preferred are, in this order: one with an active node; one with a field for every argument; the most specific, with
+    fields for most parameters; for commands, an action, then a service, then a topic (an action reports its end); for
+    readings, a topic; the first.
     """
     order = ("topic", "service", "action") if reads else ("action", "service", "topic")
 
@@ -100,14 +97,14 @@ _DOES: Final = {
     Role.SERVICES: ("serves", "KG807"),
     Role.ACTION_SERVERS: ("carries out goals of", "KG807"),
 }
-"""What the nodes of a way do, and the code of what happens where none does."""
+"""What the nodes of an interface do, and the code of the error if none does."""
 
 
 def doubts_of(way: Way, graph: ComputationGraph, *, reads: bool) -> Iterator[GraphProblem]:
-    """Yield what a computation graph says against a way: that its nodes are dead or not active, or that it has none.
+    """Yield objections of a computation graph to an interface: its nodes are dead, inactive or missing.
 
-    Where one node works nothing comes to nothing. The code is KG811 for a node that does not answer, KG819 for one that
-    is not active, else that of the error to be expected.
+    One working node is enough. The code is KG811 for a node that does not answer, KG819 for an inactive one, else that
+    of the expected error.
     """
     role = role_of(way, reads=reads)
     does, code = _DOES[role]

@@ -1,4 +1,4 @@
-"""Running systems as graphs: what their nodes can do, without a store and in step with one."""
+"""Running systems as graphs: the capabilities of their nodes, with or without a store."""
 
 from __future__ import annotations
 

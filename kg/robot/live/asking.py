@@ -1,4 +1,4 @@
-"""The capabilities of a running system, a launch file or a package, and why each is there.
+"""The capabilities of a running system, a launch file or a package, with their proofs.
 
 with launched(settings, "rover.launch", {}, {}) as subject:
     subject.capabilities
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What is asked about: its capabilities, and the graph that tells why it has them."""
+    """A system or package: its capabilities, and the graph that proves them."""
 
     capabilities: Capabilities
     view: View
@@ -45,16 +45,16 @@ class Subject:
     rules: tuple[Rule, ...]
 
     def why(self, name: str) -> Iterator[Proof]:
-        """Yield for each node that has a capability why it does; RobotError KG818 when none has one of that name."""
+        """Yield a proof for each node that has a capability; RobotError KG818 if none has one of that name."""
         return proofs(self.graph, self.view, self.rules, self.iri, find(self.capabilities, name))
 
 
 def running(
     graph: ComputationGraph, settings: Settings, address: str, nodes: Mapping[str, str] | None = None
 ) -> Subject:
-    """Return what is to be said of a running system; raises as `knowledge`.
+    """Return the subject of a running system; raises as `knowledge`.
 
-    `nodes` has the times (ISO 8601, UTC) since when nodes were seen, by their names; the others were seen just now.
+    `nodes` has the times (ISO 8601, UTC) since when nodes have been seen, by name; others are new.
     """
     seen = Seen(address, name_of(address), now(), nodes=nodes or {})
     subject = _in_memory(system_of(graph, seen), settings, address)
@@ -65,7 +65,7 @@ def running(
 def launched(
     settings: Settings, launch: str, arguments: Mapping[str, str], environment: Mapping[str, str]
 ) -> Iterator[Subject]:
-    """Give what is to be said of a launch file of the store, evaluated anew where anything is given.
+    """Yield the subject of a launch file in the store, evaluated again if arguments are given.
 
     Raises as `kg.pipeline.launching.chosen`, and StoreError KG301 without a store.
     """
@@ -83,12 +83,12 @@ def launched(
 
 @contextmanager
 def of_package(settings: Settings, name: str) -> Iterator[Subject]:
-    """Give what is to be said of a package of the store, `name` or `repository:name`.
+    """Yield the subject of a package in the store, `name` or `repository:name`.
 
     Raises:
-        StoreError: KG301 without a store.
-        UnknownNameError: KG001 when there is none of that name.
-        UsageError: KG003 when there are several.
+        StoreError: KG301 no store.
+        UnknownNameError: KG001 no such package.
+        UsageError: KG003 several packages.
     """
     with existing(settings).read() as snapshot:
         yield _stored(snapshot, settings, package_iri(snapshot, name), name)

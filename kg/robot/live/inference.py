@@ -1,10 +1,10 @@
-"""What a system can do by its computation graph alone: ontologies and rules in memory, no store.
+"""Inference of a system's capabilities from its computation graph, in memory, without a store.
 
     capabilities = infer(await connection.graph(), settings, address=connection.address)
 
-What does not depend on the graph (rules, ontologies, definitions of capabilities) is read once a process. What robots
-can do is kept between commands: rules run again only if the robot, they or an ontology changed. A file below the user's
-cache holds the capabilities of one graph. Its name is a digest of all that they follow from.
+Rules, ontologies and definitions of capabilities are read once per process. Results are cached between commands: rules
+run again only if the graph, the rules or an ontology changed. A file in the user's cache has the capabilities of one
+graph; its name is a digest of all inputs.
 """
 
 from __future__ import annotations
@@ -51,20 +51,20 @@ if TYPE_CHECKING:
     from kg.settings import Settings
 
 MOST: Final = 64
-"""How many files there are at most; those used least recently go first."""
+"""Maximum number of cache files; the least recently used are removed."""
 _MOST_BYTES: Final = 1 << 20
 _CODE: Final = Path(__file__).resolve().parent.parent.parent
 
 
 def cache_folder() -> Path:
-    """Return where the files are."""
+    """Return the folder of the cache."""
     return user_cache() / "capabilities"
 
 
 def cache_key(graph: ComputationGraph, settings: Settings, names: tuple[str, ...]) -> str:
-    """Return a digest of what capabilities follow from: graph, names, rules, ontologies, and the code of kg.
+    """Return a digest of the inputs of inference: graph, names, rules, ontologies, and the code of kg.
 
-    The addresses of nodes do not count, which are others after each start. Raises as `kg.pipeline.reasoning.digest`.
+    Addresses of nodes are excluded, since they change at each start. Raises as `kg.pipeline.reasoning.digest`.
     """
     nodes = [(node.name, node.problem) for node in graph.nodes]
     seen = [graph.ros, nodes, graph.ends, graph.problems, graph.complete, names]
@@ -74,10 +74,10 @@ def cache_key(graph: ComputationGraph, settings: Settings, names: tuple[str, ...
 
 
 def remembered(name: str, make: Callable[[], Capabilities]) -> Capabilities:
-    """Return the capabilities of that key, made now if no file has them.
+    """Return the capabilities of a key, inferred now if no file has them.
 
-    Two processes may make the same file at once: each replaces it in one step by the same content. Without a folder
-    that can be written, nothing is kept.
+    Two processes may write the same file at once: each replaces it atomically with the same content. Without a writable
+    folder, nothing is cached.
     """
     place = cache_folder() / f"{name}.json"
     with suppress(OSError, msgspec.MsgspecError):
@@ -90,18 +90,18 @@ def remembered(name: str, make: Callable[[], Capabilities]) -> Capabilities:
             place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             write_atomically(place, content, durable=False)
             _prune(place.parent)
-    return msgspec.json.decode(content, type=Capabilities)  # what is left out as a default is the same each time
+    return msgspec.json.decode(content, type=Capabilities)  # omitted defaults are always the same
 
 
 def _prune(place: Path) -> None:
-    """Remove the files used least recently, and what writers that were killed left."""
+    """Remove the least recently used files, and leftovers of killed writers."""
     found = [(path.stat().st_mtime_ns, path) for path in place.iterdir()]
     for _, path in sorted(found)[:-MOST]:
         path.unlink(missing_ok=True)
 
 
 FAMILIES: Final = ("capability", "communication")
-"""The families of rules that capabilities follow from, with rules of these names that users keep."""
+"""The families of rules for capabilities, together with users' rules of these families."""
 _LEFT_OUT: Final = ("function.ttl", "hardware.ttl", "hardware-products.ttl", "architecture.ttl")
 """Ontologies that these rules do not read."""
 
@@ -111,9 +111,9 @@ _LABEL: Final = v.LABEL.encode()
 
 @dataclass(frozen=True, slots=True)
 class Knowledge:
-    """What is known before any robot is seen: rules, and the ontologies as triples and as columns.
+    """Knowledge independent of any robot: rules, and the ontologies as triples and as columns.
 
-    `told` are the triples of the ontologies as N-Triples, `short` the modalities and labels of capabilities alone.
+    `told` has the triples of the ontologies as N-Triples, `short` only the modalities and labels of capabilities.
     """
 
     program: Program
@@ -124,12 +124,12 @@ class Knowledge:
     definitions: Mapping[str, Definition]
     rules: RuleSet
     inferred: NamedNode
-    """The graph that holds what was inferred, as in a store."""
+    """The graph for inferred triples, as in a store."""
 
     def world(self, content: bytes, *, whole: bool = False) -> MemorySnapshot:
-        """Return some triples (N-Triples), and in a graph of its own what follows from these, to be asked.
+        """Return a snapshot of some triples (N-Triples) with their inferences in a separate graph.
 
-        The ontologies are among them as a `whole`, else as far as capabilities are read by them. Raises what
+        With `whole` it includes the ontologies, else only what reading capabilities needs. Raises what
         `kg.rules.engine.evaluate` raises.
         """
         store = Store()
@@ -143,16 +143,16 @@ class Knowledge:
 
 
 def knowledge(settings: Settings) -> Knowledge:
-    """Return what is known beforehand, read once for settings and rules that are the same.
+    """Return the knowledge, read once for the same settings and rules.
 
-    Files of rules that cannot be used are left out. Raises as `kg.pipeline.reasoning.digest`.
+    Unusable rule files are left out. Raises as `kg.pipeline.reasoning.digest`.
     """
     return _known(_Same(settings, f"{settings.base} {rule_folders(settings)} {digest(settings)}"))
 
 
 @dataclass(frozen=True, slots=True)
 class _Same:
-    """Settings that count as the same when `mark` is."""
+    """Settings that compare equal if their `mark` is equal."""
 
     settings: Settings
     mark: str
@@ -192,20 +192,20 @@ def _families(settings: Settings) -> tuple[str, ...]:
 
 
 def now() -> str:
-    """Return the time of the wall as facts have it (ISO 8601, UTC)."""
+    """Return the current time in the format of facts (ISO 8601, UTC)."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
 def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", name: str = "") -> Capabilities:
-    """Return what a system can do by its graph; it is kept between processes (`kg.robot.live.inference`).
+    """Return the capabilities of a system by its graph; cached between processes.
 
-    What it cannot do now, because nodes are not active, is marked.
+    Capabilities that are unavailable because nodes are not active are marked.
 
     Args:
-        graph: what runs and how it communicates.
-        settings: which rules are in force, and the base of IRIs.
-        address: of the robot, `of` of the answer, where it has no `name`.
-        name: what the system is called.
+        graph: nodes and their communication.
+        settings: rules in force, and the base of IRIs.
+        address: that of the robot; the result's `of` if there is no `name`.
+        name: name of the system.
 
     Raises as `knowledge`.
     """
@@ -225,9 +225,9 @@ def infer_system(
     of: str,
     records: Mapping[NodeReference, NodeRecord] | None = None,
 ) -> Capabilities:
-    """Return what a system can do by the facts about it, whether it runs or a launch file would start it.
+    """Return the capabilities of a system by its facts, whether it runs or would be started by a launch file.
 
-    `records` are the node types that its instances are of. Raises as `knowledge`.
+    `records` are the node types of its instances. Raises as `knowledge`.
     """
     own = system.configuration
     iri = Iris(settings.base).configuration(own.repository, own.path)
@@ -243,7 +243,7 @@ def world_of(
     *,
     whole: bool = False,
 ) -> MemorySnapshot:
-    """Return a system, and what follows from it, to be asked; `whole` as `Knowledge.world`."""
+    """Return a snapshot of a system with its inferences; `whole` as in `Knowledge.world`."""
     content = system_triples(system, records or {}, Iris(settings.base), whole=True)
     return known.world(content, whole=whole)
 
@@ -252,6 +252,6 @@ _OF: Final = "the ontology"
 
 
 def general(settings: Settings) -> Capabilities:
-    """Return every capability of the ontologies, without ways to reach them; raises as `knowledge`."""
+    """Return every capability of the ontologies, without interfaces; raises as `knowledge`."""
     found = [one.capability() for one in knowledge(settings).definitions.values()]
     return Capabilities(of=_OF, capabilities=tuple(sorted(found, key=lambda each: (each.kinds, each.label))))

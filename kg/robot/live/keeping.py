@@ -1,6 +1,6 @@
-"""The graph of a running system in a store, kept in step with what is seen, with what rules infer from it.
+"""The graph of a running system in a store, kept up to date incrementally, with inferences.
 
-It is kept node by node, so that a change costs what the nodes cost that changed.
+It is stored node by node, so the cost of a change depends on the changed nodes only.
 """
 
 from __future__ import annotations
@@ -37,9 +37,10 @@ _Lines = frozenset[bytes]
 
 
 class Parts:
-    """The lines of a graph by the instance that says them; many say the same of a channel or a type.
+    """The lines of a graph by the instance that they come from.
 
-    `described` are the subjects that other graphs of the store describe, which are left to these.
+    Many instances share lines about a channel or a type. `described` are the subjects that other graphs of the store
+    describe; their lines are left to these.
     """
 
     def __init__(self, iris: Iris, described: AbstractSet[bytes]) -> None:
@@ -48,12 +49,12 @@ class Parts:
         self._instances: dict[str, NodeInstance] = {}
         self._lines: dict[str, _Lines] = {}
         self._counts: Counter[bytes] = Counter()
-        """How many parts say a line."""
+        """Number of parts that contain a line."""
 
     def change(self, system: System, records: Mapping[NodeReference, NodeRecord]) -> tuple[bytes, bytes]:
-        """Take the system as it is now; return the lines that went and that came (N-Triples, sorted).
+        """Set the current system; return the removed and the added lines (N-Triples, sorted).
 
-        Instances that are the same as before (`is`) are taken to say the same: `records` only grow.
+        Identical (`is`) instances are assumed to have the same lines, since `records` only grow.
         """
         before, self._lines = self._lines, {}
         instances: dict[str, NodeInstance] = {}
@@ -69,7 +70,7 @@ class Parts:
         return frozenset([*own, *(line for line in shared if line.partition(b" ")[0] not in self._described)])
 
     def _differences(self, before: Mapping[str, _Lines]) -> tuple[bytes, bytes]:
-        """Return which lines no part says any more, and which none said before; what moved is counted up first."""
+        """Return the lines no longer in any part, and the new ones; moved lines are counted up first."""
         nothing = _Lines()
         pairs = [
             (before.get(iri, nothing), self._lines.get(iri, nothing))
@@ -93,15 +94,14 @@ class Parts:
         return b"".join(sorted(gone)), b"".join(sorted(new))
 
 
-_NONE: Final = -1
-"""No generation: what the store holds has not been looked at."""
+_NONE: Final = -1  # no generation: the content of the store is unknown
 
 
 @dataclass(frozen=True, slots=True)
 class Kept:
     """The state of the store after a change.
 
-    `generation` is None where nothing had to be written. `held` has the IRIs of what the system can do, with labels;
+    `generation` is None if nothing had to be written. `held` has the IRIs of the system's capabilities, with labels;
     `matches` the node types of its nodes; `problems` are rules that could not run.
     """
 
@@ -112,10 +112,10 @@ class Kept:
 
 
 class Keeper:
-    """Keeps one running system in a store; each change is one transaction, in which the rules run too."""
+    """Stores one running system; each change is one transaction, which includes the rules."""
 
     def __init__(self, store: EmbeddedStore, settings: Settings, *, address: str, name: str) -> None:
-        """`name` is what the system is called: the last part of the name of its graph."""
+        """Create the keeper; `name` is the name of the system, the last part of the name of its graph."""
         self._store = store
         self._settings = settings
         self._iris = Iris(settings.base)
@@ -128,7 +128,7 @@ class Keeper:
         self._generation: int | None = _NONE
         self._instances = Instances()
         self._parts: Parts | None = None
-        """What the graph holds; None where that is not known."""
+        """The content of the graph; None if unknown."""
 
     @property
     def graph(self) -> NamedNode:
@@ -141,14 +141,14 @@ class Keeper:
         return self._iris.configuration(RUNNING, self._name)
 
     def keep(self, graph: ComputationGraph, *, until: str | None = None) -> Kept:
-        """Make the store say what is seen now; with `until` (ISO 8601, UTC) it was seen then for the last time.
+        """Store the current state of the system; with `until` (ISO 8601, UTC), as seen for the last time.
 
-        Raises StoreError: KG302 while another process writes, KG304 when the disk is full; and as `Inference.run`.
+        Raises StoreError: KG302 another process is writing, KG304 the disk is full; and as `Inference.run`.
         """
         with self._store.write("kg robot watch") as transaction:
             if transaction.base != self._generation:
                 self._begin(transaction)
-            self._generation = _NONE  # until it is certain that what is written stays
+            self._generation = _NONE  # until the write is certain to be final
             matches = self._recognizer.matches(transaction, graph)
             written = self._write(transaction, self._system(graph, matches, until))
             problems = self._inference.run(transaction).problems if written else ()
@@ -162,13 +162,13 @@ class Keeper:
         return Kept(generation, found, matches, problems)
 
     def _begin(self, transaction: EmbeddedTransaction) -> None:
-        """Learn what the store holds, where another process wrote it last."""
+        """Read the content of the store after another process wrote it."""
         self._inference.update_ontologies(transaction)
         self._recognizer.forget()
         self._parts = None
 
     def save(self) -> None:
-        """Leave to the next process what helps its rules to begin quickly."""
+        """Save the state that lets the next process start its rules quickly."""
         self._inference.save()
 
     def _system(self, graph: ComputationGraph, matches: Mapping[str, Match], until: str | None) -> System:
@@ -178,7 +178,7 @@ class Keeper:
         return system_of(graph, seen, matches, similar=near_misses, made=self._instances)
 
     def _write(self, transaction: EmbeddedTransaction, system: System) -> bool:
-        """Write what differs; types that the store describes already are left to the graph that does."""
+        """Write the differences; types that the store already describes are left to their graph."""
         if self._parts is None:
             content = transaction.content(NamedNode(self._iris.graph(SHARED)))
             self._parts = Parts(self._iris, {line.partition(b" ")[0] for line in content.splitlines()})

@@ -1,8 +1,8 @@
-"""Which node type of a store a running node is of, told by its name and by its interface.
+"""Matching of running nodes to node types of a store, by name and interface.
 
-A name alone says little (any robot has a `driver`), and an interface of one topic says little either. So a node type of
-the name is taken when it declares at least half of what the node does, and one of another name when it declares all of
-it, under the same names, and that is two ends or more. Of several that fit alike none is taken.
+A name alone is weak evidence (any robot has a `driver`), and so is an interface of one topic. So a node type of the
+same name is accepted if it declares at least half of the node's interface. One of another name must declare all of it,
+under the same names, and at least two ends. If several fit equally, none is accepted.
 """
 
 from __future__ import annotations
@@ -26,17 +26,15 @@ if TYPE_CHECKING:
     from kg.facts import Interface, NodeReference
     from kg.robot.connection import ComputationGraph, LiveEnd
 
-_ANONYMOUS: Final = re.compile(r"(_\d+)+$")
-"""What ROS puts behind the names of nodes that are started anonymously."""
-_FEW: Final = 2
-"""So many ends, all under the names of the code, tell a node type of another name."""
+_ANONYMOUS: Final = re.compile(r"(_\d+)+$")  # suffix of the names of anonymous nodes
+_FEW: Final = 2  # minimum number of ends, all under the names of the code, for a node type of another name
 _BLOCK: Final = re.compile(r"VALUES \?(\w+) \{ UNDEF \}")
 
 
 class Recognizer:
-    """Recognizes nodes of one system; what was found stays found while the store and the node are the same.
+    """Matches nodes of one system; results are cached while store and node are unchanged.
 
-    `records` are the node types that were found so far, by reference.
+    `records` are the node types found so far, by reference.
     """
 
     def __init__(self, base: str) -> None:
@@ -45,12 +43,12 @@ class Recognizer:
         self._known: dict[tuple[str, tuple[LiveEnd, ...]], Match | None] = {}
 
     def forget(self) -> None:
-        """Let go of what was found: the store has other node types now."""
+        """Clear the cache, because the node types of the store changed."""
         self._known.clear()
         self.records.clear()
 
     def matches(self, store: Queryable, graph: ComputationGraph) -> dict[str, Match]:
-        """Return the node types of nodes by the names of these; nodes of none are left out."""
+        """Return the node types of nodes by the names of these; nodes without one are left out."""
         ends: defaultdict[str, list[LiveEnd]] = defaultdict(list)
         for end in graph.ends:
             if not is_implicit(end.role, end.name, end.node, graph.ros):
@@ -110,7 +108,7 @@ def _whole(exact: int, _moved: int, total: int) -> bool:
 
 
 def _best(name: str, ends: Sequence[LiveEnd], records: Iterable[NodeRecord], enough: Any) -> Match | None:
-    """Return the one of some node types that fits best; None when none fits, or several fit alike."""
+    """Return the best of some node types; None if none fits, or several fit equally."""
     found: list[tuple[tuple[int, int, int], Match]] = []
     for record in records:
         exact, moved = _paired(name, ends, record)
@@ -127,7 +125,7 @@ def _best(name: str, ends: Sequence[LiveEnd], records: Iterable[NodeRecord], eno
 def _paired(
     name: str, ends: Sequence[LiveEnd], record: NodeRecord
 ) -> tuple[Mapping[LiveEnd, Interface], Mapping[LiveEnd, Interface]]:
-    """Return the interfaces of a node type that ends are: those of their name, and those that must be renamed."""
+    """Return the interfaces of a node type for ends: those of the same name, and those that must have been renamed."""
     namespace, _, base = name.rpartition("/")
     free = [one for one in record.node.interfaces if not one.implicit]
     exact: dict[LiveEnd, Interface] = {}

@@ -1,6 +1,6 @@
-"""A computation graph that was seen becomes the facts of a system, with the terms of launch systems.
+"""Conversion of an observed computation graph to the facts of a system, in the terms of launched systems.
 
-What is known of the code behind a node is found elsewhere (`kg.robot.live.recognizing`) and given as records.
+The node types of running nodes come from `kg.robot.live.recognizing`, as records.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ if TYPE_CHECKING:
     Similar: TypeAlias = Callable[[tuple[NodeInstance, ...], int], tuple[tuple[str, str, str], ...]]
 
 NOWHERE: Final = NodeReference("", "", "")
-"""Stands for the node type of an end that no code of a store declares."""
+"""The node type of an end that no code of a store declares."""
 _UNKNOWN: Final = "no node type of the store has its name and its interface"
 
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """The node type that a running node is of, and which of its interfaces each of the node's ends is."""
+    """The node type of a running node, and its interface for each of the node's ends."""
 
     type: NodeReference
     ends: Mapping[LiveEnd, Interface] = field(default_factory=dict)
@@ -56,9 +56,9 @@ class Match:
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """Where and when a graph was seen: the address, the name of the system, and since when (ISO 8601, UTC).
+    """Address, name and start (ISO 8601, UTC) of the observation of a graph.
 
-    `nodes` has the time of each node that came later; `until` is set when it is not watched any more.
+    `nodes` has the times of nodes that appeared later; `until` is set when the observation ends.
     """
 
     address: str
@@ -68,12 +68,12 @@ class Seen:
     nodes: Mapping[str, str] = field(default_factory=dict)
 
     def of(self, node: str) -> str:
-        """Return since when a node is seen."""
+        """Return since when a node has been seen."""
         return self.nodes.get(node, self.since)
 
 
 def name_of(address: str) -> str:
-    """Return what a running system is called by its address: `localhost:11311`, `dds/0`, `bag/drive.mcap`."""
+    """Return the default name of a running system, from its address: `localhost:11311`, `dds/0`, `bag/drive.mcap`."""
     parts = urlsplit(address)
     place = (parts.netloc + parts.path).strip("/")
     if parts.scheme == "bag":
@@ -82,7 +82,7 @@ def name_of(address: str) -> str:
 
 
 class Instances:
-    """The facts about nodes; a node of which the same is seen again has the facts that were made before (`is`)."""
+    """The facts about nodes; an unchanged node keeps the same (`is`) facts."""
 
     def __init__(self) -> None:
         self._known: dict[LiveNode, tuple[object, NodeInstance]] = {}
@@ -113,9 +113,8 @@ def system_of(
 ) -> System:
     """Return the facts about a graph.
 
-    `matches` are the node types of running nodes, by the name of the node; `similar` finds names that are likely meant
-    to be one, as `near_misses` of `kg.launch.wiring` does, where that is asked for; `made` has the facts of nodes
-    that were seen before.
+    `matches` are the node types of running nodes, by the name of the node. `similar`, if given, finds names that were
+    probably meant to be equal, as `near_misses` of `kg.launch.wiring`. `made` has the facts of nodes seen before.
     """
     instances = (made or Instances()).of(graph, seen, matches or {})
     return System(
@@ -177,7 +176,7 @@ def _interface(end: LiveEnd, peer: Location, ros: int, match: Match | None) -> I
 
 
 def is_implicit(role: Role, name: str, node: str, ros: int) -> bool:
-    """Tell whether an end is one that ROS itself makes of every node, as `ontology/implicit.toml` says."""
+    """Return whether ROS itself creates an end in every node, according to `ontology/implicit.toml`."""
     own = f"{node}/"
     return (role, f"~/{name.removeprefix(own)}" if name.startswith(own) else name) in _made_by_ros(ros)
 

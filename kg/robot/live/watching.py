@@ -1,10 +1,9 @@
-"""Watching a running system: each change of its graph goes into the store, and what came and went is told.
+"""Watching of a running system: each change of its graph is written to the store, and reported as events.
 
     async for event in watch(store, settings, address="ros1://localhost:11311"):
         ...
 
-When the robot is lost, that is told and it is connected to again; when watching ends, the graph stays as it was seen
-last, with the time.
+A lost robot is reported and reconnected to. When watching ends, the graph keeps its last state, with the time.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
 
 _AGAIN: Final = 1.0
-"""Seconds between two attempts to connect to a robot that was lost, or to write a store that another writes."""
+"""Seconds between attempts to reconnect to a lost robot, or to write a store that another process is writing."""
 
 _VERBS: Final = {
     Role.PUBLISHES: "publishes",
@@ -46,13 +45,13 @@ _Kind = Literal["watching", "node", "state", "end", "capability", "problem", "lo
 
 
 class Event(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """Something that happened.
+    """An event.
 
-    `event` is `watching` (it began), `node`, `end` or `capability` (`change` tells whether it came or went), `state`
-    (a managed node is in another state: `detail`), `problem`
-    (a peer, or a rule, does what it should not), `lost` and `back` (the robot), `busy` (another process writes the
-    store), `kept` (the store is in step: its `generation`, and the `seconds` that it took) or `ended`. `name` is what
-    it happened to, `detail` says more: the address or node type of a node, role and type of an end.
+    `event` is `watching` (started), `node`, `end` or `capability` (`change` is whether it was added or removed),
+    `state` (a managed node changed its state: `detail`), `problem` (of a peer or a rule), `lost` and `back` (the
+    robot), `busy` (another process is writing the store), `kept` (the store is up to date: its `generation`, and the
+    `seconds` it took) or `ended`. `name` is the subject; `detail` has the address or node type of a node, or role and
+    type of an end.
     """
 
     event: _Kind
@@ -65,9 +64,9 @@ class Event(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Watching:
-    """One running system that is kept in step with its graph in a store.
+    """A running system whose graph is kept in a store.
 
-    `name` is what the system is called in the store, by default by its address.
+    `name` is the name of the system in the store, by default derived from its address.
     """
 
     def __init__(self, store: EmbeddedStore, settings: Settings, *, address: str, name: str = "") -> None:
@@ -80,16 +79,16 @@ class Watching:
         self._clock = WallClock()
 
     async def once(self) -> list[Event]:
-        """Take the graph as it is into the store and return what is there; raises as `events`."""
+        """Store the current graph once and return its content; raises as `events`."""
         async with connected(self.address) as connection:
             return [one async for one in self._step(of_robot(await connection.graph()))]
 
     async def events(self) -> AsyncGenerator[Event, None]:
-        """Yield what happens, without end; who stops early has to call `end`.
+        """Yield events without end; callers that stop early must call `end`.
 
         Raises:
-            RobotError: KG801, KG802 where there is no robot to begin with.
-            StoreError: KG304 when the disk is full, KG303, KG305, KG306 for a store that cannot be written.
+            RobotError: KG801, KG802 no robot at the start.
+            StoreError: KG304 the disk is full, KG303, KG305, KG306 the store is not writable.
         """
         begun = False
         while True:
@@ -110,7 +109,7 @@ class Watching:
             await self._clock.sleep(_AGAIN)
 
     async def end(self) -> None:
-        """Mark the graph as last seen now, and leave to the next process what helps it."""
+        """Mark the graph as last seen now, and save state for the next process."""
         if self._keeping is not None:
             await asyncio.wait((self._keeping,))
         if self._graph is not None:
@@ -119,13 +118,13 @@ class Watching:
             await asyncio.to_thread(self._keeper.save)
 
     async def _keep(self, graph: ComputationGraph) -> Kept:
-        """Take a graph into the store, to the end: who stops early ends the watching with what is written just now."""
+        """Store a graph completely: a caller that stops early does not interrupt the write."""
         kept = await asyncio.to_thread(self._keeper.keep, graph)
         self._graph, self._kept = graph, kept
         return kept
 
     async def _connected(self, connection: Connection) -> AsyncIterator[Event]:
-        """Yield what happens until the robot is lost."""
+        """Yield events until the robot is lost."""
         changes = connection.changes().__aiter__()
         gone = asyncio.ensure_future(connection.wait_lost())
         try:
@@ -149,7 +148,7 @@ class Watching:
             await ended(gone)
 
     async def _step(self, graph: ComputationGraph) -> AsyncIterator[Event]:
-        """Take a graph into the store, and yield what came and went."""
+        """Store a graph, and yield what was added and removed."""
         began = self._clock.now()
         before, known = self._graph or ComputationGraph(graph.ros), self._kept
         busy = False
@@ -200,7 +199,7 @@ def _changed(kind: _Kind, before: Mapping[str, str], after: Mapping[str, str]) -
 
 
 def _explicit(graph: ComputationGraph) -> dict[str, str]:
-    """Return the ends that ROS does not make by itself, as `/base subscribes /cmd_vel`, each with its type."""
+    """Return the ends that ROS does not create by itself, as `/base subscribes /cmd_vel`, each with its type."""
     ends = (end for end in graph.ends if not is_implicit(end.role, end.name, end.node, graph.ros))
     return {f"{end.node} {_VERBS[end.role]} {end.name}": end.type or "" for end in ends}
 

@@ -1,4 +1,4 @@
-"""Message types and their values: definitions, defaults, what fits, and the two encodings."""
+"""Message types and their values: definitions, defaults, validation, and the two encodings."""
 
 from __future__ import annotations
 

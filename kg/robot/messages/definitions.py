@@ -1,13 +1,12 @@
-"""Definitions of message types as texts: their lines, the sum over them that ROS 1 peers compare, and common packages.
+"""Definitions of message types as texts: their lines, their MD5 sums in ROS 1, and common packages.
 
-The text form is that of `.msg` files (wiki.ros.org/msg and the article on interfaces of ROS 2's documentation); what a
-publisher of ROS 1 tells holds several of them, behind lines of `=` that the name `MSG: package/Type` follows.
+The text form is that of `.msg` files (wiki.ros.org/msg and the article on interfaces of ROS 2's documentation). A
+publisher of ROS 1 sends several in one text, separated by lines of `=` followed by `MSG: package/Type`.
 
-The common packages come with `kg`: files of `ontology/definitions`, read when they are needed. A file holds one
-package; a line `= msg Name`, `= srv Name` or `= action Name` begins a definition. Of an action the messages are
-derived that its topics and services carry: in ROS 1 `NameActionGoal` and its like
-(wiki.ros.org/actionlib/DetailedDescription), in ROS 2 those of the two services and the topic of feedback
-(design.ros2.org/articles/actions.html).
+The common packages are files of `ontology/definitions`, read on demand. A file holds one package; a line `= msg Name`,
+`= srv Name` or `= action Name` begins a definition. The messages of an action's topics and services are derived: in ROS
+1 `NameActionGoal` and so on (wiki.ros.org/actionlib/DetailedDescription), in ROS 2 those of the two services and of
+feedback (design.ros2.org/articles/actions.html).
 """
 
 from __future__ import annotations
@@ -52,9 +51,9 @@ _MOST_ELEMENTS: Final = 1 << 22
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A field: `type` is a base type or `package/Type`, `text` what ROS 1 sums for a base type.
+    """A field: `type` is a base type or `package/Type`, `text` the part of the MD5 input for a base type.
 
-    `length` is None for one value, the number of elements of an array, or the most that a list may have, 0 for any.
+    `length` is None for a single value, the number of elements of an array, or the maximum of a list, 0 for unlimited.
     """
 
     name: str
@@ -66,7 +65,7 @@ class Line:
 
     @property
     def kind(self) -> Any:
-        """The type as `rosbags` writes it."""
+        """The type in the notation of `rosbags`."""
         inner: Any = (
             (Nodetype.NAME, self.type.replace("/", "/msg/"))
             if "/" in self.type
@@ -79,7 +78,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A message type: its constants, a text each as ROS 1 sums them, and its fields."""
+    """A message type: its fields, and its constants as texts of the MD5 input."""
 
     name: str
     constants: tuple[str, ...]
@@ -92,12 +91,12 @@ class Definition:
 
 
 def is_type(name: str) -> bool:
-    """Tell whether a text can be the name of a type: `package/Type`."""
+    """Return whether a text is a valid name of a type: `package/Type`."""
     return _TYPE.fullmatch(name) is not None
 
 
 def split(name: str, text: str) -> Iterator[tuple[str, str]]:
-    """Yield the names and texts of the definitions in what a publisher tells; ValueError for what is no such text."""
+    """Yield the names and texts of the definitions sent by a publisher; ValueError for an invalid text."""
     if len(text) > _MOST_CHARACTERS:
         raise ValueError(f"it has {len(text)} characters, more than {_MOST_CHARACTERS}")
     first, *others = _SEPARATOR.split(text)
@@ -111,7 +110,7 @@ def split(name: str, text: str) -> Iterator[tuple[str, str]]:
 
 
 def read(name: str, text: str) -> Definition:
-    """Return the definition that the lines of one message are; ValueError with the line that is none."""
+    """Return the definition in the lines of one message; ValueError with the invalid line."""
     constants: list[str] = []
     fields: list[Line] = []
     for raw in text.splitlines():
@@ -163,7 +162,7 @@ def _full(owner: str, kind: str) -> str:
 
 
 def sum_text(definition: Definition, sum_of: Callable[[str], str]) -> str:
-    """Return the text whose MD5 sum peers of ROS 1 compare: constants first, sums in the place of message types.
+    """Return the text whose MD5 sum ROS 1 peers compare: constants first, sums in place of message types.
 
     The rule is that of wiki.ros.org/ROS/Technical%20Overview, "Message serialization and msg MD5 sums".
     """
@@ -196,7 +195,7 @@ def parts(name: str, sort: str, text: str, ros: int) -> Iterator[tuple[str, str]
     """Yield the names and texts of the messages of a definition; `sort` is `msg`, `srv` or `action`.
 
     In ROS 1 the goal of an action `package/Name` is the message `package/NameGoal`, elsewhere `package/Name_Goal`.
-    Raises ValueError where the text has not as many parts as its sort asks for.
+    Raises ValueError if the text has another number of parts than its sort requires.
     """
     if sort == "msg":
         yield name, text
@@ -211,7 +210,7 @@ def parts(name: str, sort: str, text: str, ros: int) -> Iterator[tuple[str, str]
 
 
 def derived(name: str, ros: int) -> Iterator[tuple[str, str]]:
-    """Yield the names and texts of what the topics and services of an action carry."""
+    """Yield the names and texts of the messages of an action's topics and services."""
     for suffix, text in _DERIVED[ros].items():
         yield name + suffix, text.format(name)
 
@@ -224,7 +223,7 @@ def _cut(text: str) -> list[str]:
 
 @cache
 def library(ros: int) -> tuple[Mapping[str, str], Mapping[str, str]]:
-    """Return the texts of all messages by name, and the sort (`srv`, `action`) of what is none, for ROS 1 or 2."""
+    """Return the texts of all messages by name, and the sorts (`srv`, `action`) of others, for ROS 1 or 2."""
     texts: dict[str, str] = {}
     sorts: dict[str, str] = {}
     for path in sorted((folder("ontology") / "definitions" / f"ros{ros}").glob("*.txt")):
@@ -244,9 +243,9 @@ _NUMBERS_OF_A_PART: Final = 1024
 
 
 def check_size(store: Typestore, new: Mapping[str, Definition], known: Callable[[str], str]) -> None:
-    """Raise ValueError for definitions whose values nobody could keep; `known` gives the names of the store.
+    """Raise ValueError for definitions whose values would exhaust memory; `known` has the known types.
 
-    Lists of messages without fields are refused too: four bytes could ask for billions of them.
+    Lists of messages without fields are refused too: four bytes could declare billions of elements.
     """
     _Measure(store, new, known).all()
 
@@ -263,7 +262,7 @@ class _Measure:
             self._of_message(name, ())
 
     def _of_message(self, name: str, within: tuple[str, ...]) -> int:
-        """Return how many values a message has at least; those of an array of numbers count together."""
+        """Return the minimum number of values of a message; arrays of numbers count as one."""
         if name in within or len(within) > _DEEPEST:
             raise ValueError(f"`{name}` contains itself" if name in within else "its messages are nested too deeply")
         if name not in self._parts:

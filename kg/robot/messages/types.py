@@ -1,8 +1,8 @@
-"""The types of messages that are known, by `rosbags`: what fields they have, and values to bytes and back.
+"""Message types of one version of ROS, by `rosbags`: their fields, and encoding and decoding of values.
 
 Names are `package/Type`; the two messages of a service are `package/Type_Request` and `package/Type_Response`, those of
-an action `_Goal`, `_Result` and `_Feedback`. Types are also learned from definitions as recordings and bridges tell
-them: `.msg` texts with names of ROS 2, and IDL.
+an action `_Goal`, `_Result` and `_Feedback`. Types are also learned from definitions in recordings and of bridges:
+`.msg` texts with names of ROS 2, and IDL.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ _SERVICE_PARTS: Final = ("_Request", "_Response")
 class Field:
     """A field of a message.
 
-    `type` is a base type (`float64`, `string`, ...) or the name of a message; `length` is None for one value, the
-    number of elements of an array, 0 for an array of any length. `most` is the largest number of elements of such an
-    array, `bound` the largest number of characters of a text; 0 where there is no limit.
+    `type` is a base type (`float64`, `string`, ...) or the name of a message. `length` is None for a single value, the
+    number of elements of an array, 0 for a list. `most` is the maximum length of a list, `bound` that of a text; 0 for
+    unlimited.
     """
 
     name: str
@@ -49,12 +49,12 @@ class Field:
 
     @property
     def is_message(self) -> bool:
-        """Whether its values have fields of their own."""
+        """Whether its values are messages."""
         return "/" in self.type
 
 
 class Types:
-    """The types of one version of ROS: the common ones, and those that are defined while it runs."""
+    """The types of one version of ROS: common ones, and those defined at run time."""
 
     def __init__(self, ros: int) -> None:
         self.ros = ros
@@ -64,16 +64,16 @@ class Types:
         self._told: set[str] = set()
 
     def knows(self, name: str) -> bool:
-        """Tell whether a message type is known."""
+        """Return whether a message type is known."""
         found = self._message(name)
         return _full(found) in self._store.fielddefs or found in self._library
 
     def names(self) -> list[str]:
-        """Return the names of all message types that are known, sorted, with the parts of services and actions."""
+        """Return the sorted names of all known message types, including parts of services and actions."""
         return sorted({short(name) for name in self._store.fielddefs} | self._library.keys())
 
     def sort(self, name: str) -> str | None:
-        """Return `msg`, `srv` or `action`, or None when no such type is known."""
+        """Return `msg`, `srv` or `action`, or None for an unknown type."""
         if self.knows(name):
             return "msg"
         for sort, suffixes in (("srv", _SERVICE_PARTS), ("action", _ACTION_PARTS)):
@@ -82,23 +82,23 @@ class Types:
         return None
 
     def interfaces(self, sort: str) -> list[str]:
-        """Return the names of the services (`srv`) or actions (`action`) that come with kg, sorted."""
+        """Return the sorted names of the services (`srv`) or actions (`action`) that come with kg."""
         return sorted(name for name, one in self._sorts.items() if one == sort)
 
     def fields(self, name: str) -> tuple[Field, ...]:
-        """Return the fields of a type in order; RobotError KG804 when it is not known."""
+        """Return the fields of a type in order; RobotError KG804 if it is unknown."""
         known = self._store.fielddefs[self._known(name)][1]
         return tuple(_field(one, kind) for one, kind in known if one != MEMBER_OF_NOTHING)
 
     def define(self, name: str, text: str, sort: str = "msg") -> None:
-        """Learn a type by its definition, with those it uses behind lines of `=` (a connection header's text).
+        """Define a type from a text, with nested types after lines of `=` (the text of a connection header).
 
-        `sort` is `msg`, `srv` or `action`; the parts of the last two stand between lines of `---`. What is told so
-        counts more than what comes with kg, of which a robot may have another version.
+        `sort` is `msg`, `srv` or `action`; the parts of the last two are separated by lines of `---`. Such a definition
+        replaces that of kg, since the robot may have another version.
 
         Raises:
-            RobotError: KG810 for a text that is not a definition, KG806 for another definition than the one that every
-                distribution has or that was told before.
+            RobotError: KG810 an invalid definition, KG806 a definition that differs from that of every distribution or
+                from an earlier one.
         """
         try:
             found = [
@@ -116,17 +116,17 @@ class Types:
         return md5(whole.encode(), usedforsecurity=False).hexdigest()
 
     def definition(self, name: str) -> str:
-        """Return the text of a definition with those of the types it uses; RobotError KG804 when it is not known."""
+        """Return the text of a definition with those of nested types; RobotError KG804 for an unknown type."""
         self._known(name)
         used = self._used(self._message(name), {})
         first, *others = used
         return used[first] + "".join(f"{'=' * 80}\nMSG: {one}\n{used[one]}" for one in others)
 
     def encode(self, name: str, value: Value) -> bytes:
-        """Return the bytes of a value; fields that it lacks have their defaults.
+        """Return the encoded value; missing fields have their defaults.
 
         Raises:
-            RobotError: KG804 for a type that is not known, KG805 for a value that does not fit, with the field.
+            RobotError: KG804 an unknown type, KG805 a value that does not fit, with the field.
         """
         kind = self._known(name)
         made = shaped(self._store, kind, value)
@@ -137,7 +137,7 @@ class Types:
         return bytes(written)
 
     def decode(self, name: str, content: bytes) -> Value:
-        """Return the value that the bytes are of; RobotError KG810 for other bytes, KG804 for an unknown type."""
+        """Return the decoded value; RobotError KG810 for invalid bytes, KG804 for an unknown type."""
         kind = self._known(name)
         try:
             read = self._store.deserialize_ros1 if self.ros == 1 else self._store.deserialize_cdr
@@ -146,12 +146,12 @@ class Types:
             raise RobotError("KG810", f"{len(content)} bytes are not a {name}: {error}") from None
 
     def complete(self, name: str, value: Value) -> Value:
-        """Return the value with the defaults of what it lacks; errors as those of `encode`."""
+        """Return the value with defaults for missing fields; errors as those of `encode`."""
         kind = self._known(name)
         return plain(self._store, kind, shaped(self._store, kind, value))
 
     def _message(self, name: str) -> str:
-        """Return the name that ROS 1 gives to the parts of an action, where it is one: `TypeGoal` for `Type_Goal`."""
+        """Return the name of a part of an action in ROS 1: `TypeGoal` for `Type_Goal`; other names are unchanged."""
         for suffix in _ACTION_PARTS:
             if self.ros == 1 and name.endswith(suffix):
                 return name.removesuffix(suffix) + suffix[1:]
@@ -186,7 +186,7 @@ class Types:
         self._told.update(new if told else ())
 
     def _is_known_so(self, one: Definition) -> bool:
-        """Tell whether a type is known with the very definition that is told."""
+        """Return whether a type is known with exactly this definition."""
         if _full(one.name) not in self._store.fielddefs:
             return False
         known = [(name, kind) for name, kind in self._store.fielddefs[_full(one.name)][1] if name != MEMBER_OF_NOTHING]
@@ -196,11 +196,11 @@ class Types:
         return same and self._definition(one.name).constants == one.constants
 
     def _derive(self, new: dict[str, Definition]) -> None:
-        """Add what the topics and services of an action carry, once its goal, result and feedback are known."""
+        """Add the messages of an action's topics and services, once its goal, result and feedback are known."""
         suffixes = [part.removeprefix("_") if self.ros == 1 else part for part in _ACTION_PARTS]
         for name in sorted({one.removesuffix(part) for one in new for part in suffixes if one.endswith(part)}):
             if self.ros == 1 and name.endswith("Action"):
-                continue  # `TypeActionGoal` is what an action derives, not a part of one
+                continue  # `TypeActionGoal` is derived from an action, not a part of one
             if all(self._message(name + part) in new or self.knows(name + part) for part in _ACTION_PARTS):
                 for one, text in derived(name, self.ros):
                     if not self.knows(one):
@@ -255,12 +255,12 @@ def short(kind: str) -> str:
 
 
 def learn(types: Types, kind: str, text: str, *, idl: bool = False) -> None:
-    """Learn a type by its definition with those it uses; RobotError as `Types.define`."""
+    """Define a type with its nested types; RobotError as `Types.define`."""
     types.define(kind, _HEADING.sub(r"\1/", _of_idl(kind, text) if idl else text))
 
 
 def learn_all(types: Types, texts: Mapping[str, str]) -> None:
-    """Learn types that use each other by their definitions in `.msg` form; those that are known stay as they are.
+    """Define types that use each other from `.msg` texts; known types are unchanged.
 
     Raises as `Types.define`.
     """
@@ -271,7 +271,7 @@ def learn_all(types: Types, texts: Mapping[str, str]) -> None:
 
 
 def _of_idl(kind: str, text: str) -> str:
-    """Return the definition of a type in `.msg` form; RobotError KG810 for IDL that cannot be read."""
+    """Return the definition of a type in `.msg` form; RobotError KG810 for invalid IDL."""
     store = get_typestore(Stores.EMPTY)
     try:
         parts = (

@@ -1,4 +1,4 @@
-"""Plain values to the classes that `rosbags` makes, and back."""
+"""Conversion of plain values to the classes of `rosbags`, and back."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kg.robot.connection import Value
 
 MEMBER_OF_NOTHING: Final = "structure_needs_at_least_one_member"
-"""What IDL, and so `rosbags`, puts into a message without fields."""
+"""The placeholder field that IDL, and so `rosbags`, puts into a message without fields."""
 
 _NUMPY: Final = {"byte": "int8", "char": "uint8", "octet": "uint8"}
 
@@ -42,12 +42,12 @@ def _plain(store: Typestore, kind: Any, value: Any) -> Any:
 
 
 def _attribute(name: str) -> str:
-    """Return the attribute that `rosbags` gives a field, which cannot be a word of Python."""
+    """Return the attribute of a field in `rosbags`, which avoids Python keywords."""
     return f"{name}_" if keyword.iskeyword(name) else name
 
 
 def shaped(store: Typestore, kind: str, value: Any, path: str = "") -> Any:
-    """Return the message of a type that a dict of its fields is; RobotError KG805 with the field that does not fit."""
+    """Return the message for a dict of its fields; RobotError KG805 with the field that does not fit."""
     fields = [field for field in store.fielddefs[kind][1] if field[0] != MEMBER_OF_NOTHING]
     if not isinstance(value, dict):
         raise _misfit(path, value, kind)
@@ -107,7 +107,7 @@ def _array(kind: str, given: Any, path: str) -> Any:
 
 
 def _exact(wanted: np.dtype[Any], given: Any) -> np.dtype[Any] | None:
-    """Return the type to read by where numpy would take floats for it: for lists of small and very large numbers."""
+    """Return the type for lists of large and small integers, which numpy would read as floats."""
     return wanted if wanted == np.uint64 and all(type(one) is int for one in given) else None
 
 

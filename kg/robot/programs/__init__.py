@@ -1,1 +1,1 @@
-"""Programs whose atoms are capabilities: one tree, written as JSON, as text and as blocks."""
+"""Programs of capabilities: one tree, written as JSON, as text or as blocks."""

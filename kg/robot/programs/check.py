@@ -1,7 +1,7 @@
-"""Whether a program can be run with certain capabilities: everything that can be told before.
+"""Static checks of a program against a set of capabilities.
 
-Problems follow from the program and the capabilities alone; doubts, why parts of it may come to nothing although the
-robot has the capabilities, from its computation graph.
+Problems follow from the program and the capabilities alone. Doubts are based on the computation graph: parts that may
+have no effect although the robot has the capabilities.
 """
 
 from __future__ import annotations
@@ -15,36 +15,10 @@ import msgspec
 
 from kg.errors import RobotError
 from kg.robot.driving.ways import choose, doubts_of
-from kg.robot.programs import kinds, values
+from kg.robot.programs import kinds, tree, values
 from kg.robot.programs.events import Problem
 from kg.robot.programs.kinds import ANY, BOOLEAN, PLACE, TIME, Kind, Kinds
 from kg.robot.programs.names import AT, Known, takes_place
-from kg.robot.programs.tree import (
-    Break,
-    Do,
-    Expression,
-    For,
-    Forever,
-    If,
-    OnEvent,
-    Parallel,
-    Position,
-    Program,
-    Repeat,
-    Set,
-    Statement,
-    Stop,
-    Variable,
-    Wait,
-    WaitUntil,
-    While,
-    Written,
-    expressions_of,
-    reads_of,
-    sequences_of,
-    statements,
-    variables_of,
-)
 from kg.robot.programs.units import PLAIN
 from kg.robot.programs.write import written
 from kg.similar import did_you_mean
@@ -56,9 +30,9 @@ if TYPE_CHECKING:
     from kg.robot.connection import ComputationGraph, GraphProblem
 
 
-def collisions(statement: Parallel | OnEvent, path: str, known: Known) -> Iterator[tuple[str, str, bool]]:
-    """Yield where two parts drive one thing: the path of the later one, in words, and whether it is surely the same."""
-    parts = [list(_driven(body, f"{path}/{part}", known)) for part, body in sequences_of(statement)]
+def collisions(statement: tree.Parallel | tree.OnEvent, path: str, known: Known) -> Iterator[tuple[str, str, bool]]:
+    """Yield conflicts of parallel parts over one target: path of the later one, description, whether it is certain."""
+    parts = [list(_driven(body, f"{path}/{part}", known)) for part, body in tree.sequences_of(statement)]
     told = set()
     for earlier, later in combinations(parts, 2):
         for _, one in earlier:
@@ -71,9 +45,9 @@ def collisions(statement: Parallel | OnEvent, path: str, known: Known) -> Iterat
                     yield where, f"{both} {what} done in two parts that run at the same time", same
 
 
-def _driven(body: tuple[Statement, ...], path: str, known: Known) -> Iterator[tuple[str, Capability]]:
-    for where, statement in statements(body, path):
-        if isinstance(statement, Do):
+def _driven(body: tuple[tree.Statement, ...], path: str, known: Known) -> Iterator[tuple[str, Capability]]:
+    for where, statement in tree.statements(body, path):
+        if isinstance(statement, tree.Do):
             try:
                 yield where, known.write(statement.capability)
             except RobotError:
@@ -91,18 +65,18 @@ def _moves(one: Capability, other: Capability) -> bool:
 _SLACK: Final = 1e-9
 
 
-def check(program: Program, capabilities: Capabilities, places: Iterable[str] = ()) -> list[Problem]:
-    """Return what is wrong with a program for a system, sorted by path; with an `error` it should not be run.
+def check(program: tree.Program, capabilities: Capabilities, places: Iterable[str] = ()) -> list[Problem]:
+    """Return the problems of a program for a system, sorted by path; a program with an `error` must not be run.
 
-    `places` are the names of those that stand in the program already; they are offered for names that are misspelt.
+    `places` are the names already resolved in the program; they are suggested for misspelt names.
     """
     checker = _Checker(capabilities, places)
     checker.program(program)
     return sorted(checker.problems, key=lambda problem: _order(problem.path))
 
 
-def kinds_of(program: Program, capabilities: Capabilities) -> Kinds:
-    """Return what tells the kinds of a program's expressions, whose variables are known; nothing is reported."""
+def kinds_of(program: tree.Program, capabilities: Capabilities) -> Kinds:
+    """Return the kinds of a program's expressions, with its variables; nothing is reported."""
     checker = _Checker(capabilities)
     checker.program(program)
     return checker.kinds
@@ -121,14 +95,14 @@ class _Loop:
 
 @dataclass(frozen=True, slots=True)
 class _Flow:
-    """Where control is: variables that surely have a value, the loop around, whether something will end it there."""
+    """The control flow: variables that have a value, the enclosing loop, and whether movements are bounded."""
 
     known: frozenset[str] = frozenset()
     loop: _Loop | None = None
     ended: bool = False
-    """Whether a movement without end is cut off by what stands around it."""
+    """Whether an enclosing statement ends an endless movement."""
     over: bool = False
-    """Whether what follows is never reached."""
+    """Whether the following statements are unreachable."""
 
 
 class _Checker:
@@ -141,7 +115,7 @@ class _Checker:
         self._ids: dict[str, str | None] = {}
         self._met: set[str] = set()
 
-    def program(self, program: Program) -> None:
+    def program(self, program: tree.Program) -> None:
         """Check a whole program."""
         self._variables.update(dict.fromkeys(_given(program.body), ANY))
         self.sequence(program.body, "/body", _Flow())
@@ -149,7 +123,7 @@ class _Checker:
             self._wrong("/seconds", "the time limit of the program must be positive", code="KG835")
 
     def report(self, path: str, error: RobotError, severity: str = "error") -> None:
-        """Note a problem at a path, once; the statement it is in has been met before."""
+        """Report a problem at a path, once; its statement has been visited before."""
         above = path
         while above and above not in self._ids:
             above = above.rpartition("/")[0]
@@ -165,8 +139,8 @@ class _Checker:
     def _warn(self, path: str, message: str, hint: str | None = None) -> None:
         self.report(path, RobotError("KG836", message, hint=hint), "warning")
 
-    def sequence(self, body: tuple[Statement, ...], path: str, flow: _Flow) -> _Flow:
-        """Check statements one after the other; return where control is behind them."""
+    def sequence(self, body: tuple[tree.Statement, ...], path: str, flow: _Flow) -> _Flow:
+        """Check a sequence of statements; return the flow after it."""
         told = flow.over
         for number, statement in enumerate(body):
             here = f"{path}/{number}"
@@ -178,45 +152,45 @@ class _Checker:
             flow = replace(after, over=flow.over or after.over)
         return flow
 
-    def _statement(self, statement: Statement, path: str, flow: _Flow) -> _Flow:
+    def _statement(self, statement: tree.Statement, path: str, flow: _Flow) -> _Flow:
         self._set_before(statement, path, flow)
         match statement:
-            case Do():
+            case tree.Do():
                 return self._do(statement, path, flow)
-            case Set():
+            case tree.Set():
                 self._gets(statement.variable, self.kinds.of(statement.value, f"{path}/value"), path)
                 return replace(flow, known=flow.known | {statement.variable})
-            case If():
+            case tree.If():
                 return self._if(statement, path, flow)
-            case While() | Forever() | Repeat() | For():
+            case tree.While() | tree.Forever() | tree.Repeat() | tree.For():
                 return self._loop(statement, path, flow)
-            case Break():
+            case tree.Break():
                 if flow.loop is None:
                     self._wrong(path, "`break` outside a loop", "It leaves the innermost loop around it.")
                 else:
                     flow.loop.left = True
                 return replace(flow, over=True)
-            case Stop():
+            case tree.Stop():
                 return replace(flow, over=True)
-            case Wait():
+            case tree.Wait():
                 self._time(statement.seconds, f"{path}/seconds", above_zero=True)
-            case WaitUntil():
+            case tree.WaitUntil():
                 return self._wait_until(statement, path, flow)
-            case Parallel():
+            case tree.Parallel():
                 return self._parallel(statement, path, flow)
-            case OnEvent():
+            case tree.OnEvent():
                 return self._on_event(statement, path, flow)
             case _:
                 self.kinds.of(statement.message, f"{path}/message")
         return flow
 
-    def _set_before(self, statement: Statement, path: str, flow: _Flow) -> None:
-        """Tell of variables that have a value only if control came another way."""
-        for part, expression in expressions_of(statement):
-            for name in variables_of(expression):
+    def _set_before(self, statement: tree.Statement, path: str, flow: _Flow) -> None:
+        """Report variables that have a value only on another path of the control flow."""
+        for part, expression in tree.expressions_of(statement):
+            for name in tree.variables_of(expression):
                 if name not in self._variables or name in flow.known:
                     continue
-                hint = f"Give it one on every way to here: `set {written(Variable(name=name))} to ...`."
+                hint = f"Give it one on every way to here: `set {written(tree.Variable(name=name))} to ...`."
                 if name in self._met:
                     self._warn(f"{path}/{part}", f"the variable `{name}` may have no value here", hint)
                 else:
@@ -230,13 +204,13 @@ class _Checker:
         elif kind not in {before, ANY}:
             self._wrong(path, f"`{variable}` is {before} elsewhere, and becomes {kind} here", code="KG833")
 
-    def _condition(self, expression: Expression, path: str) -> None:
+    def _condition(self, expression: tree.Expression, path: str) -> None:
         kind = self.kinds.of(expression, path)
         if kind not in {ANY, BOOLEAN}:
             hint = "A condition compares: `nearest of laserScanning < 0.5 m`."
             self._wrong(path, f"a condition must be true or false, but this is {kind}", hint, "KG833")
 
-    def _time(self, expression: Expression | None, path: str, *, above_zero: bool = False) -> None:
+    def _time(self, expression: tree.Expression | None, path: str, *, above_zero: bool = False) -> None:
         if expression is None:
             return
         kind = self.kinds.of(expression, path)
@@ -247,13 +221,13 @@ class _Checker:
         if always is not None and (always.value < 0 or (above_zero and always.value == 0)):
             self._wrong(path, f"a time must be positive, but this is {values.shown(always)}", code="KG835")
 
-    def _number(self, expression: Expression | None, path: str) -> Kind:
+    def _number(self, expression: tree.Expression | None, path: str) -> Kind:
         kind = ANY if expression is None else self.kinds.of(expression, path)
         if kind.name not in {"any", "number"}:
             self._wrong(path, f"this should be a number, and is {kind}", code="KG833")
         return kind
 
-    def _do(self, statement: Do, path: str, flow: _Flow) -> _Flow:
+    def _do(self, statement: tree.Do, path: str, flow: _Flow) -> _Flow:
         self._time(statement.seconds, f"{path}/seconds", above_zero=True)
         self._time(statement.within, f"{path}/within", above_zero=True)
         try:
@@ -266,8 +240,8 @@ class _Checker:
         self._arguments(statement, capability, path)
         return self._ending(statement, capability, path, flow)
 
-    def _ending(self, statement: Do, capability: Capability, path: str, flow: _Flow) -> _Flow:
-        """Tell of times that make no sense for what is done."""
+    def _ending(self, statement: tree.Do, capability: Capability, path: str, flow: _Flow) -> _Flow:
+        """Report durations that do not apply to the capability."""
         if not capability.ways:
             return flow
         renewed = capability.ways[0].kind == "topic" and capability.ways[0].rate > 0
@@ -284,12 +258,12 @@ class _Checker:
             self._warn(path, f"`{capability.label}` runs until the program ends", hint)
         return replace(flow, over=True)
 
-    def _arguments(self, statement: Do, capability: Capability, path: str) -> None:
+    def _arguments(self, statement: tree.Do, capability: Capability, path: str) -> None:
         given: set[str] = set()
         placed: set[str] = set()
         for name, value in statement.arguments.items():
             here = f"{path}/arguments/{name}"
-            if takes_place(capability, name) and isinstance(value, Variable) and value.name not in self._variables:
+            if takes_place(capability, name) and isinstance(value, tree.Variable) and value.name not in self._variables:
                 hint = (
                     f"Say where it is: `set {written(value)} to (x: 2 m, y: 1.5 m)`, or in a file (`--places`), "
                     "or name the robot that defines it (`--robot`)."
@@ -303,7 +277,7 @@ class _Checker:
                 if kind not in {ANY, PLACE}:
                     hint = "A place is written `(x: 2 m, y: 1.5 m, heading: 90 deg)`, or has a name."
                     self._wrong(here, f"`{name}` must be a place, but this is {kind}", hint, "KG833")
-                placed = set(value.parts()) if isinstance(value, Position) else {"x", "y", "z"}
+                placed = set(value.parts()) if isinstance(value, tree.Position) else {"x", "y", "z"}
                 self._place(capability, value, here)
                 continue
             try:
@@ -321,15 +295,15 @@ class _Checker:
                 hint = f"Write `{parameter.name}: ...` after it{f', or `{AT}:` and a place' if of_place else ''}."
                 self._wrong(path, f"`{capability.label}` needs its `{parameter.name}`", hint, "KG832")
 
-    def _place(self, capability: Capability, value: Expression, path: str) -> None:
-        """Tell of limits that a place does not keep."""
+    def _place(self, capability: Capability, value: tree.Expression, path: str) -> None:
+        """Report a place outside of the limits of its parameters."""
         always = kinds.constant(value)
         said = values.of_place(always) if always is not None and isinstance(always.value, dict) else {}
         for parameter in capability.parameters:
             if parameter.name in said:
                 self._limits(parameter, values.for_parameter(parameter, said[parameter.name]), path)
 
-    def _argument(self, parameter: Parameter, kind: Kind, value: Expression, path: str) -> None:
+    def _argument(self, parameter: Parameter, kind: Kind, value: tree.Expression, path: str) -> None:
         wanted = kinds.of_parameter(parameter)
         plain = kind == Kind("number", PLAIN) and wanted.name == "number"
         if ANY not in {kind, wanted} and kind != wanted and not plain:
@@ -356,7 +330,7 @@ class _Checker:
             most = f"{parameter.maximum:g}{unit}"
             self._wrong(path, f"`{parameter.name}` must be at most {most}, but this is {value:g}{unit}", code="KG835")
 
-    def _if(self, statement: If, path: str, flow: _Flow) -> _Flow:
+    def _if(self, statement: tree.If, path: str, flow: _Flow) -> _Flow:
         self._condition(statement.condition, f"{path}/condition")
         then = self.sequence(statement.then, f"{path}/then", flow)
         otherwise = self.sequence(statement.otherwise, f"{path}/otherwise", flow)
@@ -364,22 +338,22 @@ class _Checker:
         both = known.get((then.over, otherwise.over), then.known)
         return replace(flow, known=both, over=then.over and otherwise.over)
 
-    def _loop(self, statement: While | Forever | Repeat | For, path: str, flow: _Flow) -> _Flow:
+    def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str, flow: _Flow) -> _Flow:
         loop = _Loop()
         inside = replace(flow, loop=loop)
         runs = False
         forever = False
         match statement:
-            case While():
+            case tree.While():
                 self._condition(statement.condition, f"{path}/condition")
                 runs = forever = _always(statement.condition)
                 self._waits(statement, path)
-            case Forever():
+            case tree.Forever():
                 runs = forever = True
                 self._waits(statement, path)
-            case Repeat():
+            case tree.Repeat():
                 runs = self._times(statement, path)
-            case For():
+            case tree.For():
                 self._for(statement, path)
                 inside = replace(inside, known=inside.known | {statement.variable})
         self._met |= _given(statement.body)
@@ -388,8 +362,8 @@ class _Checker:
         stuck = (forever and not loop.left) or (runs and after.over and not loop.left)
         return replace(flow, known=known, over=stuck)
 
-    def _times(self, statement: Repeat, path: str) -> bool:
-        """Check how often a sequence is repeated; tell whether it surely is at all."""
+    def _times(self, statement: tree.Repeat, path: str) -> bool:
+        """Check the number of repetitions; return whether the body certainly runs."""
         kind = self._number(statement.times, f"{path}/times")
         if kind.name == "number" and kind.dimension:
             hint = "For durations, use `wait`, or `for 2 s` after a movement."
@@ -405,7 +379,7 @@ class _Checker:
             self._warn(f"{path}/times", "this is repeated no times")
         return bool(times.value >= 1)
 
-    def _for(self, statement: For, path: str) -> None:
+    def _for(self, statement: tree.For, path: str) -> None:
         if statement.of is not None:
             kind = self.kinds.of(statement.of, f"{path}/of")
             if kind.name not in {"any", "list"}:
@@ -422,20 +396,20 @@ class _Checker:
             self._wrong(f"{path}/step", "with a step of zero the end is never reached", code="KG835")
         self._gets(statement.variable, first, path)
 
-    def _waits(self, statement: While | Forever, path: str) -> None:
-        """Tell of a loop that would spin: it neither waits nor does anything, nor brings its own end about."""
-        within = [inner for _, inner in statements(statement.body)]
-        if any(isinstance(inner, Do | Wait | WaitUntil) for inner in within):
+    def _waits(self, statement: tree.While | tree.Forever, path: str) -> None:
+        """Report a busy loop: it does not wait, does nothing, and does not change its own condition."""
+        within = [inner for _, inner in tree.statements(statement.body)]
+        if any(isinstance(inner, tree.Do | tree.Wait | tree.WaitUntil) for inner in within):
             return
-        given = {inner.variable for inner in within if isinstance(inner, Set)}
-        conditions = [statement.condition] if isinstance(statement, While) else []
-        reads = [one for condition in conditions for one in reads_of(condition)]
-        used = {name for condition in conditions for name in variables_of(condition)}
-        left = any(isinstance(inner, Break | Stop) for inner in within)
+        given = {inner.variable for inner in within if isinstance(inner, tree.Set)}
+        conditions = [statement.condition] if isinstance(statement, tree.While) else []
+        reads = [one for condition in conditions for one in tree.reads_of(condition)]
+        used = {name for condition in conditions for name in tree.variables_of(condition)}
+        left = any(isinstance(inner, tree.Break | tree.Stop) for inner in within)
         if reads or not (left or given & used):
             self._wrong(path, "this loop does nothing and does not wait", "Put `wait 0.1 s` into it.")
 
-    def _wait_until(self, statement: WaitUntil, path: str, flow: _Flow) -> _Flow:
+    def _wait_until(self, statement: tree.WaitUntil, path: str, flow: _Flow) -> _Flow:
         self._condition(statement.condition, f"{path}/condition")
         self._time(statement.seconds, f"{path}/seconds", above_zero=True)
         if statement.otherwise is not None:
@@ -447,10 +421,10 @@ class _Checker:
             self._warn(path, "nothing can make this true while it waits")
         return flow
 
-    def _parallel(self, statement: Parallel, path: str, flow: _Flow) -> _Flow:
+    def _parallel(self, statement: tree.Parallel, path: str, flow: _Flow) -> _Flow:
         self._met |= _given((statement,))
         branches = []
-        for part, branch in sequences_of(statement):
+        for part, branch in tree.sequences_of(statement):
             branches.append(self.sequence(branch, f"{path}/{part}", replace(flow, loop=None)))
         if len(statement.branches) <= 1:
             self._warn(path, "no blocks to run at the same time", "Put `also` between what runs together.")
@@ -459,7 +433,7 @@ class _Checker:
         known = flow.known.union(*(branch.known for branch in branches))
         return replace(flow, known=known, over=any(branch.over for branch in branches))
 
-    def _on_event(self, statement: OnEvent, path: str, flow: _Flow) -> _Flow:
+    def _on_event(self, statement: tree.OnEvent, path: str, flow: _Flow) -> _Flow:
         self._condition(statement.condition, f"{path}/condition")
         around = replace(flow, loop=None)
         self._met |= _given((statement,))
@@ -472,37 +446,37 @@ class _Checker:
         return replace(flow, over=then.over and body.over)
 
 
-def _given(body: tuple[Statement, ...]) -> set[str]:
-    """Return the variables that statements give values to."""
-    return {statement.variable for _, statement in statements(body) if isinstance(statement, Set | For)}
+def _given(body: tuple[tree.Statement, ...]) -> set[str]:
+    """Return the variables that statements assign."""
+    return {statement.variable for _, statement in tree.statements(body) if isinstance(statement, tree.Set | tree.For)}
 
 
-def _always(condition: Expression) -> bool:
-    return isinstance(condition, Written) and condition.value is True
+def _always(condition: tree.Expression) -> bool:
+    return isinstance(condition, tree.Written) and condition.value is True
 
 
-def _never(condition: Expression) -> bool:
-    """Tell whether a condition can only be what it is already."""
-    return isinstance(condition, Written | Variable) or (
-        next(reads_of(condition), None) is None and next(variables_of(condition), None) is None
+def _never(condition: tree.Expression) -> bool:
+    """Return whether a condition can never change."""
+    return isinstance(condition, tree.Written | tree.Variable) or (
+        next(tree.reads_of(condition), None) is None and next(tree.variables_of(condition), None) is None
     )
 
 
 _MISFITS: Final = frozenset({"KG806", "KG815"})
-"""The codes of ends of a topic that are not connected, since their types or qualities of service do not fit."""
+"""The codes of mismatched types and qualities of service, with which ends of a topic are not connected."""
 _Used = tuple[str, str, Literal["read", "write"]]
-"""The part of the path that leads to something, the name of its capability, and whether that is read or done."""
+"""The part of the path to a capability, its name, and whether it is read or executed."""
 
 
-def doubts(program: Program, capabilities: Capabilities, graph: ComputationGraph) -> list[Problem]:
-    """Return warnings at what moves or reads something that no live node listens to, or tells.
+def doubts(program: tree.Program, capabilities: Capabilities, graph: ComputationGraph) -> list[Problem]:
+    """Return warnings for capabilities whose topics have no subscriber or publisher among the live nodes.
 
-    Each is told once, at the first block that needs it. What the robot cannot do at all is told by `check`.
+    Each is reported once, at the first block that uses it. Missing capabilities are reported by `check`.
     """
     known = Known(capabilities)
     told: set[GraphProblem] = set()
     found = []
-    for path, statement in statements(program.body):
+    for path, statement in tree.statements(program.body):
         for part, name, modality in _used(statement):
             with suppress(RobotError):
                 capability = known.read(name) if modality == "read" else known.write(name)
@@ -513,11 +487,11 @@ def doubts(program: Program, capabilities: Capabilities, graph: ComputationGraph
     return found
 
 
-def _used(statement: Statement) -> Iterator[_Used]:
-    if isinstance(statement, Do):
+def _used(statement: tree.Statement) -> Iterator[_Used]:
+    if isinstance(statement, tree.Do):
         yield "", statement.capability, "write"
-    for part, expression in expressions_of(statement):
-        for read in reads_of(expression):
+    for part, expression in tree.expressions_of(statement):
+        for read in tree.reads_of(expression):
             yield f"/{part}", read.capability, "read"
 
 
@@ -532,6 +506,6 @@ def _of(capability: Capability, graph: ComputationGraph) -> Iterator[GraphProble
         yield from (one for one in graph.problems if one.code in _MISFITS and one.subject == way.name)
 
 
-def _warning(doubt: GraphProblem, capability: Capability, path: str, statement: Statement) -> Problem:
+def _warning(doubt: GraphProblem, capability: Capability, path: str, statement: tree.Statement) -> Problem:
     message = f"`{capability.label}` may have no effect: {doubt.subject}: {doubt.message}"
     return Problem(id=statement.id, path=path, message=message, code=doubt.code, severity="warning")

@@ -1,6 +1,6 @@
-"""What is told of a program: what is wrong with it and where, what happens while it runs, and how it ended.
+"""Problems and events of a program: what is wrong and where, what happens while it runs, and how it ended.
 
-A problem is at a block, which has a line and column if the program is a text.
+A problem is at a block, with line and column if the program is a text.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 
 class Problem(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """Something wrong with a program.
+    """A problem of a program.
 
-    `path` leads to the part of the tree (`/body/0/then/1/condition`), `id` is that of the statement it belongs to. A
-    program with an `error` is not run; with a `warning` it is.
+    `path` leads to the part of the tree (`/body/0/then/1/condition`), `id` identifies its statement. A program with an
+    `error` is not run; with a `warning` it is.
     """
 
     id: str | None
@@ -36,14 +36,14 @@ class Problem(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     @classmethod
     def of(cls, error: RobotError, path: str, identifier: str | None) -> Problem:
-        """Return the problem that an error is."""
+        """Return the problem for an error."""
         return cls(id=identifier, path=path, message=error.message, hint=error.hint, code=error.code)
 
 
 def place_at(file: str, text: str | None, places: Mapping[str, tuple[int, int]], path: str) -> Place:
-    """Return the place of a part of a program's tree: its line in the text, or of the nearest part above it.
+    """Return the place of a part of a program's tree: its line in the text, or that of the nearest part above it.
 
-    A program that is not text (`text` is None) has the path in place of a line.
+    A program without text (`text` is None) has the path instead of a line.
     """
     if text is None:
         return Place(f"{file}#{path}")
@@ -55,14 +55,13 @@ def place_at(file: str, text: str | None, places: Mapping[str, tuple[int, int]],
     return Place(file, line, column, lines[line - 1] if line <= len(lines) else "")
 
 
-_VALUES_EVERY: Final = 0.2
-"""Seconds between two events that tell of one value."""
+_VALUES_EVERY: Final = 0.2  # minimum seconds between two events about one value
 
 
 class Ended(msgspec.Struct, frozen=True, kw_only=True):
-    """How a program ended: `done`, `stopped` by a statement, `failed` with a problem, or `cancelled`.
+    """The result of a run: `done`, `stopped` by a statement, `failed` with a problem, or `cancelled`.
 
-    `statements` counts those that were carried out, `seconds` is the time on the robot's clock.
+    `statements` counts the executed statements, `seconds` is the time on the robot's clock.
     """
 
     ended: Literal["done", "stopped", "failed", "cancelled"]
@@ -72,17 +71,17 @@ class Ended(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Events:
-    """Tells whoever looks on what happens, as plain dicts: `event`, `at` (seconds since the beginning), `id`, `path`.
+    """Emitter of events as plain dicts: `event`, `at` (seconds since the start), `id`, `path`.
 
     `enter`, `leave` of a statement; `value` that was read (`capability`, `parameter`, `value`, `unit`); `set` of a
     variable (`variable`, `value` in base units, `shown`); `log` (`message`); `feedback` of a goal (`capability`,
-    `values`); `planned` in a dry run; `event` when a watched condition began to hold; `paused`, `resumed`; `error`
-    (`code`, `message`, `hint`); `warning` (the same) of what goes on and may not do what was meant; and at the end one
-    of `done`, `stopped`, `failed`, `cancelled` (`seconds`, `statements`).
+    `values`); `planned` in a dry run; `event` when a watched condition becomes true; `paused`, `resumed`; `error`
+    (`code`, `message`, `hint`); `warning` (the same) for work that continues and might not have the intended effect;
+    finally one of `done`, `stopped`, `failed`, `cancelled` (`seconds`, `statements`).
     """
 
     def __init__(self, tell: Callable[[dict[str, Any]], None] | None, clock: Clock) -> None:
-        """`tell` is called in the loop of the program and must return at once."""
+        """Create an emitter; `tell` is called in the event loop of the program and must return at once."""
         self._tell = tell
         self._clock = clock
         self._begun = clock.now()
@@ -91,11 +90,11 @@ class Events:
 
     @property
     def seconds(self) -> float:
-        """Seconds on the robot's clock since the program began."""
+        """Seconds on the robot's clock since the start of the program."""
         return max(self._clock.now() - self._begun, 0.0)
 
     def tell(self, event: str, path: str = "", statement: Statement | None = None, **more: Any) -> None:
-        """Tell of something that happened at a statement, or to the program."""
+        """Emit an event of a statement, or of the program."""
         if self._tell is None:
             return
         identifier = None if statement is None else statement.id
@@ -103,7 +102,7 @@ class Events:
         self._tell(told | ({"path": path} if path else {}) | more)
 
     def value(self, path: str, statement: Statement, capability: Capability, parameter: Parameter, value: Any) -> None:
-        """Tell of a value that was read, if it is another one and the last was not told just now."""
+        """Emit a value that was read, if it has changed and the last one was not emitted just now."""
         key = capability.name, parameter.name
         then, before = self._told.get(key, (float("-inf"), None))
         if value == before or self.seconds - then < _VALUES_EVERY:
@@ -113,5 +112,5 @@ class Events:
         self.tell("value", path, statement, capability=capability.name, parameter=parameter.name, value=value, **unit)
 
     def variable(self, path: str, statement: Statement, name: str, quantity: Quantity, shown: str) -> None:
-        """Tell of a variable that got a value."""
+        """Emit the new value of a variable."""
         self.tell("set", path, statement, variable=name, value=quantity.value, shown=shown)

@@ -22,13 +22,13 @@ _ID: Final = "https://w3id.org/rnkg/program.schema.json"
 
 
 def encode(program: Program) -> bytes:
-    """Return a program as JSON, indented; what has its default is left out, but the version."""
+    """Return a program as indented JSON; defaults are omitted, except for the version."""
     made = {"version": program.version, **msgspec.to_builtins(program)}
     return msgspec.json.format(msgspec.json.encode(made), indent=2) + b"\n"
 
 
 def decode(data: bytes | str, path: str = "program") -> Program:
-    """Return the program that JSON is; RobotError KG831 with the path where it follows the schema no more."""
+    """Return the program in JSON; RobotError KG831 with the path that violates the schema."""
     try:
         program = msgspec.json.decode(data, type=Program)
         too_deep = any(_too_deep(where, statement) for where, statement in statements(program.body))
@@ -47,19 +47,19 @@ def _too_deep(path: str, statement: Statement) -> bool:
 
 
 def schema() -> dict[str, Any]:
-    """Return the JSON Schema of the form."""
+    """Return the JSON Schema of programs."""
     made = msgspec.json.decode(msgspec.json.encode(msgspec.json.schema(Program)))
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": _ID, "title": "A program for a robot"}
     return {**head, **made}
 
 
 SUFFIX: Final = ".kgp"
-"""How the name of a program in text ends."""
+"""File name suffix of programs in text."""
 _MOST: Final = 4 << 20
 
 
 class Loaded(NamedTuple):
-    """A program with where it came from; `text` is None for JSON."""
+    """A program with its file; `text` is None for JSON."""
 
     program: Program
     path: str
@@ -75,8 +75,8 @@ def load(path: str) -> Loaded:
     """Read a program.
 
     Raises:
-        UsageError: KG003 for a file that cannot be read.
-        RobotError: KG830, KG831 for one that is not a program.
+        UsageError: KG003 unreadable file.
+        RobotError: KG830, KG831 invalid program.
     """
     data = _content(path)
     if path.endswith(".xml"):
@@ -96,8 +96,8 @@ def load_tree(path: str, capabilities: Capabilities) -> Loaded:
     """Read a behaviour tree as a program.
 
     Raises:
-        UsageError: KG003 for a file that cannot be read.
-        RobotError: KG830 for one that is too large, KG842 for one that no program stands for.
+        UsageError: KG003 unreadable file.
+        RobotError: KG830 too large, KG842 no equivalent program.
     """
     return Loaded(program_of(_content(path), capabilities, path), path, None, {})
 

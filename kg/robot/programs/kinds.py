@@ -1,4 +1,4 @@
-"""What kind of value each expression has, before a program runs: what is measured, and what does not go together."""
+"""Static typing of expressions: kinds of values, dimensions, and mismatches."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from kg.robot.programs.names import Known
 
 Report: TypeAlias = "Callable[[str, RobotError], None]"
-"""Takes the path of a part and what is wrong with it."""
+"""Receives the path of a part and its error."""
 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A kind of value; of a number, what it measures. `any` is what cannot be told before."""
+    """A kind of value, with the dimension of a number. `any` is unknown before the run."""
 
     name: Literal["number", "boolean", "text", "list", "place", "any"]
     dimension: Dimension = PLAIN
@@ -52,7 +52,7 @@ def of_parameter(parameter: Parameter) -> Kind:
 
 
 def constant(expression: Expression | None) -> values.Quantity | None:
-    """Return the value of an expression that is always the same, None for others and those that have none."""
+    """Return the value of a constant expression; None for others and for those without a value."""
     try:
         match expression:
             case Written():
@@ -72,16 +72,16 @@ def constant(expression: Expression | None) -> values.Quantity | None:
 
 
 class Kinds:
-    """The kinds of expressions, given those of variables; what is wrong is reported at its path."""
+    """The kinds of expressions, given those of variables; errors are reported at their path."""
 
     def __init__(self, known: Known, variables: Mapping[str, Kind], report: Report) -> None:
-        """`variables` may grow while this is used."""
+        """Create the type checker; `variables` may grow while it is used."""
         self._known = known
         self._variables = variables
         self._report = report
 
     def of(self, expression: Expression, path: str) -> Kind:
-        """Return the kind of an expression; `any` when something in it is wrong, which is then reported."""
+        """Return the kind of an expression; `any` after reporting an error in it."""
         match expression:
             case Written():
                 return _of_written(expression)
@@ -176,7 +176,7 @@ class Kinds:
         return BOOLEAN if ordering else kind
 
     def _same(self, expression: Binary, left: Kind, right: Kind, path: str) -> Kind:
-        """Return the kind of two numbers that have to measure the same."""
+        """Return the kind of two numbers, which must have the same dimension."""
         if left == right or _zero(expression.right):
             return left
         if _zero(expression.left):

@@ -1,7 +1,7 @@
-"""What a program, or the expert's code for the same, takes: the columns of Table 2 of onto-ros (section 4.2).
+"""Metrics of a program and of expert code for the same task: the columns of Table 2 of onto-ros (section 4.2).
 
-Code is counted in lines that are neither blank nor comment nor docstring; components are publishers, subscribers,
-service clients and action clients; message types are those that it imports from packages of interfaces.
+Lines of code exclude blank lines, comments and docstrings. Components are publishers, subscribers, service clients and
+action clients. Message types are those imported from interface packages.
 """
 
 from __future__ import annotations
@@ -36,20 +36,20 @@ _COMPONENTS: Final = {
 _LIBRARIES: Final = ("rospy", "rclpy")
 _INTERFACES: Final = ("msg", "srv", "action")
 _STATUS: Final = "GoalStatus"
-"""What action clients of either library are told of their goals by; it is exchanged by no node of the expert's."""
+"""The type of goal states in both action client libraries; no node exchanges it."""
 _PART: Final = re.compile("(Action|Goal|Result|Feedback|Request|Response)$")
-"""What stands behind the name of an action or service for one of its messages."""
+"""Suffixes of the message types of an action or service."""
 
 
 class ProgramMetrics(msgspec.Struct, frozen=True, kw_only=True):
-    """How many blocks (statements) and capabilities (distinct, by name) a program has."""
+    """Number of blocks (statements) and of distinct capabilities of a program."""
 
     blocks: int
     capabilities: int
 
 
 class CodeMetrics(msgspec.Struct, frozen=True, kw_only=True):
-    """What code in Python with rospy or rclpy consists of."""
+    """Metrics of Python code with rospy or rclpy."""
 
     lines: int
     publishers: int
@@ -65,7 +65,7 @@ class CodeMetrics(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def metrics(program: Program, capabilities: Capabilities | None = None) -> ProgramMetrics:
-    """Count what a program takes; with capabilities two names for one count once."""
+    """Return the metrics of a program; given the capabilities, two names of one count once."""
     program = program if capabilities is None else named(program, capabilities)
     every = [statement for _, statement in statements(program.body)]
     used = {statement.capability for statement in every if isinstance(statement, Do)}
@@ -75,7 +75,7 @@ def metrics(program: Program, capabilities: Capabilities | None = None) -> Progr
 
 
 def code_metrics(text: str) -> CodeMetrics:
-    """Count what code takes; SyntaxError when it is not Python."""
+    """Return the metrics of code; SyntaxError if it is not Python."""
     tree = ast.parse(text)
     found = dict.fromkeys(_COMPONENTS.values(), 0)
     for node in ast.walk(tree):
@@ -87,7 +87,7 @@ def code_metrics(text: str) -> CodeMetrics:
 
 
 def foreign_types(text: str, ros: int) -> list[str]:
-    """Return the types of messages in code for a version of ROS that only the other version has, sorted."""
+    """Return the sorted message types in code that exist only in the other version of ROS."""
     own, other = Types(ros), Types(3 - ros)
     used = sorted({f"{package}/{name}" for package, name in _imported(ast.parse(text))})
     return [name for name in used if own.sort(name) is None and other.sort(name) is not None]
@@ -103,7 +103,7 @@ def _imported(tree: ast.Module) -> Iterator[tuple[str, str]]:
 
 
 def _lines(text: str, tree: ast.Module) -> int:
-    """Count the lines that hold code."""
+    """Count the lines that contain code."""
     blank = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
     held: set[int] = set()
     for token in tokenize.generate_tokens(io.StringIO(text).readline):

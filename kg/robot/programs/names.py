@@ -1,4 +1,4 @@
-"""What programs call capabilities and parameters by: names as in the ontology, or labels."""
+"""Names of capabilities and parameters in programs: those of the ontology, or labels."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ if TYPE_CHECKING:
     from kg.robot.capability import Capabilities, Capability, Parameter
 
 AT: Final = "at"
-"""The argument that takes a place: for x, y and what else a capability has of it."""
+"""The argument for a place, which sets x, y and the capability's other position parameters."""
 
 
 class Known:
-    """The capabilities that a program may use, found by the names that it uses."""
+    """The capabilities that a program may use, found by name or label."""
 
     def __init__(self, capabilities: Capabilities) -> None:
-        """Nothing is looked up before it is asked for."""
+        """Create an index, built on first use."""
         self._capabilities = capabilities
         self._found: dict[tuple[str, str], Capability] = {}
 
     def read(self, name: str) -> Capability:
-        """Return what can be sensed or known; RobotError KG832 when it is not there, KG834 when it can only be done."""
+        """Return a readable capability; RobotError KG832 if it is missing, KG834 if it can only be executed."""
         return self._one(name, "read")
 
     def write(self, name: str) -> Capability:
-        """Return what can be done; RobotError KG832 when it is not there, KG834 when it can only be sensed."""
+        """Return an executable capability; RobotError KG832 if it is missing, KG834 if it can only be read."""
         return self._one(name, "write")
 
     def _one(self, name: str, modality: str) -> Capability:
@@ -50,14 +50,14 @@ class Known:
         return found
 
     def _meant(self, name: str, modality: str) -> str | None:
-        """Return the question for what was meant, among what can be reached if anything can."""
+        """Return the suggestion for a misspelt name, preferring available capabilities."""
         fitting = [one for one in self._capabilities.capabilities if one.modality == modality]
         reached = [one for one in fitting if one.ways] or fitting
         return did_you_mean(name, [word for one in reached for word in (one.name, one.label, *one.alternatives)])
 
     @staticmethod
     def parameter(capability: Capability, name: str) -> Parameter:
-        """Return a parameter by its name or label; RobotError KG832 when there is none."""
+        """Return a parameter by its name or label; RobotError KG832 if it is missing."""
         wanted = folded(name)
         for parameter in capability.parameters:
             if wanted in {folded(parameter.name), folded(parameter.label)}:
@@ -69,7 +69,7 @@ class Known:
 
 
 def takes_place(capability: Capability, name: str) -> bool:
-    """Tell whether a name is that of the argument that takes a place, for a capability that has such."""
+    """Return whether a name is that of the place argument, for a capability that has one."""
     names = {one.name for one in capability.parameters}
     return name == AT and AT not in names and {"x", "y"} <= names
 
@@ -84,12 +84,12 @@ def _other_way(name: str, modality: str, capabilities: Capabilities) -> RobotErr
 
 
 def named(program: Program, capabilities: Capabilities) -> Program:
-    """Return a program with the names of capabilities and parameters in place of labels; what is unknown stays."""
+    """Return a program with names instead of labels; unknown ones are unchanged."""
     return _renamed(program, capabilities, lambda one: one.name)
 
 
 def labelled(program: Program, capabilities: Capabilities) -> Program:
-    """Return a program with the labels of capabilities, and the names of parameters; what is unknown stays."""
+    """Return a program with labels of capabilities, and names of parameters; unknown ones are unchanged."""
     return _renamed(program, capabilities, lambda one: one.label)
 
 

@@ -1,4 +1,4 @@
-"""The text form of programs, read: one statement a line, blocks until `end`; docs/programs.md has the grammar."""
+"""Parser of the text form of programs: one statement per line, blocks until `end`; grammar in docs/programs.md."""
 
 from __future__ import annotations
 
@@ -7,35 +7,8 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
 
 import msgspec
 
+from kg.robot.programs import tree
 from kg.robot.programs.tokens import ENDINGS, FOREIGN, FUNCTIONS, RESERVED, Cursor
-from kg.robot.programs.tree import (
-    BLOCKS_DEEP,
-    EXPRESSIONS_DEEP,
-    Binary,
-    Break,
-    Do,
-    Expression,
-    For,
-    Forever,
-    If,
-    Log,
-    OnEvent,
-    Parallel,
-    Position,
-    Program,
-    Read,
-    Repeat,
-    Set,
-    Statement,
-    Stop,
-    Unary,
-    Variable,
-    Wait,
-    WaitUntil,
-    While,
-    Written,
-    height,
-)
 from kg.robot.programs.units import ALIASES, UNITS, convert
 from kg.similar import did_you_mean
 
@@ -44,18 +17,17 @@ if TYPE_CHECKING:
 
     from kg.errors import RobotError
 
-_Loop = TypeVar("_Loop", While, Forever, Repeat, For)
+_Loop = TypeVar("_Loop", tree.While, tree.Forever, tree.Repeat, tree.For)
 
 LEVELS: Final = (("or",), ("and",), ("not",), ("<", "<=", "=", "!=", ">=", ">", "contains"), ("+", "-"), ("*", "/"))
-"""Operators from those that bind least to those that bind most; comparisons cannot be chained."""
+"""Operators from lowest to highest precedence; comparisons cannot be chained."""
 _NOT: Final = 2
 _COMPARISON: Final = 3
-_PARTS: Final = ("x", "y", "z", "heading")
-"""What is said of a place, in the order in which it is written."""
+_PARTS: Final = ("x", "y", "z", "heading")  # components of a place, in their written order
 
 
-def expression(cursor: Cursor, path: str) -> Expression:
-    """Read an expression; its parts get places below `path`."""
+def expression(cursor: Cursor, path: str) -> tree.Expression:
+    """Parse an expression; its parts get places below `path`."""
     places, cursor.places = cursor.places, {}
     try:
         return _level(cursor, path, 0, 0)
@@ -64,8 +36,8 @@ def expression(cursor: Cursor, path: str) -> Expression:
         cursor.places = places
 
 
-def _level(cursor: Cursor, path: str, depth: int, level: int) -> Expression:
-    if depth > EXPRESSIONS_DEEP:
+def _level(cursor: Cursor, path: str, depth: int, level: int) -> tree.Expression:
+    if depth > tree.EXPRESSIONS_DEEP:
         raise _too_deep(cursor)
     if level == len(LEVELS):
         return _signed(cursor, path, depth)
@@ -74,19 +46,19 @@ def _level(cursor: Cursor, path: str, depth: int, level: int) -> Expression:
         if not cursor.word("not"):
             return _level(cursor, path, depth, level + 1)
         cursor.take()
-        return Unary(operator="not", of=_level(cursor, f"{path}/of", depth + 1, level))
+        return tree.Unary(operator="not", of=_level(cursor, f"{path}/of", depth + 1, level))
     return _binary(cursor, path, depth, level)
 
 
-def _binary(cursor: Cursor, path: str, depth: int, level: int) -> Expression:
+def _binary(cursor: Cursor, path: str, depth: int, level: int) -> tree.Expression:
     left = _level(cursor, path, depth, level + 1)
     begin = cursor.places[path]
     while cursor.sign(*LEVELS[level]) or cursor.word(*LEVELS[level]):
         _below(cursor, path, f"{path}/left")
         cursor.places[path] = begin
         operator: Any = cursor.take().value.lower()
-        left = Binary(operator=operator, left=left, right=_level(cursor, f"{path}/right", depth + 1, level + 1))
-        if height(left) > EXPRESSIONS_DEEP:
+        left = tree.Binary(operator=operator, left=left, right=_level(cursor, f"{path}/right", depth + 1, level + 1))
+        if tree.height(left) > tree.EXPRESSIONS_DEEP:
             raise _too_deep(cursor)
         if level == _COMPARISON and (cursor.sign(*LEVELS[level]) or cursor.word("contains")):
             raise cursor.refused(cursor.token, "comparisons cannot be chained", "Write `a < b and b < c`.")
@@ -94,52 +66,52 @@ def _binary(cursor: Cursor, path: str, depth: int, level: int) -> Expression:
 
 
 def _too_deep(cursor: Cursor) -> RobotError:
-    message = f"expressions are nested more than {EXPRESSIONS_DEEP} deep"
+    message = f"expressions are nested more than {tree.EXPRESSIONS_DEEP} deep"
     return cursor.refused(cursor.token, message, "Use variables.")
 
 
 def _below(cursor: Cursor, old: str, new: str) -> None:
-    """Move the places of a part that turned out to stand below another."""
+    """Move the places of a part below another part."""
     for path in [path for path in cursor.places if path == old or path.startswith(f"{old}/")]:
         cursor.places[new + path[len(old) :]] = cursor.places.pop(path)
 
 
-def _signed(cursor: Cursor, path: str, depth: int) -> Expression:
+def _signed(cursor: Cursor, path: str, depth: int) -> tree.Expression:
     cursor.note(path)
     if not cursor.sign("-"):
         return _atom(cursor, path, depth)
     cursor.take()
     if cursor.kind("number"):
         number = cursor.take()
-        return Written(value=-_number(cursor, number.value), unit=number.unit)
-    return Unary(operator="-", of=_level(cursor, f"{path}/of", depth + 1, len(LEVELS)))
+        return tree.Written(value=-_number(cursor, number.value), unit=number.unit)
+    return tree.Unary(operator="-", of=_level(cursor, f"{path}/of", depth + 1, len(LEVELS)))
 
 
-def _atom(cursor: Cursor, path: str, depth: int) -> Expression:
+def _atom(cursor: Cursor, path: str, depth: int) -> tree.Expression:
     if cursor.kind("number"):
         return _with_unit(cursor)
     if cursor.kind("text"):
-        return Written(value=cursor.take().value)
+        return tree.Written(value=cursor.take().value)
     if cursor.word("true", "false"):
-        return Written(value=cursor.take().value.lower() == "true")
+        return tree.Written(value=cursor.take().value.lower() == "true")
     if cursor.sign("(") and cursor.ahead().kind == "word" and cursor.ahead(2).value == ":":
         return _place(cursor, path, depth)
     if cursor.sign("("):
         return _in_parentheses(cursor, path, depth)
     if cursor.word(*FUNCTIONS) and cursor.ahead().value == "(":
         operator: Any = cursor.take().value.lower()
-        return Unary(operator=operator, of=_in_parentheses(cursor, f"{path}/of", depth))
+        return tree.Unary(operator=operator, of=_in_parentheses(cursor, f"{path}/of", depth))
     name, words = _name(cursor)
     if cursor.word("of"):
         cursor.take()
-        return Read(parameter=name, capability=_capability_read(cursor))
+        return tree.Read(parameter=name, capability=_capability_read(cursor))
     if words > 1:
         hint = "What the robot senses is written `nearest of laserScanning`; quote a variable of several words."
         raise cursor.refused(cursor.ahead(-1), f"`{name}` is not a value", hint)
-    return Variable(name=name)
+    return tree.Variable(name=name)
 
 
-def _in_parentheses(cursor: Cursor, path: str, depth: int) -> Expression:
+def _in_parentheses(cursor: Cursor, path: str, depth: int) -> tree.Expression:
     cursor.take()
     inner = _level(cursor, path, depth + 1, 0)
     if not cursor.sign(")"):
@@ -148,9 +120,9 @@ def _in_parentheses(cursor: Cursor, path: str, depth: int) -> Expression:
     return inner
 
 
-def _place(cursor: Cursor, path: str, depth: int) -> Position:
+def _place(cursor: Cursor, path: str, depth: int) -> tree.Position:
     begin = cursor.take()
-    said: dict[str, Expression] = {}
+    said: dict[str, tree.Expression] = {}
     while not said or cursor.sign(","):
         if said:
             cursor.take()
@@ -169,10 +141,10 @@ def _place(cursor: Cursor, path: str, depth: int) -> Position:
     cursor.take()
     if not {"x", "y"} <= said.keys():
         raise cursor.refused(begin, "a place needs its x and its y", "Write `(x: 2 m, y: 1.5 m, heading: 90 deg)`.")
-    return Position(x=said["x"], y=said["y"], z=said.get("z"), heading=said.get("heading"))
+    return tree.Position(x=said["x"], y=said["y"], z=said.get("z"), heading=said.get("heading"))
 
 
-def _with_unit(cursor: Cursor) -> Written:
+def _with_unit(cursor: Cursor) -> tree.Written:
     number = cursor.take()
     if number.unit is None and cursor.kind("word") and cursor.token.value.lower() not in RESERVED:
         unit = cursor.token
@@ -181,7 +153,7 @@ def _with_unit(cursor: Cursor) -> Written:
             f"`{unit.value}` is not a unit",
             did_you_mean(unit.value, [*UNITS, *ALIASES]) or "Units: " + ", ".join(UNITS),
         )
-    return Written(value=_number(cursor, number.value), unit=number.unit)
+    return tree.Written(value=_number(cursor, number.value), unit=number.unit)
 
 
 def _number(cursor: Cursor, digits: str) -> float:
@@ -192,7 +164,7 @@ def _number(cursor: Cursor, digits: str) -> float:
 
 
 def _name(cursor: Cursor) -> tuple[str, int]:
-    """Return a name in quotes, or the words up to one that means something, and how many they are."""
+    """Return a quoted name, or the words before the next keyword, and their number."""
     if cursor.kind("name"):
         return cursor.take().value, 1
     words = _words(cursor)
@@ -219,22 +191,22 @@ def _words(cursor: Cursor) -> list[str]:
 
 
 class Parsed(NamedTuple):
-    """A program with the lines and columns, counted from one, of the parts of its tree by their paths."""
+    """A program with the lines and columns of its parts, counted from one, by their paths."""
 
-    program: Program
+    program: tree.Program
     places: dict[str, tuple[int, int]]
 
 
-def parse(text: str, path: str = "program") -> Program:
-    """Return the program that a text is; RobotError KG830 at the line and column where it cannot be read."""
+def parse(text: str, path: str = "program") -> tree.Program:
+    """Return the program in a text; RobotError KG830 at the line and column of a syntax error."""
     return parse_with_places(text, path).program
 
 
 def parse_with_places(text: str, path: str = "program") -> Parsed:
-    """Return the program that a text is, with the places of its parts; RobotError KG830 as for `parse`."""
+    """Return the program in a text, with the places of its parts; RobotError KG830 as for `parse`."""
     cursor = Cursor(text, path)
     cursor.skip()
-    program = Program()
+    program = tree.Program()
     if cursor.word("program"):
         program = _head(cursor)
     body, rest = _sequence(cursor, "/body", 0)
@@ -244,7 +216,7 @@ def parse_with_places(text: str, path: str = "program") -> Parsed:
     return Parsed(msgspec.structs.replace(program, body=body, comment=comment), cursor.places)
 
 
-def _head(cursor: Cursor) -> Program:
+def _head(cursor: Cursor) -> tree.Program:
     comment = cursor.told()
     cursor.take()
     if not cursor.kind("text", "name"):
@@ -252,23 +224,23 @@ def _head(cursor: Cursor) -> Program:
     name = cursor.take().value
     seconds = _program_time(cursor) if cursor.phrase("within") else None
     _line_end(cursor)
-    return Program(name=name, comment=comment, seconds=seconds)
+    return tree.Program(name=name, comment=comment, seconds=seconds)
 
 
 def _program_time(cursor: Cursor) -> float:
     token = cursor.token
     written = expression(cursor, "/seconds")
-    if isinstance(written, Written) and not isinstance(written.value, bool | str):
+    if isinstance(written, tree.Written) and not isinstance(written.value, bool | str):
         with suppress(ValueError):
             return convert(written.value, written.unit or "s", "s")
     raise cursor.refused(token, "the time for a program is a number with a unit of time", "Write `within 5 min`.")
 
 
-def _sequence(cursor: Cursor, path: str, depth: int) -> tuple[tuple[Statement, ...], str]:
-    """Read statements up to a word that ends them; comments behind the last one belong to it, or are returned."""
-    if depth > BLOCKS_DEEP:
-        raise cursor.refused(cursor.token, f"blocks are nested more than {BLOCKS_DEEP} deep")
-    body: list[Statement] = []
+def _sequence(cursor: Cursor, path: str, depth: int) -> tuple[tuple[tree.Statement, ...], str]:
+    """Parse statements up to a keyword that ends them; comments after the last one belong to it, or are returned."""
+    if depth > tree.BLOCKS_DEEP:
+        raise cursor.refused(cursor.token, f"blocks are nested more than {tree.BLOCKS_DEEP} deep")
+    body: list[tree.Statement] = []
     cursor.skip()
     while not cursor.kind("end of the program") and not cursor.word(*ENDINGS):
         body.append(_statement(cursor, f"{path}/{len(body)}", depth))
@@ -280,13 +252,13 @@ def _sequence(cursor: Cursor, path: str, depth: int) -> tuple[tuple[Statement, .
     return tuple(body), rest
 
 
-def _commented(statement: Statement, *comments: str) -> Statement:
+def _commented(statement: tree.Statement, *comments: str) -> tree.Statement:
     """Return a statement with more comments."""
     comment = "\n".join(filter(None, (statement.comment, *comments)))
     return msgspec.structs.replace(statement, comment=comment) if comment != statement.comment else statement
 
 
-def _statement(cursor: Cursor, path: str, depth: int) -> Statement:
+def _statement(cursor: Cursor, path: str, depth: int) -> tree.Statement:
     comment = cursor.told()
     cursor.note(path)
     cursor.begun.append(cursor.token.line)
@@ -300,7 +272,7 @@ def _statement(cursor: Cursor, path: str, depth: int) -> Statement:
 
 
 def _own(cursor: Cursor) -> None:
-    """Raise RobotError KG830 for a statement as other languages have it, with what is written here."""
+    """Raise RobotError KG830 for a statement of another language, with the syntax used here."""
     token, after = cursor.token, cursor.ahead()
     if token.kind != "word":
         return
@@ -331,53 +303,53 @@ def _end(cursor: Cursor, what: str) -> None:
     cursor.take()
 
 
-def _block(cursor: Cursor, path: str, what: str, depth: int) -> tuple[tuple[Statement, ...], str]:
+def _block(cursor: Cursor, path: str, what: str, depth: int) -> tuple[tuple[tree.Statement, ...], str]:
     body, rest = _sequence(cursor, path, depth + 1)
     _end(cursor, what)
     return body, rest
 
 
-def _if(cursor: Cursor, path: str, depth: int) -> If:
+def _if(cursor: Cursor, path: str, depth: int) -> tree.If:
     cursor.take()
     condition = expression(cursor, f"{path}/condition")
     cursor.phrase("then")
     identifier = _id(cursor)
     then, comment = _sequence(cursor, f"{path}/then", depth + 1)
-    otherwise: tuple[Statement, ...] = ()
+    otherwise: tuple[tree.Statement, ...] = ()
     if cursor.phrase("otherwise"):
         if cursor.word("if"):
             cursor.note(f"{path}/otherwise/0")
-            if depth > BLOCKS_DEEP:
-                raise cursor.refused(cursor.token, f"blocks are nested more than {BLOCKS_DEEP} deep")
+            if depth > tree.BLOCKS_DEEP:
+                raise cursor.refused(cursor.token, f"blocks are nested more than {tree.BLOCKS_DEEP} deep")
             otherwise = (_if(cursor, f"{path}/otherwise/0", depth + 1),)
-            return If(id=identifier, comment=comment, condition=condition, then=then, otherwise=otherwise)
+            return tree.If(id=identifier, comment=comment, condition=condition, then=then, otherwise=otherwise)
         otherwise, rest = _sequence(cursor, f"{path}/otherwise", depth + 1)
         comment = "\n".join(filter(None, (comment, rest)))
     _end(cursor, "if")
-    return If(id=identifier, comment=comment, condition=condition, then=then, otherwise=otherwise)
+    return tree.If(id=identifier, comment=comment, condition=condition, then=then, otherwise=otherwise)
 
 
 def _loop(cursor: Cursor, path: str, depth: int, kind: type[_Loop], word: str, **given: Any) -> _Loop:
-    """Read what follows the head of a loop, with a word that may stand there."""
+    """Parse the rest of a loop, with a keyword that may follow."""
     cursor.phrase(word)
     identifier = _id(cursor)
     body, comment = _block(cursor, f"{path}/body", kind.__name__.lower(), depth)
     return kind(id=identifier, comment=comment, body=body, **given)
 
 
-def _while(cursor: Cursor, path: str, depth: int) -> While:
+def _while(cursor: Cursor, path: str, depth: int) -> tree.While:
     cursor.take()
-    return _loop(cursor, path, depth, While, "do", condition=expression(cursor, f"{path}/condition"))
+    return _loop(cursor, path, depth, tree.While, "do", condition=expression(cursor, f"{path}/condition"))
 
 
-def _forever(cursor: Cursor, path: str, depth: int) -> Forever:
+def _forever(cursor: Cursor, path: str, depth: int) -> tree.Forever:
     cursor.take()
-    return _loop(cursor, path, depth, Forever, "do")
+    return _loop(cursor, path, depth, tree.Forever, "do")
 
 
-def _repeat(cursor: Cursor, path: str, depth: int) -> Repeat:
+def _repeat(cursor: Cursor, path: str, depth: int) -> tree.Repeat:
     cursor.take()
-    return _loop(cursor, path, depth, Repeat, "times", times=expression(cursor, f"{path}/times"))
+    return _loop(cursor, path, depth, tree.Repeat, "times", times=expression(cursor, f"{path}/times"))
 
 
 def _variable(cursor: Cursor) -> str:
@@ -386,7 +358,7 @@ def _variable(cursor: Cursor) -> str:
     return cursor.take().value
 
 
-def _for(cursor: Cursor, path: str, depth: int) -> For:
+def _for(cursor: Cursor, path: str, depth: int) -> tree.For:
     cursor.take()
     each = cursor.word("each") and cursor.ahead().kind in {"word", "name"} and cursor.ahead().value != "from"
     if each:
@@ -405,16 +377,16 @@ def _for(cursor: Cursor, path: str, depth: int) -> For:
         raise cursor.expected(
             "`from` or `in`", hint="Write `for i from 1 to 5` or `for each tag in tags of recognizingTags`."
         )
-    return _loop(cursor, path, depth, For, "do", variable=variable, start=start, end=end, step=step, of=of)
+    return _loop(cursor, path, depth, tree.For, "do", variable=variable, start=start, end=end, step=step, of=of)
 
 
-def _break(cursor: Cursor, path: str, depth: int) -> Break:
+def _break(cursor: Cursor, path: str, depth: int) -> tree.Break:
     del path, depth
     cursor.take()
-    return Break(id=_id(cursor))
+    return tree.Break(id=_id(cursor))
 
 
-def _set(cursor: Cursor, path: str, depth: int) -> Set | None:
+def _set(cursor: Cursor, path: str, depth: int) -> tree.Set | None:
     del depth
     if cursor.ahead().kind in {"word", "name"} and cursor.ahead(2).kind in {"number", "text"}:
         cursor.take()
@@ -426,29 +398,29 @@ def _set(cursor: Cursor, path: str, depth: int) -> Set | None:
     variable = _variable(cursor)
     cursor.take()
     value = expression(cursor, f"{path}/value")
-    return Set(id=_id(cursor), variable=variable, value=value)
+    return tree.Set(id=_id(cursor), variable=variable, value=value)
 
 
-def _wait(cursor: Cursor, path: str, depth: int) -> Wait | WaitUntil:
+def _wait(cursor: Cursor, path: str, depth: int) -> tree.Wait | tree.WaitUntil:
     cursor.take()
     if not cursor.phrase("until"):
         cursor.phrase("for")
         seconds = expression(cursor, f"{path}/seconds")
-        return Wait(id=_id(cursor), seconds=seconds)
+        return tree.Wait(id=_id(cursor), seconds=seconds)
     condition = expression(cursor, f"{path}/condition")
     limit = expression(cursor, f"{path}/seconds") if cursor.phrase("within") else None
     if not cursor.phrase("otherwise"):
-        return WaitUntil(id=_id(cursor), condition=condition, seconds=limit)
+        return tree.WaitUntil(id=_id(cursor), condition=condition, seconds=limit)
     identifier = _id(cursor)
     body, comment = _block(cursor, f"{path}/otherwise", "wait until", depth)
-    return WaitUntil(id=identifier, comment=comment, condition=condition, seconds=limit, otherwise=body)
+    return tree.WaitUntil(id=identifier, comment=comment, condition=condition, seconds=limit, otherwise=body)
 
 
-def _parallel(cursor: Cursor, path: str, depth: int) -> Parallel | None:
+def _parallel(cursor: Cursor, path: str, depth: int) -> tree.Parallel | None:
     if not cursor.phrase("at the same time"):
         return None
     identifier = _id(cursor)
-    branches: list[tuple[Statement, ...]] = []
+    branches: list[tuple[tree.Statement, ...]] = []
     comments: list[str] = []
     while not branches or cursor.phrase("also"):
         body, comment = _sequence(cursor, f"{path}/branches/{len(branches)}", depth + 1)
@@ -456,10 +428,10 @@ def _parallel(cursor: Cursor, path: str, depth: int) -> Parallel | None:
         comments.append(comment)
     _end(cursor, "at the same time")
     kept = tuple(branches) if len(branches) > 1 or branches[0] else ()
-    return Parallel(id=identifier, comment="\n".join(filter(None, comments)), branches=kept)
+    return tree.Parallel(id=identifier, comment="\n".join(filter(None, comments)), branches=kept)
 
 
-def _on_event(cursor: Cursor, path: str, depth: int) -> OnEvent | None:
+def _on_event(cursor: Cursor, path: str, depth: int) -> tree.OnEvent | None:
     end = cursor.phrase("as soon as")
     if not end and not cursor.phrase("whenever"):
         return None
@@ -471,25 +443,25 @@ def _on_event(cursor: Cursor, path: str, depth: int) -> OnEvent | None:
         raise cursor.expected("`during`", hint="After `during`, write the statements to run.")
     body, rest = _block(cursor, f"{path}/body", "as soon as" if end else "whenever", depth)
     comment = "\n".join(filter(None, (comment, rest)))
-    return OnEvent(id=identifier, comment=comment, condition=condition, then=then, body=body, end=end)
+    return tree.OnEvent(id=identifier, comment=comment, condition=condition, then=then, body=body, end=end)
 
 
-def _log(cursor: Cursor, path: str, depth: int) -> Log:
+def _log(cursor: Cursor, path: str, depth: int) -> tree.Log:
     del depth
     cursor.take()
     message = expression(cursor, f"{path}/message")
-    return Log(id=_id(cursor), message=message)
+    return tree.Log(id=_id(cursor), message=message)
 
 
-def _stop(cursor: Cursor, path: str, depth: int) -> Stop | None:
+def _stop(cursor: Cursor, path: str, depth: int) -> tree.Stop | None:
     del path, depth
     if cursor.ahead().kind == "word" and cursor.ahead().value.lower() not in ENDINGS:
         return None
     cursor.take()
-    return Stop(id=_id(cursor))
+    return tree.Stop(id=_id(cursor))
 
 
-def _do(cursor: Cursor, path: str) -> Do:
+def _do(cursor: Cursor, path: str) -> tree.Do:
     named = cursor.phrase("do")
     quoted = cursor.kind("text", "name")
     capability = cursor.take().value if quoted else _capability(cursor, named=named)
@@ -501,11 +473,11 @@ def _do(cursor: Cursor, path: str) -> Do:
     if cursor.word("within"):
         cursor.take()
         within = expression(cursor, f"{path}/within")
-    return Do(id=_id(cursor), capability=capability, arguments=arguments, seconds=seconds, within=within)
+    return tree.Do(id=_id(cursor), capability=capability, arguments=arguments, seconds=seconds, within=within)
 
 
 def _capability(cursor: Cursor, *, named: bool) -> str:
-    """Read the words of a capability, up to the name of the first argument or a time."""
+    """Parse the words of a capability, up to the name of the first argument or a duration."""
     words: list[str] = []
     while cursor.kind("word") and not cursor.word(*ENDINGS):
         after = cursor.ahead()
@@ -520,8 +492,8 @@ def _capability(cursor: Cursor, *, named: bool) -> str:
     return " ".join(words)
 
 
-def _arguments(cursor: Cursor, path: str) -> dict[str, Expression]:
-    arguments: dict[str, Expression] = {}
+def _arguments(cursor: Cursor, path: str) -> dict[str, tree.Expression]:
+    arguments: dict[str, tree.Expression] = {}
     while cursor.kind("word", "name") and not cursor.word("for", "within", *ENDINGS):
         first = cursor.token
         name = _argument_name(cursor)
@@ -545,7 +517,7 @@ def _argument_name(cursor: Cursor) -> str:
     return " ".join(words)
 
 
-_KEYWORDS: Final[dict[str, Callable[[Cursor, str, int], Statement | None]]] = {
+_KEYWORDS: Final[dict[str, Callable[[Cursor, str, int], tree.Statement | None]]] = {
     "if": _if,
     "while": _while,
     "forever": _forever,

@@ -1,7 +1,7 @@
-"""Places with names: where they come from, and programs in which they stand for their coordinates.
+"""Named places: their sources, and their substitution in programs.
 
 A file of places is TOML, a table for each place: `kitchen = { x = 3.2, y = 1.0, heading = 90 }`, in metres and degrees
-on the robot's map; z and heading may be missing.
+on the robot's map; z and heading are optional.
 """
 
 from __future__ import annotations
@@ -26,14 +26,13 @@ if TYPE_CHECKING:
     from kg.robot.connection import ComputationGraph, Connection
 
 Places: TypeAlias = "Mapping[str, Position]"
-"""Places by their names; what is said of each is a number with its unit."""
+"""Places by name; each component is a number with its unit."""
 TOPIC: Final = "/simulator/places"
-"""Where a simulated robot tells the places of its world, as the text of a file of places."""
+"""The topic on which a simulated robot publishes its places, as the text of a file of places."""
 MOST: Final = 1 << 18
-"""How many bytes a file of places may have."""
+"""Maximum size in bytes of a file of places."""
 _KIND: Final = "std_msgs/String"
-_FIRST: Final = 3.0
-"""Seconds to wait for the places of a robot that offers some."""
+_FIRST: Final = 3.0  # seconds to wait for the places of a robot
 
 
 class _Told(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -44,7 +43,7 @@ class _Told(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def places_of(text: str | bytes) -> dict[str, Position]:
-    """Return the places that the text of a file says; ValueError with what is wrong with it."""
+    """Return the places in the text of a file; ValueError with the reason if it is invalid."""
     try:
         found = msgspec.toml.decode(text, type=dict[str, Any])
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
@@ -72,7 +71,7 @@ def _position(told: _Told) -> Position:
 
 
 def read_places(path: str) -> dict[str, Position]:
-    """Return the places of a file, none for the empty path; UsageError KG003 for a file that is none of places."""
+    """Return the places in a file, none for the empty path; UsageError KG003 for an invalid file."""
     if not path:
         return {}
     try:
@@ -86,12 +85,12 @@ def read_places(path: str) -> dict[str, Position]:
 
 
 def offers(graph: ComputationGraph) -> bool:
-    """Tell whether a simulated robot tells places in a graph."""
+    """Return whether a simulated robot publishes places in a graph."""
     return any(one.role is Role.PUBLISHES and (one.name, one.type) == (TOPIC, _KIND) for one in graph.ends)
 
 
 async def offered(connection: Connection, graph: ComputationGraph) -> dict[str, Position]:
-    """Return the places that a simulated robot tells, none of another; what it tells wrongly counts as none."""
+    """Return the places that a simulated robot publishes, none for other robots; invalid ones are ignored."""
     if not offers(graph):
         return {}
     try:
@@ -108,7 +107,7 @@ async def offered(connection: Connection, graph: ComputationGraph) -> dict[str, 
 
 
 def placed(program: Program, places: Places) -> Program:
-    """Return a program in which places stand in place of their names, but for names that it gives values to itself."""
+    """Return a program with places instead of their names, except for names that it assigns itself."""
     own = {one.variable for _, one in statements(program.body) if isinstance(one, Set | For)}
     known = {name: msgspec.to_builtins(place) for name, place in places.items() if name not in own}
     if not known:
@@ -121,12 +120,12 @@ def placed(program: Program, places: Places) -> Program:
 
 
 def at_place(capability: Capability, arguments: Mapping[str, Any], places: Places) -> dict[str, Any]:
-    """Return arguments in which the place that `at` names stands as the parameters that it says something of.
+    """Return arguments with the place named by `at` replaced by its components.
 
-    What is given by its own name counts before what the place says. Arguments of what takes no place stay as they are.
+    Explicit arguments override the place. Arguments of capabilities without places are unchanged.
 
     Raises:
-        RobotError: KG823 for a name that is of no place.
+        RobotError: KG823 unknown place.
     """
     if AT not in arguments or not takes_place(capability, AT):
         return dict(arguments)

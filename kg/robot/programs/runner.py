@@ -1,8 +1,7 @@
-"""Programs carried out on a robot, also from a file on the robot at an address.
+"""Execution of programs on a robot, also from a file on the robot at an address.
 
-A pause is heeded at the next border of a statement; a movement or a goal that is going on is stopped at once, and
-continued for the rest of its time, or given again, when the program goes on. However a program ends, the robot is
-stopped.
+A pause takes effect before the next statement. A running movement or goal is stopped at once, and continued for its
+remaining time, or sent again, on resumption. However a program ends, the robot is stopped.
 """
 
 from __future__ import annotations
@@ -37,8 +36,8 @@ class Runner:
 
     Args:
         driver: the robot; it must be open, and is not closed.
-        program: what to do; it should have been checked for the driver's capabilities.
-        on_event: told what happens, as `kg.robot.programs.events` says; `events` tells it more.
+        program: it should have been checked for the driver's capabilities.
+        on_event: receives the events listed in `kg.robot.programs.events`; `events` can emit more.
     """
 
     def __init__(
@@ -56,31 +55,31 @@ class Runner:
 
     @property
     def paused(self) -> bool:
-        """Whether the program stands still."""
+        """Whether the program is paused."""
         return self._pace.paused
 
     def pause(self) -> None:
-        """Stop what moves, and stand still."""
+        """Stop all movements, and pause."""
         if not self.paused:
             self._pace.pause()
             self.events.tell("paused")
 
     def resume(self) -> None:
-        """Go on where the program stood still."""
+        """Resume the program."""
         if self.paused:
             self.events.tell("resumed")
             self._pace.resume()
 
     def cancel(self) -> None:
-        """End the program; `run` returns when the robot has been stopped."""
+        """Cancel the program; `run` returns after the robot has been stopped."""
         self._cancelled = True
         if self._task is not None:
             self._task.cancel()
 
     async def run(self) -> Ended:
-        """Carry the program out and return how it ended; the robot has been stopped then.
+        """Run the program, stop the robot, and return how the program ended.
 
-        When the task that runs this is cancelled, the robot is stopped before it ends.
+        If the task that runs this is cancelled, the robot is stopped first.
         """
         self._task = asyncio.ensure_future(self._all())
         if self._cancelled:
@@ -100,7 +99,7 @@ class Runner:
         )
 
     async def _end(self, task: asyncio.Task[None]) -> tuple[str, Problem | None]:
-        """End what goes on, stop the robot, and return how the program ended, which is told."""
+        """End running work, stop the robot, and return the result after emitting it."""
         await ended(task)
         left_moving = await self._still()
         how, problem = self._how(task)
@@ -129,7 +128,7 @@ class Runner:
                 raise error
 
     async def _still(self) -> Problem | None:
-        """Stop the robot; return the problem that it could not be."""
+        """Stop the robot; return the problem if that fails."""
         try:
             await self._driver.stop()
         except RobotError as error:
@@ -141,11 +140,11 @@ class Runner:
         await first(self._within_time(), first(self._lost(), self._interrupted()))
 
     async def _lost(self) -> None:
-        """Raise RobotError KG803 when the robot is lost, with the reason."""
+        """Raise RobotError KG803 with the reason when the connection is lost."""
         raise RobotError("KG803", f"the robot is lost: {await self._driver.connection.wait_lost()}")
 
     async def _interrupted(self) -> None:
-        """Raise the error of an interruption, which no part of a program can outlive."""
+        """Raise the error of an interruption, which ends all parts of the program."""
         raise await self._driver.wait_interrupted()
 
     async def _within_time(self) -> None:
@@ -159,21 +158,21 @@ class Runner:
 
 
 class Execution(NamedTuple):
-    """What was wrong with a program, and how it ended; None when it was not begun, for there were errors."""
+    """The problems of a program, and its result; None if it was not started because of errors."""
 
     problems: list[Problem]
     ended: Ended | None
 
 
 def limited(program: Program, seconds: float | None) -> Program:
-    """Return a program that is ended after so many seconds, if it has no shorter time of its own."""
+    """Return a program with a time limit in seconds, unless its own is shorter."""
     if seconds is None or (program.seconds is not None and program.seconds <= seconds):
         return program
     return msgspec.structs.replace(program, seconds=seconds)
 
 
 async def seen(address: str) -> tuple[ComputationGraph, Places]:
-    """Return the computation graph of the system at an address, and the places it tells; raises as `look`."""
+    """Return the computation graph at an address, and the places published there; raises as `look`."""
     async with connected(address) as connection:
         graph = await inhabited(connection)
         return graph, await offered(connection, graph)
@@ -189,12 +188,12 @@ async def execute(  # noqa: PLR0913 - what a run can say
     dry_run: bool = False,
     exclusive: bool = False,
 ) -> Execution:
-    """Connect, ask what the robot can do, check the program, and run it if it has no errors.
+    """Connect, infer the robot's capabilities, check the program, and run it unless it has errors.
 
-    Places that the robot, or the file of the settings, tells stand for their names. `on_problems` is told what
-    is wrong, and what may come to nothing, before anything moves. With `exclusive` no other node may publish to topics
-    that the program moves; without it `on_event` gets a warning. Raises as `connected`, `inhabited` and `infer` of
-    `kg.robot.live`, and `read_places`.
+    Places published by the robot, or in the file of the settings, replace their names. `on_problems` receives problems
+    and doubts before anything moves. With `exclusive`, no other node may publish to topics that the program uses to
+    move; without it, `on_event` receives a warning. Raises as `connected`, `inhabited` and `infer` of `kg.robot.live`,
+    and `read_places`.
     """
     own = read_places(settings.places)
 
@@ -206,7 +205,7 @@ async def execute(  # noqa: PLR0913 - what a run can say
         graph = await inhabited(connection)
         places = {**await offered(connection, graph), **own}
         program = placed(program, places)
-        # In a thread: a loop that stands still would take the time of a simulation for what it was before.
+        # In a thread: a blocked event loop would misread the clock of a simulation.
         capabilities = await asyncio.to_thread(infer, graph, settings, address=address)
         problems = [*check(program, capabilities, places), *doubts(program, capabilities, graph)]
         on_problems(problems)
@@ -232,7 +231,7 @@ async def execute(  # noqa: PLR0913 - what a run can say
 
 
 async def _follow(driver: Driver, settings: Settings) -> None:
-    """Let a program go on with what the robot can do, whatever comes and goes meanwhile."""
+    """Keep the program's capabilities up to date while nodes start and exit."""
     async for graph in driver.connection.changes():
         driver.saw(graph)
         found = await asyncio.to_thread(infer, of_robot(graph), settings, address=driver.connection.address)

@@ -1,4 +1,4 @@
-"""The statements of a program, carried out one by one, the values of its expressions meanwhile, and how time passes."""
+"""Interpreter of statements: control flow, expressions, and time."""
 
 from __future__ import annotations
 
@@ -8,34 +8,9 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from kg.errors import RobotError
-from kg.robot.programs import values
+from kg.robot.programs import tree, values
 from kg.robot.programs.events import Events, Problem
 from kg.robot.programs.names import Known, takes_place
-from kg.robot.programs.tree import (
-    Binary,
-    Break,
-    Do,
-    Expression,
-    For,
-    Forever,
-    If,
-    Log,
-    OnEvent,
-    Parallel,
-    Position,
-    Read,
-    Repeat,
-    Set,
-    Statement,
-    Stop,
-    Unary,
-    Variable,
-    Wait,
-    WaitUntil,
-    While,
-    Written,
-    reads_of,
-)
 from kg.robot.tasks import ended, first
 
 if TYPE_CHECKING:
@@ -47,16 +22,16 @@ if TYPE_CHECKING:
     from kg.robot.driving.routes import Outcome
 
 MOST_STEPS: Final = 20_000
-"""How many statements may be carried out without one that waits or does something."""
+"""Maximum number of statements without one that waits or acts."""
 
 _T = TypeVar("_T")
 
 
 class Pace:
-    """Time as a program sees it, which stands still while the program is paused."""
+    """The clock of a program, which stops while it is paused."""
 
     def __init__(self, clock: Clock) -> None:
-        """Begin to go."""
+        """Start the clock."""
         self._clock = clock
         self._steps = 0
         self._going = asyncio.Event()
@@ -65,29 +40,29 @@ class Pace:
 
     @property
     def paused(self) -> bool:
-        """Whether the program is paused, or will be at the next border of a statement."""
+        """Whether the program is paused, or will be before the next statement."""
         return self._paused.is_set()
 
     def pause(self) -> None:
-        """Stand still from now on."""
+        """Pause."""
         self._going.clear()
         self._paused.set()
 
     def resume(self) -> None:
-        """Go on."""
+        """Resume."""
         self._paused.clear()
         self._going.set()
 
     def waited(self) -> None:
-        """Note that the program did wait, so that what comes next is no endless work."""
+        """Record that the program waited, which resets the limit of steps."""
         self._steps = 0
 
     async def going(self) -> None:
-        """Return at once, or when the program goes on."""
+        """Return once the program is not paused."""
         await self._going.wait()
 
     async def step(self) -> None:
-        """Pass the border of a statement; RobotError KG837 when there were too many without a wait."""
+        """Enter a statement; RobotError KG837 after too many without a wait."""
         self._steps += 1
         if self._steps > MOST_STEPS:
             hint = "Put `wait 0.1 s` into the loop."
@@ -96,7 +71,7 @@ class Pace:
         await asyncio.sleep(0)
 
     async def sleep(self, seconds: float) -> None:
-        """Return when so much time has passed in which the program was not paused."""
+        """Sleep for some seconds, not counting pauses."""
         left = seconds
         while left > 0:
             await self._going.wait()
@@ -108,12 +83,12 @@ class Pace:
             self.waited()
 
     async def until_paused(self, work: Coroutine[Any, Any, _T]) -> tuple[_T] | None:
-        """Do some work and return what it gives in a tuple; None when a pause came first, and the work is cancelled."""
+        """Return the result of some work in a tuple; None if a pause came first, which cancels the work."""
         return await first(work, self._paused.wait())
 
 
 async def together(*work: Coroutine[Any, Any, None]) -> None:
-    """Do things at a time and return when all are done; at the first error the others are cancelled."""
+    """Run tasks in parallel and return when all are done; the first error cancels the others."""
     tasks = [asyncio.ensure_future(one) for one in work]
     try:
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_EXCEPTION) if tasks else (set(), set())
@@ -124,17 +99,15 @@ async def together(*work: Coroutine[Any, Any, None]) -> None:
         await ended(*tasks)
 
 
-_FIRST: Final = 10.0
-"""Seconds that are waited for the first message of a capability."""
-_ASKED: Final = 5.0
-"""How often a second a service is asked that a condition depends on."""
+_FIRST: Final = 10.0  # seconds to wait for the first message of a capability
+_ASKED: Final = 5.0  # calls per second of a service that a condition depends on
 
 
 class Evaluation:
-    """Variables, which all parts of a program share, and the senses of the robot."""
+    """Evaluator of expressions: variables, which all parts of a program share, and the robot's readings."""
 
     def __init__(self, driver: Driver, known: Known, events: Events) -> None:
-        """Begin without variables."""
+        """Create an evaluator without variables."""
         self._driver = driver
         self.known = known
         self._events = events
@@ -142,43 +115,43 @@ class Evaluation:
         self._watchers: set[asyncio.Event] = set()
 
     def give(self, name: str, value: values.Quantity) -> None:
-        """Give a variable a value; conditions that are watched are looked at again."""
+        """Assign a variable; watched conditions are evaluated again."""
         self._variables[name] = value
         for watcher in self._watchers:
             watcher.set()
 
-    async def of(self, expression: Expression, path: str, statement: Statement) -> values.Quantity:
-        """Return the value of an expression at a statement; it waits for the first message of what is read.
+    async def of(self, expression: tree.Expression, path: str, statement: tree.Statement) -> values.Quantity:
+        """Return the value of an expression at a statement; waits for the first message of a reading.
 
         Raises:
-            RobotError: KG833, KG838 when there is no value, KG836 for a variable without one, those of reading.
+            RobotError: KG833, KG838 no value, KG836 an unassigned variable, errors of reading.
         """
         match expression:
-            case Written():
+            case tree.Written():
                 return values.written(expression)
-            case Variable():
+            case tree.Variable():
                 if expression.name not in self._variables:
                     raise RobotError("KG836", f"the variable `{expression.name}` has no value")
                 return self._variables[expression.name]
-            case Read():
+            case tree.Read():
                 return await self._read(expression, path, statement)
-            case Unary():
+            case tree.Unary():
                 return values.unary(expression.operator, await self.of(expression.of, path, statement))
-            case Binary():
+            case tree.Binary():
                 return await self._binary(expression, path, statement)
-            case Position():
+            case tree.Position():
                 said = {name: await self.of(one, path, statement) for name, one in expression.parts().items()}
                 return values.place(said)
 
-    async def truth(self, expression: Expression, path: str, statement: Statement) -> bool:
+    async def truth(self, expression: tree.Expression, path: str, statement: tree.Statement) -> bool:
         """Return whether a condition holds; RobotError as `of`."""
         return values.truth(await self.of(expression, path, statement))
 
-    async def seconds(self, expression: Expression | None, path: str, statement: Statement) -> float | None:
-        """Return a time in seconds, None for none; RobotError as `of`, KG835 for a negative one."""
+    async def seconds(self, expression: tree.Expression | None, path: str, statement: tree.Statement) -> float | None:
+        """Return a duration in seconds, None for none; RobotError as `of`, KG835 for a negative one."""
         return None if expression is None else values.seconds(await self.of(expression, path, statement))
 
-    async def _binary(self, expression: Binary, path: str, statement: Statement) -> values.Quantity:
+    async def _binary(self, expression: tree.Binary, path: str, statement: tree.Statement) -> values.Quantity:
         left = await self.of(expression.left, path, statement)
         if expression.operator in {"and", "or"}:
             if values.truth(left) == (expression.operator == "or"):
@@ -186,7 +159,7 @@ class Evaluation:
             return values.Quantity(await self.truth(expression.right, path, statement))
         return values.binary(expression.operator, left, await self.of(expression.right, path, statement))
 
-    async def _read(self, read: Read, path: str, statement: Statement) -> values.Quantity:
+    async def _read(self, read: tree.Read, path: str, statement: tree.Statement) -> values.Quantity:
         capability = self.known.read(read.capability)
         parameter = self.known.parameter(capability, read.parameter)
         told = await self._driver.latest(capability.name, seconds=_FIRST)
@@ -195,10 +168,10 @@ class Evaluation:
         return values.of_parameter(parameter, value)
 
     @asynccontextmanager
-    async def watching(self, condition: Expression) -> AsyncIterator[asyncio.Event]:
-        """Yield an event that is set whenever something in a condition has changed, or can be sensed no more."""
+    async def watching(self, condition: tree.Expression) -> AsyncIterator[asyncio.Event]:
+        """Yield an event that is set whenever an input of a condition changes, or becomes unreadable."""
         news = asyncio.Event()
-        names = {self.known.read(read.capability).name for read in reads_of(condition)}
+        names = {self.known.read(read.capability).name for read in tree.reads_of(condition)}
         listening = [asyncio.ensure_future(self._listen(name, news)) for name in names]
         self._watchers.add(news)
         try:
@@ -219,16 +192,15 @@ class Evaluation:
             news.set()
 
 
-_REST: Final = 0.02
-"""Seconds of a movement that are not worth to begin again for."""
+_REST: Final = 0.02  # remaining seconds of a movement for which it is not restarted
 _SLACK: Final = 1e-9
 
 
 class Failed(Exception):  # noqa: N818 - it says how the program ended
-    """A statement failed; the innermost one is named."""
+    """Failure of a statement; names the innermost one."""
 
     def __init__(self, problem: Problem) -> None:
-        """Keep what went wrong where."""
+        """Create the failure of a statement with its error."""
         super().__init__(problem.message)
         self.problem = problem
 
@@ -238,33 +210,33 @@ class Stopped(Exception):  # noqa: N818 - it says how the program ended
 
 
 class _Left(Exception):  # noqa: N818 - control, no error
-    """The innermost loop is left."""
+    """`break`: leave the innermost loop."""
 
 
 class Statements:
-    """Carries out statements with the variables, the pace and the events of one program."""
+    """Executes statements with the variables, the clock and the events of one program."""
 
     def __init__(self, driver: Driver, evaluation: Evaluation, pace: Pace, events: Events) -> None:
-        """Nothing is done yet."""
+        """Create the interpreter; nothing runs yet."""
         self.count = 0
         self._driver = driver
         self._evaluation = evaluation
         self._pace = pace
         self._events = events
 
-    async def program(self, body: Iterable[Statement]) -> None:
-        """Carry out a whole program; raises as `sequence`, and RobotError KG836 for a `break` outside a loop."""
+    async def program(self, body: Iterable[tree.Statement]) -> None:
+        """Run a whole program; raises as `sequence`, and RobotError KG836 for a `break` outside a loop."""
         try:
             await self.sequence(body, "/body")
         except _Left:
             raise RobotError("KG836", "`break` outside a loop") from None
 
-    async def sequence(self, body: Iterable[Statement], path: str) -> None:
-        """Carry out statements one after the other; Failed at the first that fails, Stopped by `stop`."""
+    async def sequence(self, body: Iterable[tree.Statement], path: str) -> None:
+        """Run a sequence of statements; Failed at the first failure, Stopped by `stop`."""
         for number, statement in enumerate(body):
             await self._statement(statement, f"{path}/{number}")
 
-    async def _statement(self, statement: Statement, path: str) -> None:
+    async def _statement(self, statement: tree.Statement, path: str) -> None:
         try:
             await self._pace.step()
             self.count += 1
@@ -277,41 +249,41 @@ class Statements:
         finally:
             self._events.tell("leave", path, statement)
 
-    async def _carry_out(self, statement: Statement, path: str) -> None:
+    async def _carry_out(self, statement: tree.Statement, path: str) -> None:
         match statement:
-            case Do():
+            case tree.Do():
                 await self._do(statement, path)
-            case If():
+            case tree.If():
                 holds = await self._evaluation.truth(statement.condition, path, statement)
                 part = "then" if holds else "otherwise"
                 await self.sequence(statement.then if holds else statement.otherwise, f"{path}/{part}")
-            case While() | Forever() | Repeat() | For():
+            case tree.While() | tree.Forever() | tree.Repeat() | tree.For():
                 await self._loop(statement, path)
-            case Break():
+            case tree.Break():
                 raise _Left
-            case Set():
+            case tree.Set():
                 value = await self._evaluation.of(statement.value, path, statement)
                 self._give(statement, statement.variable, value, path)
-            case Wait():
+            case tree.Wait():
                 await self._pace.sleep(await self._evaluation.seconds(statement.seconds, path, statement) or 0.0)
-            case WaitUntil():
+            case tree.WaitUntil():
                 await self._wait_until(statement, path)
-            case Parallel():
+            case tree.Parallel():
                 work = (self.sequence(one, f"{path}/branches/{n}") for n, one in enumerate(statement.branches))
                 await together(*work)
-            case OnEvent():
+            case tree.OnEvent():
                 await self._on_event(statement, path)
-            case Log():
+            case tree.Log():
                 message = values.shown(await self._evaluation.of(statement.message, path, statement))
                 self._events.tell("log", path, statement, message=message)
-            case Stop():
+            case tree.Stop():
                 raise Stopped
 
-    def _give(self, statement: Statement, name: str, value: values.Quantity, path: str) -> None:
+    def _give(self, statement: tree.Statement, name: str, value: values.Quantity, path: str) -> None:
         self._evaluation.give(name, value)
         self._events.variable(path, statement, name, value, values.shown(value))
 
-    async def _do(self, statement: Do, path: str) -> None:
+    async def _do(self, statement: tree.Do, path: str) -> None:
         known = self._evaluation.known
         capability = known.write(statement.capability)
         arguments = await self._arguments(capability, statement, path)
@@ -335,8 +307,8 @@ class Statements:
             self._came(await work(left), path, statement)
         self._pace.waited()
 
-    async def _arguments(self, capability: Capability, statement: Do, path: str) -> dict[str, Any]:
-        """Return the values of parameters; what is given by its own name counts before what a place says."""
+    async def _arguments(self, capability: Capability, statement: tree.Do, path: str) -> dict[str, Any]:
+        """Return the values of parameters; explicit arguments override those of a place."""
         known = self._evaluation.known
         placed, given = {}, {}
         for name, expression in statement.arguments.items():
@@ -350,8 +322,8 @@ class Statements:
             one.name: values.for_parameter(one, found[one.name]) for one in capability.parameters if one.name in found
         }
 
-    def _came(self, outcome: Outcome, path: str, statement: Statement) -> None:
-        """Tell what a dry run would have sent, or that a robot did not move; KG838 when another stopped it."""
+    def _came(self, outcome: Outcome, path: str, statement: tree.Statement) -> None:
+        """Emit the command of a dry run, or a warning that the robot did not move; KG838 if another node stopped it."""
         plan = outcome.plan
         if outcome.ended == "stopped":
             raise RobotError("KG838", f"`{plan.capability}` was stopped from outside")
@@ -363,7 +335,7 @@ class Statements:
             self._events.tell("warning", path, statement, **told)
 
     async def _with_pauses(self, work: Any, left: float | None, *, moves: bool) -> Outcome | None:
-        """Do what takes a while; it is stopped at a pause, and begun again for the time that is left."""
+        """Run a long action; a pause stops it, and it is restarted for the remaining time."""
         clock = self._driver.connection.clock
         while True:
             await self._pace.going()
@@ -377,41 +349,41 @@ class Statements:
                 if moves and left <= _REST:
                     return None
 
-    async def _loop(self, statement: While | Forever | Repeat | For, path: str) -> None:
+    async def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> None:
         try:
             match statement:
-                case While():
+                case tree.While():
                     while await self._evaluation.truth(statement.condition, path, statement):
                         await self._turn(statement, path)
-                case Forever():
+                case tree.Forever():
                     while True:
                         await self._turn(statement, path)
-                case Repeat():
+                case tree.Repeat():
                     for _ in range(await self._times(statement, path)):
                         await self._turn(statement, path)
-                case For():
+                case tree.For():
                     await self._for(statement, path)
         except _Left:
             return
 
-    async def _turn(self, statement: While | Forever | Repeat | For, path: str) -> None:
+    async def _turn(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> None:
         await self._pace.step()
         await self.sequence(statement.body, f"{path}/body")
 
-    async def _times(self, statement: Repeat, path: str) -> int:
+    async def _times(self, statement: tree.Repeat, path: str) -> int:
         times = await self._evaluation.of(statement.times, path, statement)
         if not times.number or times.dimension or not 0 <= times.value < float("inf"):
             raise RobotError("KG833", f"a block cannot be repeated {values.shown(times)} times")
         how_often: float = times.value
         return round(how_often)
 
-    async def _for(self, statement: For, path: str) -> None:
+    async def _for(self, statement: tree.For, path: str) -> None:
         async for value in self._values(statement, path):
             self._give(statement, statement.variable, value, path)
             await self._turn(statement, path)
 
-    async def _values(self, statement: For, path: str) -> Any:
-        async def number(expression: Expression) -> values.Quantity:
+    async def _values(self, statement: tree.For, path: str) -> Any:
+        async def number(expression: tree.Expression) -> values.Quantity:
             value = await self._evaluation.of(expression, path, statement)
             return values.binary("-", value, values.Quantity(0.0))
 
@@ -428,7 +400,7 @@ class Statements:
                 way = abs(step.value) if end.value >= start.value else -abs(step.value)
                 yield values.Quantity(start.value + number_of_step * way, start.dimension)
 
-    async def _wait_until(self, statement: WaitUntil, path: str) -> None:
+    async def _wait_until(self, statement: tree.WaitUntil, path: str) -> None:
         seconds = await self._evaluation.seconds(statement.seconds, path, statement)
         waiting = self._until(statement.condition, path, statement)
         if seconds is None:
@@ -440,8 +412,10 @@ class Statements:
                 raise RobotError("KG837", f"the condition was not met within {shown}", hint=hint)
             await self.sequence(statement.otherwise, f"{path}/otherwise")
 
-    async def _until(self, condition: Expression, path: str, statement: Statement, *, holds: bool = True) -> None:
-        """Return when a condition holds, or does not; it is looked at whenever something in it has changed."""
+    async def _until(
+        self, condition: tree.Expression, path: str, statement: tree.Statement, *, holds: bool = True
+    ) -> None:
+        """Return when a condition becomes true or false; it is evaluated whenever one of its inputs changes."""
         async with self._evaluation.watching(condition) as news:
             while True:
                 await self._pace.going()
@@ -451,7 +425,7 @@ class Statements:
                 await news.wait()
                 self._pace.waited()
 
-    async def _on_event(self, statement: OnEvent, path: str) -> None:
+    async def _on_event(self, statement: tree.OnEvent, path: str) -> None:
         body = self.sequence(statement.body, f"{path}/body")
         if statement.end:
             if await first(body, self._until(statement.condition, path, statement)) is None:
@@ -465,14 +439,14 @@ class Statements:
             await asyncio.wait({working, watching}, return_when=asyncio.FIRST_COMPLETED)
             if working.done():
                 working.result()
-                async with handling:  # what has begun is finished
+                async with handling:  # finish the started sequence
                     watching.cancel()
         finally:
             await ended(working, watching)
         if not watching.cancelled():
             watching.result()
 
-    async def _whenever(self, statement: OnEvent, path: str, handling: asyncio.Lock) -> None:
+    async def _whenever(self, statement: tree.OnEvent, path: str, handling: asyncio.Lock) -> None:
         while True:
             await self._until(statement.condition, path, statement)
             async with handling:

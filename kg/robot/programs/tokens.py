@@ -1,21 +1,19 @@
-"""The text of a program as tokens, the words that reader and printer agree upon, and where the reader stands.
+"""Tokens of the text form, the keywords shared by parser and printer, and the parser's cursor.
 
-Tokens are words, names and texts in quotes, numbers with their units, signs, ends of lines.
+Tokens are words, quoted names and texts, numbers with units, signs, and line ends.
 """
 
 from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 from kg.errors import Place, RobotError
 from kg.robot.programs.units import ALIASES, UNITS
 from kg.similar import did_you_mean
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 FUNCTIONS: Final = ("absolute", "round", "count")
 """Functions of one value, written with parentheses."""
@@ -23,9 +21,9 @@ BEGINNINGS: Final = frozenset(
     {"if", "while", "forever", "repeat", "for", "break", "set", "wait", "at", "whenever", "as", "log", "stop", "do"}
     | {"program"}
 )
-"""Words that a statement of the language begins with; all else begins a capability."""
+"""Keywords that begin a statement; any other word begins a capability."""
 ENDINGS: Final = frozenset({"end", "otherwise", "also", "during"})
-"""Words that end a sequence of statements."""
+"""Keywords that end a sequence of statements."""
 FOREIGN: Final = {
     "else": "Write `otherwise`.",
     "elif": "Write `otherwise if`.",
@@ -33,23 +31,23 @@ FOREIGN: Final = {
     "let": "Write `set x to 3`.",
     "var": "Write `set x to 3`.",
 }
-"""Words that statements of other languages begin with, and what is written here; as a capability they are quoted."""
+"""Keywords of other languages with their counterparts here; a capability of such a name is quoted."""
 RESERVED: Final = (
     frozenset({"and", "or", "not", "of", "contains", "true", "false", "then", "do", "for", "within", "times"})
     | frozenset({"to", "step"})
     | ENDINGS
 )
-"""Words that an expression ends at, or that stand for something in it: no bare name of a variable or parameter."""
+"""Keywords of expressions, which cannot be unquoted names of variables or parameters."""
 BARE: Final = re.compile(r"[^\W\d]\w*")
 
 
 def bare_name(name: str) -> bool:
-    """Tell whether a variable, a parameter or a capability in an expression can be written without quotes."""
+    """Return whether a name of a variable, parameter or capability needs no quotes in an expression."""
     return BARE.fullmatch(name) is not None and name.lower() not in RESERVED | set(FUNCTIONS)
 
 
 def bare_phrase(capability: str) -> bool:
-    """Tell whether a statement can begin with a capability without quotes."""
+    """Return whether a capability needs no quotes at the start of a statement."""
     words = capability.split(" ")
     return all(BARE.fullmatch(word) and word.lower() not in ENDINGS for word in words) and (
         words[0].lower() not in BEGINNINGS | FOREIGN.keys() or (words[0].lower() == "stop" and len(words) > 1)
@@ -61,7 +59,7 @@ Kind = Literal["word", "name", "text", "number", "sign", "id", "comment", "line"
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A token with its place, counted from one; `value` is what it means, `unit` that of a number."""
+    """A token with its place, counted from one; `value` is its meaning, `unit` that of a number."""
 
     kind: Kind
     value: str
@@ -92,14 +90,14 @@ _SAME: Final = {"≤": "<=", "≥": ">=", "≠": "!=", "==": "=", "\u2212": "-",
 
 
 def refusal(text: str, path: str, token: Token, message: str, hint: str | None = None) -> RobotError:
-    """Return the error that a program cannot be read, at a token."""
+    """Return the syntax error at a token."""
     lines = text.split("\n")
     excerpt = lines[token.line - 1] if token.line <= len(lines) else ""
     return RobotError("KG830", message, place=Place(path, token.line, token.column, excerpt), hint=hint)
 
 
 def tokens(text: str, path: str) -> Iterator[Token]:
-    """Yield the tokens of a program with one for its end; RobotError KG830 at what can be none."""
+    """Yield the tokens of a program and an end token; RobotError KG830 at an invalid character."""
     position, line, begin = 0, 1, 0
     while position < len(text):
         column = position - begin + 1
@@ -157,13 +155,13 @@ def _unquoted(token: str) -> str:
 
 
 class Cursor:
-    """The tokens of a text, the comments that wait for a statement, and the places of the parts read so far.
+    """The tokens of a text, pending comments, and the places of the parts parsed so far.
 
-    `begun` are the lines of the statements that are being read, the innermost last.
+    `begun` are the lines of the open statements, the innermost last.
     """
 
     def __init__(self, text: str, path: str) -> None:
-        """Read the tokens; RobotError KG830 at what can be none."""
+        """Tokenize a text; RobotError KG830 at an invalid character."""
         self.text = text.replace("\r\n", "\n").removeprefix("\ufeff")
         self.path = path
         self.comments: list[str] = []
@@ -174,29 +172,29 @@ class Cursor:
 
     @property
     def token(self) -> Token:
-        """The token that is read next."""
+        """The next token."""
         return self._tokens[self._next]
 
     def ahead(self, far: int = 1) -> Token:
-        """Return a token behind the next one; the last one from there on."""
+        """Return a later token; the end token beyond the end."""
         return self._tokens[min(self._next + far, len(self._tokens) - 1)]
 
     def take(self) -> Token:
-        """Return the next token and step over it."""
+        """Consume and return the next token."""
         token = self.token
         self._next = min(self._next + 1, len(self._tokens) - 1)
         return token
 
     def kind(self, *kinds: Kind) -> bool:
-        """Tell whether the next token is of one of these kinds."""
+        """Return whether the next token is of one of these kinds."""
         return self.token.kind in kinds
 
     def word(self, *words: str) -> bool:
-        """Tell whether the next token is one of these words, in capitals or not."""
+        """Return whether the next token is one of these words, in any case."""
         return self.token.kind == "word" and self.token.value.lower() in words
 
     def phrase(self, phrase: str) -> bool:
-        """Step over the words of a phrase if they are next, and tell whether they were."""
+        """Consume a phrase if it comes next, and return whether it did."""
         words = phrase.split()
         found = [self.ahead(far) for far in range(len(words))]
         if [one.value.lower() if one.kind == "word" else "" for one in found] != words:
@@ -205,28 +203,28 @@ class Cursor:
         return True
 
     def sign(self, *signs: str) -> bool:
-        """Tell whether the next token is one of these signs."""
+        """Return whether the next token is one of these signs."""
         return self.token.kind == "sign" and self.token.value in signs
 
     def note(self, path: str) -> None:
-        """Remember that what has this path in the tree begins here."""
+        """Record that the part with this path begins here."""
         self.places.setdefault(path, (self.token.line, self.token.column))
 
     def skip(self) -> None:
-        """Step over ends of lines, and keep the comments."""
+        """Skip line ends, and collect comments."""
         while self.kind("line", "comment"):
             token = self.take()
             if token.kind == "comment":
                 self.comments.append(token.value)
 
     def told(self) -> str:
-        """Return the comments that waited, as one."""
+        """Return the pending comments as one."""
         comment = "\n".join(self.comments)
         self.comments.clear()
         return comment
 
     def expected(self, what: str, *, hint: str | None = None) -> RobotError:
-        """Return the error (KG830) that something else should stand here, with the word that may have been meant."""
+        """Return the syntax error (KG830) for an unexpected token, with a suggestion for a misspelt word."""
         begin = self._next
         while begin and self._tokens[begin - 1].kind != "line":
             begin -= 1
@@ -237,5 +235,5 @@ class Cursor:
         return refusal(self.text, self.path, self.token, f"expected {what}, found {self.token}", meant or hint)
 
     def refused(self, token: Token, message: str, hint: str | None = None) -> RobotError:
-        """Return the error (KG830) that the program cannot be read at a token."""
+        """Return a syntax error (KG830) at a token."""
         return refusal(self.text, self.path, token, message, hint)

@@ -1,20 +1,18 @@
-"""The tree of a program (onto-ros, section 4.1): statements and expressions, as JSON by msgspec, and going through it.
+"""The syntax tree of programs (onto-ros, section 4.1): statements and expressions, as JSON by msgspec.
 
-The tags `block` and `expression` say in JSON what a part is. `id` names a statement for faces; it means nothing.
-What a part alone tells to be senseless is refused when it is made, so that every tree can be written as text.
+The JSON tags `block` and `expression` name the type of a part. User interfaces use `id` to identify statements. Parts
+that are invalid on their own are refused at construction, so every tree can be written as text.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
+from typing import Any, Final, Literal, TypeAlias
 
 import msgspec
 
 from kg.robot.programs.units import UNITS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
 
 
 class _Expression(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid_unknown_fields=True):
@@ -22,13 +20,13 @@ class _Expression(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True,
 
 
 class Written(_Expression, frozen=True, tag_field="expression", tag="value"):
-    """A value as written: a number, with its unit if it has one, a text or a truth value."""
+    """A literal: a number, with its unit if it has one, a text or a truth value."""
 
     value: float | bool | str
     unit: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse (ValueError) a unit that is not known, or behind what is not a number, and numbers without end."""
+        """Refuse (ValueError) an unknown unit, a unit of a non-number, and numbers that are not finite."""
         if isinstance(self.value, bool | str):
             if self.unit is not None:
                 raise ValueError(f"`{self.value}` cannot have a unit")
@@ -45,7 +43,7 @@ class Variable(_Expression, frozen=True, tag_field="expression", tag="variable")
 
 
 class Read(_Expression, frozen=True, tag_field="expression", tag="read"):
-    """What a read capability gives in one of its parameters now; it waits for the first message.
+    """The current value of a parameter of a readable capability; waits for the first message.
 
     Capabilities and parameters are named as in `kg.robot.capability`, or by their labels.
     """
@@ -55,16 +53,16 @@ class Read(_Expression, frozen=True, tag_field="expression", tag="read"):
 
 
 class Unary(_Expression, frozen=True, tag_field="expression", tag="unary"):
-    """`not`, a minus sign, or a function of one value; `count` is that of a list's elements or a text's characters."""
+    """`not`, a minus sign, or a function of one value; `count` is the length of a list or text."""
 
     operator: Literal["not", "-", "absolute", "round", "count"]
     of: Expression
 
 
 class Binary(_Expression, frozen=True, tag_field="expression", tag="binary"):
-    """Arithmetic, a comparison or a connective; `contains` asks whether a list has an element.
+    """Arithmetic, a comparison or a connective; `contains` tests whether a list has an element.
 
-    A text plus anything is the text with that written behind it.
+    A text plus any value is their concatenation.
     """
 
     operator: Literal["+", "-", "*", "/", "<", "<=", "=", "!=", ">=", ">", "and", "or", "contains"]
@@ -73,9 +71,9 @@ class Binary(_Expression, frozen=True, tag_field="expression", tag="binary"):
 
 
 class Position(_Expression, frozen=True, tag_field="expression", tag="place"):
-    """A place on the robot's map, and where to look there: lengths and an angle, in m and rad without units.
+    """A place on the robot's map with an orientation: lengths and an angle, in m and rad without units.
 
-    The argument `at` of a capability takes one for those of its parameters that are called as these members.
+    The argument `at` of a capability sets the parameters that have the names of these members.
     """
 
     x: Expression
@@ -84,7 +82,7 @@ class Position(_Expression, frozen=True, tag_field="expression", tag="place"):
     heading: Expression | None = None
 
     def parts(self) -> dict[str, Expression]:
-        """Return what is said of it, by name."""
+        """The components that are set, by name."""
         said = {"x": self.x, "y": self.y, "z": self.z, "heading": self.heading}
         return {name: one for name, one in said.items() if one is not None}
 
@@ -98,11 +96,10 @@ class _Statement(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, 
 
 
 class Do(_Statement, frozen=True, tag_field="block", tag="do"):
-    """A write capability with its arguments by name.
+    """An executable capability with its arguments by name.
 
-    `seconds` is how long a movement is kept up; without it a movement that has to be renewed ends only with the part
-    of the program that it stands in. `within` is the time after which what ends by itself (a goal, a service) is given
-    up as failed.
+    `seconds` is the duration of a movement; without it, a continuous movement ends only with the enclosing part of the
+    program. `within` is the timeout of a goal or service call.
     """
 
     capability: str
@@ -112,7 +109,7 @@ class Do(_Statement, frozen=True, tag_field="block", tag="do"):
 
 
 class If(_Statement, frozen=True, tag_field="block", tag="if"):
-    """One of two sequences."""
+    """A conditional with two branches."""
 
     condition: Expression
     then: tuple[Statement, ...] = ()
@@ -120,27 +117,27 @@ class If(_Statement, frozen=True, tag_field="block", tag="if"):
 
 
 class While(_Statement, frozen=True, tag_field="block", tag="while"):
-    """A sequence as long as a condition holds."""
+    """A loop while a condition holds."""
 
     condition: Expression
     body: tuple[Statement, ...] = ()
 
 
 class Forever(_Statement, frozen=True, tag_field="block", tag="forever"):
-    """A sequence again and again, until `break` or `stop`."""
+    """An endless loop, until `break` or `stop`."""
 
     body: tuple[Statement, ...] = ()
 
 
 class Repeat(_Statement, frozen=True, tag_field="block", tag="repeat"):
-    """A sequence a number of times."""
+    """A loop with a number of repetitions."""
 
     times: Expression
     body: tuple[Statement, ...] = ()
 
 
 class For(_Statement, frozen=True, tag_field="block", tag="for"):
-    """A sequence for each number from one to another, both included, or for each element of a list."""
+    """A loop over numbers from one to another, both included, or over the elements of a list."""
 
     variable: str
     start: Expression | None = None
@@ -150,7 +147,7 @@ class For(_Statement, frozen=True, tag_field="block", tag="for"):
     body: tuple[Statement, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse (ValueError) what is neither from one number to another nor over a list."""
+        """Refuse (ValueError) a loop with neither a range nor a list."""
         numbers = self.start is not None and self.end is not None
         if numbers == (self.of is not None) or (self.of is not None and (self.start or self.end or self.step)):
             raise ValueError("`for` needs either `start` and `end`, or `of`")
@@ -161,20 +158,20 @@ class Break(_Statement, frozen=True, tag_field="block", tag="break"):
 
 
 class Set(_Statement, frozen=True, tag_field="block", tag="set"):
-    """Gives a variable a value."""
+    """Assigns a variable."""
 
     variable: str
     value: Expression
 
 
 class Wait(_Statement, frozen=True, tag_field="block", tag="wait"):
-    """Waits so many seconds of the robot's time."""
+    """Waits for some seconds of the robot's time."""
 
     seconds: Expression
 
 
 class WaitUntil(_Statement, frozen=True, tag_field="block", tag="wait-until"):
-    """Waits until a condition holds, or fails after so many seconds; with `otherwise` that is done instead."""
+    """Waits until a condition holds, or fails after some seconds; with `otherwise` that runs instead."""
 
     condition: Expression
     seconds: Expression | None = None
@@ -182,15 +179,15 @@ class WaitUntil(_Statement, frozen=True, tag_field="block", tag="wait-until"):
 
 
 class Parallel(_Statement, frozen=True, tag_field="block", tag="parallel"):
-    """Several sequences at a time; it ends when all have, and when one fails the others are cancelled."""
+    """Several sequences in parallel; ends when all have, and a failure of one cancels the others."""
 
     branches: tuple[tuple[Statement, ...], ...] = ()
 
 
 class OnEvent(_Statement, frozen=True, tag_field="block", tag="on-event"):
-    """While `body` runs, `then` is done each time that the condition begins to hold.
+    """While `body` runs, `then` runs each time that the condition becomes true.
 
-    With `end` it is done once, and `body` is cancelled before it.
+    With `end` it runs once, after `body` is cancelled.
     """
 
     condition: Expression
@@ -200,7 +197,7 @@ class OnEvent(_Statement, frozen=True, tag_field="block", tag="on-event"):
 
 
 class Log(_Statement, frozen=True, tag_field="block", tag="log"):
-    """Tells whoever looks on."""
+    """Emits a text."""
 
     message: Expression
 
@@ -215,7 +212,7 @@ Statement: TypeAlias = (
 
 
 class Program(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid_unknown_fields=True):
-    """A program; `seconds` is the time on the robot's clock after which it is ended as failed."""
+    """A program; `seconds` is its time limit on the robot's clock."""
 
     version: Literal[1] = 1
     name: str = "program"
@@ -225,13 +222,13 @@ class Program(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, for
 
 
 BLOCKS_DEEP: Final = 50
-"""How many statements may stand within each other."""
+"""Maximum nesting of statements."""
 EXPRESSIONS_DEEP: Final = 40
-"""How many expressions may."""
+"""Maximum nesting of expressions."""
 
 
 def expressions_of(part: Expression | Statement) -> Iterator[tuple[str, Expression]]:
-    """Yield the outermost expressions in a statement, but not in statements within it, or in an expression, by path."""
+    """Yield the outermost expressions in a statement by path, without those of nested statements."""
     for name in part.__struct_fields__:
         value = getattr(part, name)
         for key, one in value.items() if isinstance(value, dict) else ((None, value),):
@@ -240,12 +237,12 @@ def expressions_of(part: Expression | Statement) -> Iterator[tuple[str, Expressi
 
 
 def height(expression: Expression) -> int:
-    """Return how many expressions may be nested."""
+    """Return the nesting depth of an expression."""
     return 1 + max((height(inner) for _, inner in expressions_of(expression)), default=0)
 
 
 def sequences_of(statement: Statement) -> tuple[tuple[str, tuple[Statement, ...]], ...]:
-    """Return the sequences of statements within a statement, by the part of the path that leads to them."""
+    """Return the sequences in a statement, by their part of the path."""
     if isinstance(statement, Parallel):
         return tuple((f"branches/{number}", branch) for number, branch in enumerate(statement.branches))
     names = (name for name in statement.__struct_fields__ if name in {"then", "otherwise", "body"})
@@ -253,7 +250,7 @@ def sequences_of(statement: Statement) -> tuple[tuple[str, tuple[Statement, ...]
 
 
 def statements(body: Iterable[Statement], path: str = "/body") -> Iterator[tuple[str, Statement]]:
-    """Yield statements with their paths, each before those within it."""
+    """Yield statements with their paths, each before those nested in it."""
     for number, statement in enumerate(body):
         here = f"{path}/{number}"
         yield here, statement
@@ -262,14 +259,14 @@ def statements(body: Iterable[Statement], path: str = "/body") -> Iterator[tuple
 
 
 def parts_of(expression: Expression) -> Iterator[Expression]:
-    """Yield an expression and all that stand within it."""
+    """Yield an expression and its nested expressions."""
     yield expression
     for _, inner in expressions_of(expression):
         yield from parts_of(inner)
 
 
 def reads_of(expression: Expression) -> Iterator[Read]:
-    """Yield what an expression reads of the robot."""
+    """Yield the readings in an expression."""
     return (part for part in parts_of(expression) if isinstance(part, Read))
 
 
@@ -279,7 +276,7 @@ def variables_of(expression: Expression) -> Iterator[str]:
 
 
 def rewritten(program: Program, change: Callable[[dict[str, Any]], Any]) -> Program:
-    """Return a program each of whose parts, as JSON has it and the innermost first, is what `change` makes of it."""
+    """Return a program with each part, in its JSON form and the innermost first, replaced by the result of `change`."""
 
     def walk(part: Any) -> Any:
         if isinstance(part, list | tuple):

@@ -1,7 +1,7 @@
-"""Units of measurement: what a person may write behind a number, and how it converts.
+"""Units of measurement and their conversion.
 
-A dimension is a product of base units with exponents, so that speed times time is a length. An angle has a dimension of
-its own, lest degrees be given where metres are meant; a percentage has none: it is a plain number.
+A dimension is a product of base units with exponents, so speed times time is a length. Angles have a dimension of their
+own, to catch degrees given for metres; a percentage is a plain number.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ PLAIN: Final[Dimension] = ()
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit: its symbol, its dimension, and how much one of it is in base units."""
+    """A unit: its symbol, its dimension, and its size in base units."""
 
     symbol: str
     dimension: Dimension
@@ -62,7 +62,7 @@ UNITS: Final = {
         _unit("T", T=1),
     )
 }
-"""The units by their symbols. A temperature is only ever in degrees Celsius."""
+"""The units by their symbols. Temperatures are in degrees Celsius only."""
 
 ALIASES: Final = {
     **dict.fromkeys(("metre", "metres", "meter", "meters"), "m"),
@@ -77,20 +77,20 @@ ALIASES: Final = {
     "m/s²": "m/s^2",
     "rad/s²": "rad/s^2",
 }
-"""Other ways to write a unit."""
+"""Other spellings of units."""
 
 _NAMES: Final = {unit.dimension: symbol for symbol, unit in reversed(UNITS.items()) if unit.factor == 1}
 
 
 def unit_of(symbol: str | None) -> Unit:
-    """Return the unit of a symbol or alias, that of plain numbers for None; LookupError for one that is not known."""
+    """Return the unit of a symbol or alias, that of plain numbers for None; LookupError if it is unknown."""
     if symbol is None:
         return Unit("", PLAIN)
     return UNITS[ALIASES.get(symbol, symbol)]
 
 
 def convert(value: float, unit: str | None, to: str | None) -> float:
-    """Return a value in another unit; ValueError when it measures something else, LookupError for an unknown unit."""
+    """Return a value in another unit; ValueError for another dimension, LookupError for an unknown unit."""
     source, target = unit_of(unit), unit_of(to)
     if source.dimension != target.dimension:
         raise ValueError(f"{described(source.dimension)} is not {described(target.dimension)}")

@@ -1,4 +1,4 @@
-"""Values while a program runs: numbers in base units with what they measure, texts, truth values, lists."""
+"""Values at run time: numbers in base units with their dimension, texts, truth values, lists."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
     from kg.robot.programs.tree import Written
 
 PLACES: Final = MappingProxyType({"x": "m", "y": "m", "z": "m", "heading": "rad"})
-"""The units of what is said of a place."""
+"""The units of the components of a place."""
 _TIME: Final[Dimension] = (("s", 1),)
 
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A value; a number is in base units (m, s, rad, kg, ...) and `dimension` says what it measures.
+    """A value; a number is in base units (m, s, rad, kg, ...) and `dimension` is its dimension.
 
     A place is a dict of numbers, in the units of `PLACES`.
 
-    None stands for what a robot does not tell, as the nearest tag where there is none: it equals nothing else, and no
-    other comparison with it holds.
+    None is a value that the robot does not provide, such as the nearest tag when none is visible: it equals nothing
+    else, and no other comparison with it holds.
     """
 
     value: Any
@@ -42,7 +42,7 @@ class Quantity:
 
 
 def written(value: Written) -> Quantity:
-    """Return what a value as written is."""
+    """Return the value of a literal."""
     if isinstance(value.value, bool | str):
         return Quantity(value.value)
     unit = unit_of(value.unit)
@@ -50,7 +50,7 @@ def written(value: Written) -> Quantity:
 
 
 def place(said: Mapping[str, Quantity]) -> Quantity:
-    """Return a place of what is said of it, by name; RobotError KG833 for what is not a length or an angle."""
+    """Return a place from its components; RobotError KG833 for one that is not a length or an angle."""
     found = {}
     for name, quantity in said.items():
         wanted = unit_of(PLACES[name]).dimension
@@ -63,14 +63,14 @@ def place(said: Mapping[str, Quantity]) -> Quantity:
 
 
 def of_place(quantity: Quantity) -> dict[str, Quantity]:
-    """Return what a place says, by name; RobotError KG833 for what is none."""
+    """Return the components of a place; RobotError KG833 for other values."""
     if not isinstance(quantity.value, dict):
         raise RobotError("KG833", f"{shown(quantity)} is not a place")
     return {name: Quantity(value, unit_of(PLACES[name]).dimension) for name, value in quantity.value.items()}
 
 
 def of_parameter(parameter: Parameter, value: Any) -> Quantity:
-    """Return what a robot says of a parameter, which is in the parameter's unit."""
+    """Return a value reported by a robot, in the parameter's unit."""
     unit = unit_of(parameter.unit)
     if isinstance(value, int | float) and not isinstance(value, bool):
         return Quantity(value * unit.factor, unit.dimension)
@@ -78,10 +78,10 @@ def of_parameter(parameter: Parameter, value: Any) -> Quantity:
 
 
 def for_parameter(parameter: Parameter, quantity: Quantity) -> Any:
-    """Return a value in the unit of the parameter that it is for; a plain number is taken to be in it already.
+    """Return a value in the unit of a parameter; a plain number is taken to be in it already.
 
     Raises:
-        RobotError: KG833 when it is of another kind or measures something else.
+        RobotError: KG833 another kind or dimension.
     """
     unit = unit_of(parameter.unit)
     if parameter.type in {"number", "integer"} and not quantity.number:
@@ -96,14 +96,14 @@ def for_parameter(parameter: Parameter, quantity: Quantity) -> Any:
 
 
 def truth(quantity: Quantity) -> bool:
-    """Return whether a condition holds; RobotError KG833 when it is none."""
+    """Return whether a condition holds; RobotError KG833 for other values."""
     if not isinstance(quantity.value, bool):
         raise RobotError("KG833", f"{shown(quantity)} is neither true nor false")
     return quantity.value
 
 
 def seconds(quantity: Quantity) -> float:
-    """Return a time in seconds; RobotError KG833 when it is none, KG835 when it is negative."""
+    """Return a duration in seconds; RobotError KG833 for other values, KG835 for a negative one."""
     if not quantity.number or quantity.dimension not in {PLAIN, _TIME}:
         raise RobotError("KG833", f"{shown(quantity)} is not a time")
     if not 0 <= quantity.value < math.inf:
@@ -112,7 +112,7 @@ def seconds(quantity: Quantity) -> float:
 
 
 def shown(quantity: Quantity) -> str:
-    """Return a value as people read it."""
+    """Return a value formatted for people."""
     if quantity.value is None:
         return "nothing"
     if isinstance(quantity.value, dict):
@@ -126,12 +126,12 @@ def shown(quantity: Quantity) -> str:
 
 
 def _part(name: str, value: float) -> str:
-    """Return what is said of a place as people read it: where it looks to in degrees."""
+    """Return a component of a place formatted for people; the orientation in degrees."""
     return f"{math.degrees(value):.6g} deg" if PLACES[name] == "rad" else f"{value:.6g} {PLACES[name]}"
 
 
 def unary(operator: str, of: Quantity) -> Quantity:
-    """Return what an operator or function of one value gives; RobotError KG833 when it has none."""
+    """Return the result of an operator or function of one value; RobotError KG833 if it has none."""
     if operator == "not":
         return Quantity(not truth(of))
     if operator == "count":
@@ -152,7 +152,7 @@ _ORDER: Final = {"<": operators.lt, "<=": operators.le, ">": operators.gt, ">=":
 
 
 def binary(operator: str, left: Quantity, right: Quantity) -> Quantity:
-    """Return what an operator of two values gives, but `and` and `or`; RobotError KG833, KG838 when it has none."""
+    """Return the result of a binary operator except `and` and `or`; RobotError KG833, KG838 if it has none."""
     if operator in {"=", "!="}:
         same = left.value == right.value and (left.dimension == right.dimension or _fitting(left, right))
         return Quantity(same == (operator == "="))
@@ -187,5 +187,5 @@ def _of_numbers(operator: str, left: Quantity, right: Quantity) -> Quantity:
 
 
 def _fitting(left: Quantity, right: Quantity) -> bool:
-    """Tell whether two numbers measure the same; zero is zero in every unit."""
+    """Return whether two numbers have the same dimension; zero fits every unit."""
     return left.dimension == right.dimension or any(one == Quantity(0.0) for one in (left, right))

@@ -43,6 +43,6 @@ def _joined(address: Address, name: str, types: Types) -> RclpyMiddleware:
         raise RobotError("KG801", f"rclpy of ROS 2 cannot be imported: {error}", hint=hint) from None
     try:
         return RclpyMiddleware(address.domain, name, types)
-    except RuntimeError as error:  # what rclpy raises for all failures of the layers below
+    except RuntimeError as error:  # rclpy's exception for all failures of the layers below
         told = f"the domain {address.domain} cannot be joined: {error}"
         raise RobotError("KG817", told, hint="Check the network and $RMW_IMPLEMENTATION.") from None

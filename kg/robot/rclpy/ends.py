@@ -15,12 +15,11 @@ if TYPE_CHECKING:
 
     from kg.robot.ros2.middleware import Deliver
 
-_MOMENT: Final = 0.02
-"""Seconds between two looks for an end of another node, which rclpy does not report."""
+_MOMENT: Final = 0.02  # seconds between checks for ends of other nodes, which rclpy does not report
 
 
 class End:
-    """What all ends have: `count` returns how many ends of others are connected, `destroy` closes it for good."""
+    """Base of all ends: `count` returns the number of connected ends of others, `destroy` closes it for good."""
 
     def __init__(self, count: Callable[[], int], destroy: Callable[[], object]) -> None:
         self._count = count
@@ -29,7 +28,7 @@ class End:
 
     @property
     def peers(self) -> int:
-        """How many ends of others are connected."""
+        """Number of connected ends of others."""
         return 0 if self._closed else self._count()
 
     async def ready(self) -> None:
@@ -45,7 +44,7 @@ class End:
 
 
 def _passed(loop: asyncio.AbstractEventLoop, call: Callable[..., object], *arguments: object) -> None:
-    """Call something in the loop, from another thread; do nothing if the loop is closed."""
+    """Call something in the event loop, from another thread; does nothing if the loop is closed."""
     if not loop.is_closed():
         loop.call_soon_threadsafe(call, *arguments)
 
@@ -72,10 +71,10 @@ class RclpyWriter(End):
         super().__init__(self._publisher.get_subscription_count, lambda: node.destroy_publisher(self._publisher))
 
     def write(self, content: bytes) -> None:
-        """Send a message; RobotError KG803 when it cannot be sent."""
+        """Send a message; RobotError KG803 if that fails."""
         try:
             self._publisher.publish(content)
-        except RuntimeError as error:  # what rclpy raises for all failures of the layers below
+        except RuntimeError as error:  # rclpy's exception for all failures of the layers below
             raise RobotError("KG803", f"a message was not sent: {error}") from None
 
 
@@ -106,10 +105,10 @@ class RclpyCaller(End):
 
 
 class RclpyServer(End):
-    """A service.
+    """A service server.
 
-    rclpy sends what a callback returns, and runs a callback that waits again and again until it is done. So ours
-    returns at once, and the response is sent when it is there.
+    rclpy sends the return value of a callback, and polls a callback that waits. So ours returns at once, and the
+    response is sent when it is ready.
     """
 
     def __init__(self, node: Any, service: str, kind: Any, answer: Callable[[bytes], Awaitable[bytes]]) -> None:
@@ -136,6 +135,6 @@ class RclpyServer(End):
             self._send(deserialize_message(found, self._kind.Response), header)
 
     def close(self) -> None:
-        """Stop serving; requests that are being answered get no response."""
+        """Stop serving; pending requests get no response."""
         self._tasks.cancel()
         super().close()

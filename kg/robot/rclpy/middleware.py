@@ -1,6 +1,6 @@
 """ROS 2 through rclpy: a node in a context of its own, whose executor runs in a thread.
 
-Messages pass as the bytes of CDR. What the executor's thread receives is passed to the event loop.
+Messages are passed as bytes of CDR, from the executor's thread to the event loop.
 """
 
 from __future__ import annotations
@@ -32,14 +32,13 @@ if TYPE_CHECKING:
     from kg.robot.messages import Types
     from kg.robot.ros2.graph import Watch
 
-_EVERY: Final = 0.2
-"""Seconds between two looks at the graph: rclpy does not report its changes."""
+_EVERY: Final = 0.2  # seconds between polls of the graph: rclpy does not report its changes
 _BASE: Final = {"double": "float64", "float": "float32", "boolean": "bool", "octet": "byte"}
-"""What `.msg` files call the types of IDL."""
+"""Names in `.msg` files of the base types of IDL."""
 
 
 class RclpyMiddleware:
-    """Our node of a domain, by the installed ROS 2."""
+    """Our node of a domain, through the installed ROS 2."""
 
     def __init__(self, domain: int, name: str, types: Types) -> None:
         self.types = types
@@ -102,37 +101,37 @@ class RclpyMiddleware:
             (Role.CLIENTS, self._node.get_client_names_and_types_by_node),
         )
         for role, found in sides:
-            with suppress(rclpy.node.NodeNameNonExistentError):  # it has left meanwhile
+            with suppress(rclpy.node.NodeNameNonExistentError):  # it has left in the meantime
                 for service, kinds in found(name, namespace):
                     yield LiveEnd(_absolute(name, namespace), role, service, short(kinds[0]))
 
     def neighbourhood(self) -> Neighbourhood:
-        """Return the nodes and ends of others, as they were seen last."""
+        """Return the nodes and ends of others at the last poll."""
         return self._seen
 
     def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> RclpyReader:
-        """Read a topic."""
+        """Open a reader of a topic."""
         return RclpyReader(self._node, topic, _class(kind), _to_ros(qos), deliver)
 
     def writer(self, topic: str, kind: str, qos: Qos) -> RclpyWriter:
-        """Write to a topic."""
+        """Open a writer of a topic."""
         return RclpyWriter(self._node, topic, _class(kind), _to_ros(qos))
 
     def caller(self, service: str, kind: str) -> RclpyCaller:
-        """Become a client of a service."""
+        """Open a client of a service."""
         return RclpyCaller(self._node, service, _service_class(kind))
 
     def server(self, service: str, kind: str, answer: Callable[[bytes], Awaitable[bytes]]) -> RclpyServer:
-        """Serve a service; ROS 2 has no message for an answer that fails, so nothing is sent then."""
+        """Serve a service; ROS 2 cannot report failures, so a failed request has no response."""
         return RclpyServer(self._node, service, _service_class(kind), answer)
 
     def hashes(self, name: str) -> list[tuple[str, str]]:
-        """Return nothing: a type that is not installed cannot be used, however it is described."""
+        """Return nothing: a type that is not installed cannot be used, even with a description."""
         del name
         return []
 
     async def learn(self, kind: str, name: str) -> bool:
-        """Learn a type, with those that it uses, from the packages of ROS 2 that are installed."""
+        """Learn a type, with its nested types, from installed packages of ROS 2."""
         del name
         texts: dict[str, str] = {}
         for one in [kind] if _installed(kind) else [f"{kind}_{part}" for part in _PARTS]:
@@ -147,7 +146,7 @@ class RclpyMiddleware:
         self._closed = True
         if self._looking is not None:
             self._looking.cancel()
-        self._executor.shutdown()  # it wakes up the thread, which has nothing to wait for then
+        self._executor.shutdown()  # wakes the thread, which then has nothing to wait for
         self._thread.join()
         self._node.destroy_node()
         self._context.try_shutdown()
@@ -223,7 +222,7 @@ def _describe(kind: str, texts: dict[str, str]) -> None:
 
 
 def _written(told: str) -> tuple[str, str]:
-    """Return the type of an element and what makes it an array: `sequence<double, 5>` is `float64` and `[<=5]`."""
+    """Return the type of an element and its array suffix: `sequence<double, 5>` is `float64` and `[<=5]`."""
     if told.startswith("sequence<"):
         element, _, most = told[len("sequence<") : -1].partition(", ")
         return _element(element), f"[<={most}]" if most else "[]"
@@ -267,5 +266,4 @@ def _from_ros(profile: QoSProfile) -> Qos:
     )
 
 
-_FOREVER: Final = 9e9
-"""Seconds that stand for no limit: middlewares tell the greatest number that they have."""
+_FOREVER: Final = 9e9  # seconds from which a duration counts as infinite: middlewares report their maximum

@@ -1,6 +1,7 @@
-"""Actions of ROS 1, both ways: five topics and the states of a goal (wiki.ros.org/actionlib/DetailedDescription).
+"""Action client and server of ROS 1: five topics and the states of a goal.
 
-Our own server carries out one goal at a time; a newer one cancels those before it.
+The protocol is that of wiki.ros.org/actionlib/DetailedDescription. Our server executes one goal at a time; a new one
+cancels the previous ones.
 """
 
 from __future__ import annotations
@@ -40,12 +41,12 @@ class Status(IntEnum):
 
 
 ENDED = frozenset({Status.PREEMPTED, Status.SUCCEEDED, Status.ABORTED, Status.REJECTED, Status.RECALLED, Status.LOST})
-"""The states that a goal does not leave."""
+"""The final states of a goal."""
 
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A topic of an action: its last name, its type, and whether the server writes to it."""
+    """A topic of an action: its last name, its type, and whether the server publishes it."""
 
     name: str
     type: str
@@ -65,16 +66,14 @@ def topics(kind: str) -> tuple[Part, ...]:
 
 _QUEUE: Final = 50
 _POLL: Final = 0.02
-_GONE: Final = 2.0
-"""Seconds of the wall that a server may be away before its goals are lost."""
+_GONE: Final = 2.0  # wall-clock seconds of a server's absence after which its goals are lost
 _TURNS: Final = 10
-"""Turns of the loop that a result waits: feedback was sent before it, but has a connection of its own."""
-_LOOKS: Final = 4
-"""How often it is looked for in that time."""
+"""Turns of the event loop that a result is delayed: earlier feedback arrives over another connection."""
+_LOOKS: Final = 4  # checks within that time
 
 
 class Ros1Goal(GoalProgress):
-    """A goal that an action server was given."""
+    """A goal sent to an action server."""
 
     def __init__(self, client: ActionClient, identity: str) -> None:
         super().__init__()
@@ -84,35 +83,35 @@ class Ros1Goal(GoalProgress):
         self._identity = identity
 
     async def cancel(self) -> None:
-        """Ask the server to end the goal."""
+        """Request cancellation of the goal."""
         await self._client.cancel(self._identity)
 
     def take_status(self, status: int) -> None:
-        """Take the state that the server tells."""
+        """Set the state reported by the server."""
         self.status = Status(status) if status in set(Status) else Status.LOST
         self.accepted.set()
 
     def end(self, outcome: Value | RobotError) -> None:
-        """Take the result, or why there is none; the first one counts."""
+        """Set the result, or the reason for its absence; the first one counts."""
         super().end(outcome)
         self.accepted.set()
 
 
 class Ros1Canceller:
-    """Cancels goals of an action whoever gave them, by their identities."""
+    """Cancels goals of an action by their identities, whoever sent them."""
 
     def __init__(self, publication: Publication) -> None:
         self._publication = publication
 
     async def cancel(self, identity: str) -> None:
-        """Ask the server to end a goal; it hears of that once it is connected."""
+        """Request cancellation of a goal, sent once the server is connected."""
         while self._publication.peers == 0:  # noqa: ASYNC110 - nothing tells when a peer comes
             await asyncio.sleep(_POLL)
         await self._publication.publish({"id": identity})
 
 
 class ActionClient:
-    """The client of one action, made for its first goal and kept for those after it."""
+    """The client of one action, created for its first goal and reused for later ones."""
 
     def __init__(self, connection: Ros1Connection, name: str, kind: str) -> None:
         self.kind = kind
@@ -137,12 +136,12 @@ class ActionClient:
         self._connection.node.spawn(self._look_for_server(), f"looking for {self._name}")
 
     async def ready(self) -> None:
-        """Return when a server is connected to what a goal needs."""
+        """Return when a server is connected to the topics of goals."""
         while not self._is_ready():  # noqa: ASYNC110 - five topics have their peers, and none tells when they come
             await asyncio.sleep(_POLL)
 
     async def send(self, value: Value, identity: str) -> Ros1Goal:
-        """Give a goal, and return it when the server has said a word of it; one that nobody waits for is cancelled."""
+        """Send a goal, and return it when the server has acknowledged it; cancelled with its caller."""
         now = stamp(self._connection.clock.now())
         goal = self._goals[identity] = Ros1Goal(self, identity)
         message = {"header": {"stamp": now}, "goal_id": {"stamp": now, "id": identity}, "goal": value}
@@ -150,7 +149,7 @@ class ActionClient:
             await self._writing["goal"].publish(message)
             await goal.accepted.wait()
         finally:
-            if not goal.accepted.is_set():  # the server may have it all the same
+            if not goal.accepted.is_set():  # the server may have received it
                 del self._goals[identity]
                 with suppress(RobotError):
                     await self.cancel(identity)
@@ -159,7 +158,7 @@ class ActionClient:
         return goal
 
     async def cancel(self, identity: str) -> None:
-        """Ask the server to end a goal."""
+        """Request cancellation of a goal."""
         await self._writing["cancel"].publish({"id": identity})
 
     async def _follow(self, subscription: Ros1Subscription, take: Any, turns: int) -> None:
@@ -170,7 +169,7 @@ class ActionClient:
         self._lose("the robot")
 
     async def _look_for_server(self) -> None:
-        """Let goals be lost with their server: a node that dies tells nobody."""
+        """End goals whose server is gone: a dying node sends nothing."""
         missed = 0
         while True:
             await asyncio.sleep(_GONE / _LOOKS)
@@ -217,7 +216,7 @@ _KEPT: Final = 5.0
 
 
 class _Work:
-    """A goal that we carry out: `Accepted`."""
+    """A goal that our server executes: `Accepted`."""
 
     def __init__(self, server: ActionServer, identity: Value, goal: Value) -> None:
         self.identity = identity
@@ -230,19 +229,19 @@ class _Work:
 
     @property
     def cancelled(self) -> bool:
-        """Whether the client, or a newer goal, asks to stop."""
+        """Whether the client, or a newer goal, requests cancellation."""
         return self.status in {Status.PREEMPTING, Status.RECALLING}
 
     def cancel(self) -> None:
-        """Ask to stop."""
+        """Request cancellation."""
         self.status = {Status.PENDING: Status.RECALLING, Status.ACTIVE: Status.PREEMPTING}.get(self.status, self.status)
 
     async def feedback(self, value: Value) -> None:
-        """Tell the client how far it is."""
+        """Send feedback to the client."""
         await self._server.tell("feedback", self, value)
 
     def abort(self, reason: str) -> None:
-        """Note that the goal could not be reached."""
+        """Record that the goal was aborted."""
         self.failure = reason
 
     def told(self) -> Value:
@@ -251,7 +250,7 @@ class _Work:
 
 
 class ActionServer:
-    """An action that our node carries out."""
+    """An action server of our node."""
 
     def __init__(
         self, connection: Ros1Connection, name: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
@@ -262,14 +261,14 @@ class ActionServer:
         self._carry_out = carry_out
         self._goals: dict[str, _Work] = {}
         self._recalled: deque[str] = deque(maxlen=_WAITING)
-        """Goals that were cancelled before they came: each has a connection of its own."""
+        """Goals cancelled before they arrived: goals and cancellations have connections of their own."""
         self._writing: dict[str, Publication] = {}
         self._reading: list[Ros1Subscription] = []
         self._tasks: list[asyncio.Task[Any]] = []
         self._due = asyncio.Event()
 
     async def open(self) -> None:
-        """Offer the topics of the action, those that answer first."""
+        """Publish and subscribe to the topics of the action, its outputs first."""
         for part in sorted(topics(self._kind), key=lambda part: not part.of_server):
             topic = f"{self._name}/{part.name}"
             if part.of_server:
@@ -289,7 +288,7 @@ class ActionServer:
         await self._writing[name].publish({"header": header, "status": work.told(), name: value})
 
     async def aclose(self) -> None:
-        """Stop answering."""
+        """Close the server."""
         for task in self._tasks:
             task.cancel()
         for subscription in self._reading:
@@ -321,7 +320,7 @@ class ActionServer:
         self._due.set()
 
     def _on_cancel(self, value: Value) -> None:
-        """Cancel what is asked for: one goal, those up to a time, or, where neither is told, all."""
+        """Cancel one goal, those up to a time, or, if neither is given, all."""
         if value["id"] and value["id"] not in self._goals:
             self._recalled.append(value["id"])
         until = (value["stamp"]["sec"], value["stamp"]["nanosec"])
@@ -374,7 +373,7 @@ class ActionServer:
 
     async def _publish_status(self) -> None:
         if self._connection.node.lost.done():
-            return  # nobody is there whom it could be told
+            return  # no client is left to receive it
         states = [work.told() for work in self._goals.values()]
         header = {"stamp": stamp(self._connection.clock.now())}
         await self._writing["status"].publish({"header": header, "status_list": states})

@@ -1,4 +1,4 @@
-"""A connection to a system of ROS 1: our node, and everything that `kg.robot.connection.Connection` promises."""
+"""A connection to a ROS 1 system: our node, with the interface of `kg.robot.connection.Connection`."""
 
 from __future__ import annotations
 
@@ -28,15 +28,13 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 _PORT: Final = 11311
-_TICKING: Final = 2.0
-"""Seconds that the topic `/clock` is given to tell a time before the connection is used."""
+_TICKING: Final = 2.0  # seconds to wait for a time on the topic `/clock`
 
 
 async def connect(address: str, name: str, types: Types | None) -> Ros1Connection:
-    """Become a node of the system whose master is at `ros1://HOST:PORT`; see `kg.robot.connecting.connect`.
+    """Join the system with the master at `ros1://HOST:PORT` as a node; see `kg.robot.connecting.connect`.
 
-    A name that a living node has already gets an ending of its own. Where `/use_sim_time` is set the clock is that of
-    the topic `/clock`.
+    If the name of the node is taken, it gets a suffix. With `/use_sim_time`, the clock is that of the topic `/clock`.
     """
     master = _master(address)
     try:
@@ -72,7 +70,7 @@ def _master(address: str) -> str:
 
 
 async def _free(master: str, name: str) -> str:
-    """Return a name that no living node has; the master would end the node that has it."""
+    """Return an unused name, since the master would shut down a node of the same name."""
     try:
         await ask(await ask(master, "lookupNode", name, name), "getPid", name, seconds=1.0)
     except RobotError:
@@ -90,7 +88,7 @@ async def _parameter(master: str, caller: str, name: str) -> Any:
 
 
 class Ros1Connection:
-    """A node of ours in a system of ROS 1; every method is that of `kg.robot.connection.Connection`."""
+    """Our node in a ROS 1 system, with the methods of `kg.robot.connection.Connection`."""
 
     ros = 1
 
@@ -105,7 +103,7 @@ class Ros1Connection:
         self._opening = asyncio.Lock()
 
     async def graph(self) -> ComputationGraph:
-        """Return the computation graph without our own node; RobotError KG802 when the master does not answer."""
+        """Return the computation graph without our own node; RobotError KG802 if the master does not answer."""
         self.node.present()
         try:
             return await self._analyzer.read()
@@ -113,11 +111,11 @@ class Ros1Connection:
             raise RobotError("KG802", f"the master did not report the graph: {error.message}") from None
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
-        """Yield the graph as it is, and again each time that it has changed."""
+        """Yield the current graph, and again after each change."""
         return Analyzer(self.node).changes()
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Ros1Subscription:
-        """Receive the messages of a topic; without `kind` its type is asked for."""
+        """Subscribe to a topic; without `kind`, its type is looked up."""
         self.node.present()
         topic = absolute(topic)
         told = (await topic_types(self.node.master, self.name))[0].get(topic)
@@ -135,7 +133,7 @@ class Ros1Connection:
         return subscription
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> Ros1Publication:
-        """Offer a topic; `latch` keeps the last message for those that come later."""
+        """Advertise a topic; `latch` keeps the last message for later subscribers."""
         self.node.present()
         offer = await self.node.offer(absolute(topic), kind)
         offer.latch = offer.latch or latch
@@ -161,7 +159,7 @@ class Ros1Connection:
     async def send_goal(
         self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None
     ) -> Ros1Goal:
-        """Give an action a goal."""
+        """Send a goal to an action."""
         self.node.present()
         action = absolute(action)
         self.types.encode(f"{kind}_Goal", goal)
@@ -174,11 +172,11 @@ class Ros1Connection:
         return await self._in_time(client.send(goal, identity or uuid4().hex), left, silent)
 
     async def canceller(self, action: str, kind: str) -> Ros1Canceller:  # noqa: ARG002 - all actions cancel alike
-        """Return what cancels goals of an action."""
+        """Return an object that cancels goals of an action."""
         return Ros1Canceller(await self.advertise(f"{action}/cancel", "actionlib_msgs/GoalID"))
 
     async def _client(self, action: str, kind: str) -> ActionClient:
-        """Return our client of an action, which serves all its goals."""
+        """Return our client of an action, shared by all its goals."""
         async with self._opening:
             if (action, kind) not in self._clients:
                 client = ActionClient(self, action, kind)
@@ -187,12 +185,12 @@ class Ros1Connection:
             return self._clients[action, kind]
 
     async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Serving:
-        """Answer a service; an exception of `answer` is the failure that the client sees."""
+        """Serve a service; an exception of `answer` is reported to the client as a failure."""
         self.node.present()
         return await self.node.serve(absolute(service), kind, answer)
 
     async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> Serving:
-        """Carry out goals, one at a time."""
+        """Serve an action, one goal at a time."""
         self.node.present()
         server = ActionServer(self, absolute(action), kind, carry_out)
         await server.open()
@@ -206,31 +204,31 @@ class Ros1Connection:
         return [one for one in told if isinstance(one, str)]
 
     async def parameter(self, name: str) -> Any:
-        """Return a parameter of the parameter server, or None when it is not set; RobotError as `http.ask`."""
+        """Return a parameter of the parameter server, None if it is not set; RobotError as `http.ask`."""
         return await _parameter(self.node.master, self.name, absolute(name))
 
     async def set_parameter(self, name: str, value: Any) -> None:
-        """Set a parameter; RobotError KG805 for a value that XML-RPC cannot carry, and those of `http.ask`."""
+        """Set a parameter; RobotError KG805 for a value that XML-RPC cannot encode, and those of `http.ask`."""
         await self.node.ask("setParam", absolute(name), value)
 
     async def wait_lost(self) -> str:
-        """Return, when the connection is lost, why; never before."""
+        """Return the reason when the connection is lost; never before."""
         return await asyncio.shield(self.node.lost)
 
     async def aclose(self) -> None:
-        """Leave the graph; everything that was opened is closed."""
+        """Leave the graph, and close everything."""
         await self.node.aclose()
 
     async def follow_clock(self) -> None:
-        """Take the time of the topic `/clock`."""
+        """Use the time of the topic `/clock`."""
         if isinstance(self.clock, SimulatedClock):
             ticks = await self.subscribe("/clock", "rosgraph_msgs/Clock", queue=1)
             self.node.spawn(self.clock.follow(ticks), "following /clock")
-            if ticks.links:  # somebody tells it
+            if ticks.links:  # a publisher exists
                 await self.clock.begun(_TICKING)
 
     async def _learn(self, topic: str, kind: str) -> None:
-        """Learn a type from one who publishes the topic; RobotError KG804 when nobody does."""
+        """Learn a type from a publisher of the topic; RobotError KG804 without one."""
         state = await system_state(self.node.master, self.name)
         for (role, name), nodes in state.ends.items():
             for one in nodes if (role.value, name) == ("publishes", topic) else ():
@@ -248,7 +246,7 @@ class Ros1Connection:
         raise RobotError("KG804", f"the message type `{kind}` of `{topic}` is unknown, and no node defines it")
 
     async def _in_time(self, work: Coroutine[Any, Any, Result], seconds: float, late: RobotError) -> Result:
-        """Return what work gives; the error, when so much time of the robot has passed, or its time stands still."""
+        """Return the result of work; the error, if some time of the robot has passed or its clock has stopped."""
         task = asyncio.ensure_future(within(self.clock, seconds, work))
         try:
             await asyncio.wait((task, self.node.lost), return_when=asyncio.FIRST_COMPLETED)

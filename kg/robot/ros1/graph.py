@@ -1,6 +1,6 @@
-"""The computation graph of a system of ROS 1: what its master tells, checked, and what its nodes say themselves.
+"""The computation graph of a ROS 1 system: the validated state of its master, and reports of its nodes.
 
-Names that are none are left out and reported; the five topics of an action become one end of it.
+Invalid names are reported and left out; the five topics of an action are one end.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ _CLIENT: Final = (Role.PUBLISHES, "goal")
 
 
 def fold(ends: Iterable[LiveEnd]) -> list[LiveEnd]:
-    """Return ends with actions in the place of their topics.
+    """Return ends with actions instead of their topics.
 
-    A node is a server that hears goals and tells states and results; a client is one that gives goals. Who only listens
-    to the state, feedback or result of an action stays the subscriber that it is.
+    A node is a server if it subscribes to goals and publishes states and results; it is a client if it publishes goals.
+    A node that only subscribes to the state, feedback or result stays a subscriber.
     """
     ends = list(ends)
     kinds = {
@@ -65,7 +65,7 @@ _CALLS_AT_ONCE = 200
 
 @dataclass(frozen=True)
 class SystemState:
-    """Who publishes, subscribes and serves what: names of nodes by role and name; and what was wrong with the rest."""
+    """Publishers, subscribers and servers: names of nodes by role and name; and the problems of invalid entries."""
 
     ends: dict[tuple[Role, str], tuple[str, ...]] = field(default_factory=dict)
     problems: tuple[GraphProblem, ...] = ()
@@ -77,12 +77,12 @@ class SystemState:
 
 
 async def system_state(master: str, caller: str) -> SystemState:
-    """Ask a master for its state; RobotError KG810 for an answer that is none, and those of `ask`."""
+    """Request the state of a master; RobotError KG810 for an invalid answer, and those of `ask`."""
     return _state(master, await ask(master, "getSystemState", caller))
 
 
 class StateReader:
-    """Asks a master for its state again and again; an answer with the bytes of the one before is not read anew."""
+    """Polls the state of a master; an unchanged answer is not parsed again."""
 
     def __init__(self, master: str, caller: str) -> None:
         self._master = master
@@ -91,7 +91,7 @@ class StateReader:
         self._state = SystemState()
 
     async def read(self) -> SystemState:
-        """Return the state, the very object of the time before where it is the same; errors as `system_state`."""
+        """Return the state, the same object as before if it is unchanged; errors as `system_state`."""
         content = await exchange(self._master, "getSystemState", self._caller)
         if content != self._content:
             state = _state(self._master, value(self._master, "getSystemState", content))
@@ -118,7 +118,7 @@ def _state(master: str, told: Any) -> SystemState:
 
 
 async def topic_types(master: str, caller: str) -> tuple[dict[str, str], tuple[GraphProblem, ...]]:
-    """Ask a master for the types of topics, and return those that are types; errors as those of `system_state`."""
+    """Request the types of topics from a master, and return the valid ones; errors as `system_state`."""
     told = await ask(master, "getTopicTypes", caller)
     try:
         rows = {name: kind for name, kind in told if is_name(name)}
@@ -133,9 +133,9 @@ async def topic_types(master: str, caller: str) -> tuple[dict[str, str], tuple[G
 
 
 async def multicall(master: str, method: str, caller: str, names: list[str]) -> dict[str, Any]:
-    """Ask a master the same of many names, and return the values of those that it knows.
+    """Send the same request for many names to a master, and return the values of known names.
 
-    Many calls go in one, as `system.multicall` of XML-RPC, which rosmaster has; of a master without it each is asked.
+    The calls are batched by `system.multicall` of XML-RPC, which rosmaster supports; without it, each is sent alone.
     """
     found: dict[str, Any] = {}
     for start in range(0, len(names), _CALLS_AT_ONCE):
@@ -173,12 +173,12 @@ _LATEST: Final = 0.2
 _FRESH: Final = 3.0
 _ASKING: Final = "asking nodes whether they live"
 _OF_EVERY_NODE: Final = {"get_loggers": "roscpp/GetLoggers", "set_logger_level": "roscpp/SetLoggerLevel"}
-"""Services that the client libraries make in each node; there is no need to ask for their types."""
+"""Services that client libraries create in each node; their types are known."""
 
 
 @dataclass(slots=True)
 class _Known:
-    """What a node said when it was asked last."""
+    """The last report of a node."""
 
     uri: str | None
     problem: GraphProblem | None
@@ -187,7 +187,7 @@ class _Known:
 
 @dataclass(slots=True, eq=False)
 class _Picture:
-    """What the master told, with what nodes added to it."""
+    """The state of the master, with the reports of nodes."""
 
     state: SystemState
     names: set[str]
@@ -197,7 +197,7 @@ class _Picture:
 
 
 class Analyzer:
-    """Reads the graph for our node, and remembers what does not change."""
+    """Reads the graph for our node, and caches what does not change."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -208,11 +208,10 @@ class Analyzer:
         self._took = 0.0
 
     async def changes(self) -> AsyncIterator[ComputationGraph]:
-        """Yield the graph as it is, and again when it has changed; it ends when the master is lost.
+        """Yield the current graph, and again after each change; it ends when the master is lost.
 
-        Whether nodes still live is asked beside it, and more seldom than what the master tells. A master that answers
-        quickly is asked more often: as long as nothing changes, nine tenths of its time are left, where that does not
-        take longer than `_LATEST` seconds.
+        Nodes are probed concurrently, less often than the master. A fast master is polled more often: while nothing
+        changes, it is idle nine tenths of the time, unless a poll takes longer than `_LATEST` seconds.
         """
         loop = asyncio.get_running_loop()
         picture: _Picture | None = None
@@ -243,11 +242,11 @@ class Analyzer:
             asking.cancel()
 
     async def read(self) -> ComputationGraph:
-        """Return the graph without our own node; RobotError as `system_state` when the master does not answer."""
+        """Return the graph without our own node; RobotError as `system_state` if the master does not answer."""
         return self._graph(await self._picture(await self._reader.read(), fresh=_FRESH))
 
     async def _picture(self, state: SystemState, fresh: float) -> _Picture:
-        """Return what a state means, when all that is new in it has been asked about itself."""
+        """Return the graph of a state, after probing new nodes and services."""
         kinds, odd = await topic_types(self._node.master, self._node.name)
         names = state.nodes - {self._node.name}
         self._nodes = {name: known for name, known in self._nodes.items() if name in names}
@@ -285,14 +284,14 @@ class Analyzer:
         return found if isinstance(found, str) else None
 
     async def _ask_nodes(self, names: set[str], fresh: float, at_once: int = _AT_ONCE) -> None:
-        """See who is there: those that have not been asked lately say whether they live."""
+        """Probe the nodes that have not been probed recently."""
         now = asyncio.get_running_loop().time()
         stale = sorted(name for name in names if name not in self._nodes or now - self._nodes[name].at > fresh)
         uris = await multicall(self._node.master, "lookupNode", self._node.name, stale)
         await _bounded(lambda name: self._ask_node(name, uris.get(name)), stale, at_once)
 
     async def _ask_again(self, names: set[str]) -> None:
-        """See after a while whether nodes still live, a few at once, so that a tenth of the time goes there at most."""
+        """Probe nodes again later, a few at once, using at most a tenth of the time."""
         loop = asyncio.get_running_loop()
         await asyncio.sleep(max(_FRESH, 10 * self._took))
         began = loop.time()
@@ -320,7 +319,7 @@ class Analyzer:
         self._nodes[name] = _Known(address, problem, asyncio.get_running_loop().time())
 
     async def _ask_services(self, services: list[tuple[str, str]]) -> None:
-        """Ask for the types of services that are new, of nodes that live; the port of a node is asked for once."""
+        """Request the types of new services of live nodes; the port of a node is requested once."""
         for node, service in services:
             own, _, last = service.rpartition("/")
             if own == node and last in _OF_EVERY_NODE:
@@ -345,12 +344,12 @@ class Analyzer:
 
 
 def pause(took: float) -> float:
-    """Return how long to wait after an answer that took so long; both in seconds."""
+    """Return the pause after an answer of a duration; both in seconds."""
     return min(max(_SHARE * took, _SOONEST), _LATEST)
 
 
 async def _bounded(work: Callable[[Any], Awaitable[None]], items: list[Any], at_once: int = _AT_ONCE) -> None:
-    """Do some work for each item, so many at once that a machine can bear it."""
+    """Do some work for each item, with limited concurrency."""
     gate = asyncio.Semaphore(at_once)
 
     async def one(item: Any) -> None:

@@ -4,32 +4,30 @@ from __future__ import annotations
 
 import asyncio
 import struct
-from typing import TYPE_CHECKING, Final
+from collections.abc import Mapping
+from typing import Final
 
 from kg.errors import RobotError
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 MOST_BYTES: Final = 1 << 26
-"""The longest message that is received: an image of 64 MiB."""
+"""Maximum size of a received message: an image of 64 MiB."""
 
 _MOST_HEADER: Final = 1 << 20
 _LENGTH: Final = struct.Struct("<I")
 
 
 def framed(content: bytes) -> bytes:
-    """Return content with its length before it."""
+    """Return content prefixed with its length."""
     return _LENGTH.pack(len(content)) + content
 
 
 def pack(fields: Mapping[str, str]) -> bytes:
-    """Return a header with its length before it."""
+    """Return an encoded header prefixed with its length."""
     return framed(b"".join(framed(f"{name}={value}".encode()) for name, value in fields.items()))
 
 
 def unpack(content: bytes) -> dict[str, str]:
-    """Return the fields of a header; RobotError KG810 for bytes that are none."""
+    """Return the fields of a header; RobotError KG810 for invalid bytes."""
     fields: dict[str, str] = {}
     at = 0
     while at < len(content):
@@ -43,10 +41,10 @@ def unpack(content: bytes) -> dict[str, str]:
 
 
 async def read_header(reader: asyncio.StreamReader, seconds: float = 5.0) -> dict[str, str]:
-    """Return the header that a peer sends.
+    """Return the header sent by a peer.
 
     Raises:
-        RobotError: KG810 for what is not a header, KG803 when it does not come in time or the connection ends.
+        RobotError: KG810 an invalid header, KG803 timeout or the connection ends.
     """
     try:
         async with asyncio.timeout(seconds):
@@ -59,7 +57,7 @@ async def read_header(reader: asyncio.StreamReader, seconds: float = 5.0) -> dic
 
 
 async def read_message(reader: asyncio.StreamReader, most: int = MOST_BYTES) -> bytes | None:
-    """Return the next message, or None where the connection ends; RobotError KG810 when one is too long or cut."""
+    """Return the next message, None at the end of the connection; RobotError KG810 if it is too long or truncated."""
     try:
         (length,) = _LENGTH.unpack(await reader.readexactly(4))
     except asyncio.IncompleteReadError as error:

@@ -1,34 +1,31 @@
-"""A small master for simulations and tests where no ROS is installed: registrations, look-ups, parameters.
+"""A small master for simulations and tests without a ROS installation: registrations, look-ups, parameters.
 
-It answers the Master and Parameter Server APIs (wiki.ros.org/ROS/Master_API and ROS/Parameter%20Server%20API), and
-tells subscribers who publishes.
+It implements the Master and Parameter Server APIs (wiki.ros.org/ROS/Master_API and ROS/Parameter%20Server%20API), and
+notifies subscribers of publishers.
 """
 
 from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import Any, Final, Self
 
 from kg.errors import RobotError
 from kg.robot.ros1.names import is_name, is_type, netloc, peer, shown
 from kg.robot.ros1.xmlrpc import XmlRpcServer, call
 from kg.robot.tasks import Tasks
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-    from types import TracebackType
-
 
 class Parameters:
-    """The parameters of a system; a namespace is the dict of what is in it. A KeyError says that there is none."""
+    """The parameters of a system; a namespace is a dict of its content. KeyError for a missing one."""
 
     def __init__(self) -> None:
         self._tree: dict[str, Any] = {}
 
     def get(self, name: str) -> Any:
-        """Return a value, or all of a namespace."""
+        """Return a value, or the content of a namespace."""
         found: Any = self._tree
         for part in _parts(name):
             if not isinstance(found, dict):
@@ -36,8 +33,16 @@ class Parameters:
             found = found[part]
         return found
 
+    def has(self, name: str) -> bool:
+        """Tell whether there is a value, or a namespace."""
+        try:
+            self.get(name)
+        except KeyError:
+            return False
+        return True
+
     def set(self, name: str, value: Any) -> None:
-        """Set a value, or all of a namespace."""
+        """Set a value, or the content of a namespace."""
         *spaces, last = _parts(name) or [""]
         if not last:
             self._tree = value if isinstance(value, dict) else {}
@@ -50,7 +55,7 @@ class Parameters:
         within[last] = value
 
     def delete(self, name: str) -> None:
-        """Forget a value or namespace."""
+        """Delete a value or namespace."""
         *spaces, last = _parts(name) or [""]
         within = self.get("/".join(spaces))
         if not isinstance(within, dict):
@@ -62,15 +67,11 @@ class Parameters:
         first = name.strip("/").partition("/")[0]
         parts = _parts(space)
         while True:
-            inner = "/".join(["", *parts, first])
-            try:
-                self.get(inner)
-            except KeyError:
-                if not parts:
-                    raise
-                parts.pop()
-            else:
+            if self.has("/".join(["", *parts, first])):
                 return "/".join(["", *parts, name.strip("/")])
+            if not parts:
+                raise KeyError(name)
+            parts.pop()
 
     def names(self) -> list[str]:
         """Return the names of all values."""
@@ -91,7 +92,7 @@ def _parts(name: str) -> list[str]:
 
 @dataclass
 class _Ends:
-    """Who is registered where: the addresses of nodes by the name of the topic or service, then by that of the node."""
+    """Registrations: addresses of nodes by the name of the topic or service, then by the name of the node."""
 
     by_name: dict[str, dict[str, str]] = field(default_factory=dict)
 
@@ -99,7 +100,7 @@ class _Ends:
         self.by_name.setdefault(name, {})[node] = uri
 
     def remove(self, name: str, node: str, uri: str | None = None) -> int:
-        """Take a node off, if it is registered with the address; return how many were."""
+        """Remove a node, if it is registered with the address; return the number removed."""
         nodes = self.by_name.get(name, {})
         if node not in nodes or (uri is not None and nodes[node] != uri):
             return 0
@@ -116,7 +117,7 @@ class _Ends:
 
 
 class Master:
-    """A master that listens while it is entered: `async with Master() as master: ... master.address`."""
+    """A master that listens inside its context: `async with Master() as master: ... master.address`."""
 
     def __init__(self, host: str = "127.0.0.1", port: int = 0) -> None:
         self.parameters = Parameters()
@@ -139,11 +140,11 @@ class Master:
 
     @property
     def uri(self) -> str:
-        """The address as `$ROS_MASTER_URI` has it."""
+        """The address in the form of `$ROS_MASTER_URI`."""
         return f"http://{netloc(self._host, self._port)}/"
 
     async def __aenter__(self) -> Self:
-        """Listen; RobotError KG814 when the address cannot be had."""
+        """Listen; RobotError KG814 if the address is not available."""
         try:
             self._port = await self._server.start(self._host, self._port)
         except OSError as error:
@@ -151,9 +152,7 @@ class Master:
             raise RobotError("KG814", f"no master can listen at {self.address}: {error}", hint=hint) from None
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         """Stop listening."""
         self._telling.cancel()
         await self._server.aclose()
@@ -173,121 +172,110 @@ class Master:
                 return {"faultCode": 1, "faultString": "it is not a call"}
 
     def _answer(self, method: str, arguments: list[Any]) -> list[Any]:
-        """Answer a call with code, words and value; a method that is not known is a KeyError."""
+        """Respond to a call with code, message and value; KeyError for an unknown method."""
         name, shape = _CALLS[method]
         if len(arguments) != len(shape) + 1 or not _is_caller(arguments[0], registers="u" in shape):
             return [-1, f"{method} needs a caller and {len(shape)} arguments", 0]
         checked = [_CHECKS[sign](value) for sign, value in zip(shape, arguments[1:], strict=True)]
         if not all(checked):
             return [-1, f"{method}: `{shown(arguments[1 + checked.index(False)])}` does not fit", 0]
-        code, value = getattr(self, f"_on_{name}")(_slashed(arguments[0]), *arguments[1:])
-        return [code, "" if code == 1 else f"{method}: unknown {shown(arguments[1])}", value]
+        try:
+            return [1, "", getattr(self, f"_on_{name}")(_slashed(arguments[0]), *arguments[1:])]
+        except KeyError:
+            return [-1, f"{method}: unknown {shown(arguments[1])}", "" if name in _TEXTS else 0]
 
-    def _on_pid(self, _: str) -> tuple[int, int]:
-        return 1, os.getpid()
+    def _on_pid(self, _: str) -> int:
+        return os.getpid()
 
-    def _on_uri(self, _: str) -> tuple[int, str]:
-        return 1, self.uri
+    def _on_uri(self, _: str) -> str:
+        return self.uri
 
-    def _on_state(self, _: str) -> tuple[int, list[Any]]:
-        return 1, [self._publishers.rows(), self._subscribers.rows(), self._services.rows()]
+    def _on_state(self, _: str) -> list[Any]:
+        return [self._publishers.rows(), self._subscribers.rows(), self._services.rows()]
 
-    def _on_types(self, _: str) -> tuple[int, list[Any]]:
-        return 1, [[topic, kind] for topic, kind in self._kinds.items()]
+    def _on_types(self, _: str) -> list[Any]:
+        return [[topic, kind] for topic, kind in self._kinds.items()]
 
-    def _on_published(self, _: str, space: str) -> tuple[int, list[Any]]:
+    def _on_published(self, _: str, space: str) -> list[Any]:
         inside = space.rstrip("/") + "/"
-        return 1, [
-            [topic, self._kinds.get(topic, "*")] for topic in self._publishers.by_name if topic.startswith(inside)
-        ]
+        return [[topic, self._kinds.get(topic, "*")] for topic in self._publishers.by_name if topic.startswith(inside)]
 
-    def _on_node(self, _: str, name: str) -> tuple[int, str]:
-        return (1, self._nodes[name]) if name in self._nodes else (-1, "")
+    def _on_node(self, _: str, name: str) -> str:
+        return self._nodes[name]
 
-    def _on_service(self, _: str, name: str) -> tuple[int, str]:
-        nodes = self._services.by_name.get(name, {})
-        return (1, list(nodes.values())[-1]) if nodes else (-1, "")
+    def _on_service(self, _: str, name: str) -> str:
+        return list(self._services.by_name[name].values())[-1]
 
-    def _on_publish(self, caller: str, topic: str, kind: str, uri: str) -> tuple[int, list[str]]:
+    def _on_publish(self, caller: str, topic: str, kind: str, uri: str) -> list[str]:
         self._welcome(caller, uri)
         if kind != "*" and (self._kinds.get(topic, "*") == "*" or topic not in self._publishers.by_name):
             self._kinds[topic] = kind
         self._publishers.add(topic, caller, uri)
         self._tell_publishers(topic)
-        return 1, list(self._subscribers.by_name.get(topic, {}).values())
+        return list(self._subscribers.by_name.get(topic, {}).values())
 
-    def _on_unpublish(self, caller: str, topic: str, uri: str) -> tuple[int, int]:
+    def _on_unpublish(self, caller: str, topic: str, uri: str) -> int:
         count = self._publishers.remove(topic, caller, uri)
         if count:
             self._tell_publishers(topic)
             self._forget([caller], topic)
-        return 1, count
+        return count
 
-    def _on_subscribe(self, caller: str, topic: str, kind: str, uri: str) -> tuple[int, list[str]]:
+    def _on_subscribe(self, caller: str, topic: str, kind: str, uri: str) -> list[str]:
         self._welcome(caller, uri)
         self._kinds.setdefault(topic, kind)
         if self._kinds[topic] == "*":
             self._kinds[topic] = kind
         self._subscribers.add(topic, caller, uri)
-        return 1, list(self._publishers.by_name.get(topic, {}).values())
+        return list(self._publishers.by_name.get(topic, {}).values())
 
-    def _on_unsubscribe(self, caller: str, topic: str, uri: str) -> tuple[int, int]:
+    def _on_unsubscribe(self, caller: str, topic: str, uri: str) -> int:
         count = self._subscribers.remove(topic, caller, uri)
         self._forget([caller], topic)
-        return 1, count
+        return count
 
-    def _on_serve(self, caller: str, service: str, service_uri: str, uri: str) -> tuple[int, int]:
+    def _on_serve(self, caller: str, service: str, service_uri: str, uri: str) -> int:
         self._welcome(caller, uri)
         self._services.by_name[service] = {caller: service_uri}
-        return 1, 1
+        return 1
 
-    def _on_unserve(self, caller: str, service: str, service_uri: str) -> tuple[int, int]:
+    def _on_unserve(self, caller: str, service: str, service_uri: str) -> int:
         count = self._services.remove(service, caller, service_uri)
         self._forget([caller])
-        return 1, count
+        return count
 
-    def _on_get(self, _: str, name: str) -> tuple[int, Any]:
-        try:
-            return 1, self.parameters.get(name)
-        except KeyError:
-            return -1, 0
+    def _on_get(self, _: str, name: str) -> Any:
+        return self.parameters.get(name)
 
-    def _on_set(self, caller: str, name: str, value: Any) -> tuple[int, int]:
+    def _on_set(self, caller: str, name: str, value: Any) -> int:
         self.parameters.set(name, value)
         for watched, nodes in self._watching.by_name.items():
             if f"{name}/".startswith(f"{watched}/"):
                 self._tell([uri for node, uri in nodes.items() if node != caller], "paramUpdate", name, value)
-        return 1, 0
+        return 0
 
-    def _on_delete(self, _: str, name: str) -> tuple[int, int]:
-        try:
-            self.parameters.delete(name)
-        except KeyError:
-            return -1, 0
-        return 1, 0
+    def _on_delete(self, _: str, name: str) -> int:
+        self.parameters.delete(name)
+        return 0
 
-    def _on_has(self, _: str, name: str) -> tuple[int, bool]:
-        return 1, self._on_get("/", name)[0] == 1
+    def _on_has(self, _: str, name: str) -> bool:
+        return self.parameters.has(name)
 
-    def _on_search(self, caller: str, name: str) -> tuple[int, str]:
-        try:
-            return 1, self.parameters.search(caller, name)
-        except KeyError:
-            return -1, ""
+    def _on_search(self, caller: str, name: str) -> str:
+        return self.parameters.search(caller, name)
 
-    def _on_names(self, _: str) -> tuple[int, list[str]]:
-        return 1, self.parameters.names()
+    def _on_names(self, _: str) -> list[str]:
+        return self.parameters.names()
 
-    def _on_watch(self, caller: str, uri: str, name: str) -> tuple[int, Any]:
+    def _on_watch(self, caller: str, uri: str, name: str) -> Any:
         self._watching.add(name, caller, uri)
-        code, value = self._on_get(caller, name)
-        return 1, value if code == 1 else {}
+        return self.parameters.get(name) if self.parameters.has(name) else {}
 
-    def _on_unwatch(self, caller: str, uri: str, name: str) -> tuple[int, int]:
-        return 1, self._watching.remove(name, caller, uri)
+    def _on_unwatch(self, caller: str, uri: str, name: str) -> int:
+        return self._watching.remove(name, caller, uri)
 
     def _welcome(self, caller: str, uri: str) -> None:
-        """Take a node; one that had its name before, at another address, is told to end and forgotten."""
+        """Register a node; another one of the same name at another address is shut down and removed."""
         before = self._nodes.get(caller)
         if before is not None and before != uri:
             self._tell([before], "shutdown", f"a new node registered as {caller}")
@@ -297,7 +285,7 @@ class Master:
         self._nodes[caller] = uri
 
     def _forget(self, nodes: Iterable[str], topic: str | None = None) -> None:
-        """Forget nodes that have nothing any more, and the type of a topic without ends."""
+        """Remove nodes without registrations, and the types of topics without ends."""
         ends = (self._publishers, self._subscribers, self._services)
         for node in nodes:
             if not any(one.has(node) for one in ends):
@@ -310,7 +298,7 @@ class Master:
         self._tell(self._subscribers.by_name.get(topic, {}).values(), "publisherUpdate", topic, publishers)
 
     def _tell(self, uris: Iterable[str], method: str, *arguments: Any) -> None:
-        """Tell nodes something, without waiting for them: each in order, of a topic or parameter only the newest."""
+        """Notify nodes without waiting: in order, and only of the newest state of a topic or parameter."""
         for uri in uris:
             if uri not in self._untold:
                 self._untold[uri] = {}
@@ -332,7 +320,7 @@ async def _quietly(uri: str, method: str, arguments: tuple[Any, ...]) -> None:
     try:
         await call(uri, method, "/master", *arguments)
     except RobotError:
-        return  # a dead node need not know
+        return  # a dead node needs no notification
 
 
 def _slashed(name: object) -> object:
@@ -340,7 +328,7 @@ def _slashed(name: object) -> object:
 
 
 def _is_caller(value: object, *, registers: bool) -> bool:
-    """Tell whether someone may call: tools that only ask have names that are none, as `/rosparam-1234`."""
+    """Return whether a caller's name is accepted: names of tools are invalid for nodes, such as `/rosparam-1234`."""
     return is_name(_slashed(value)) if registers else isinstance(value, str)
 
 
@@ -353,6 +341,7 @@ def _is_uri(value: object) -> bool:
     return True
 
 
+_TEXTS: Final = frozenset({"node", "service", "search"})  # calls that answer "" where there is nothing, others 0
 _CHECKS: Final[dict[str, Callable[[object], bool]]] = {
     "n": lambda value: is_name(_slashed(value)),
     "t": lambda value: value == "*" or is_type(value),

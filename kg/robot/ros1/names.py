@@ -1,4 +1,4 @@
-"""Names and addresses of ROS 1, and what is none (wiki.ros.org/Names)."""
+"""Names and addresses of ROS 1, with their validation (wiki.ros.org/Names)."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ _LOOPBACK: Final = ("localhost", "127.", "::1")
 
 
 def is_name(value: object) -> bool:
-    """Tell whether something that a peer told is an absolute name of the graph."""
+    """Return whether a value from a peer is an absolute name of the graph."""
     return isinstance(value, str) and len(value) <= _MOST_CHARACTERS and _NAME.fullmatch(value) is not None
 
 
 def is_type(value: object) -> bool:
-    """Tell whether something that a peer told is a type, `package/Type`."""
+    """Return whether a value from a peer is a type, `package/Type`."""
     return isinstance(value, str) and len(value) <= _MOST_CHARACTERS and _TYPE.fullmatch(value) is not None
 
 
 def absolute(name: str) -> str:
-    """Return a name of ours as an absolute one; RobotError KG812 when it can be none."""
+    """Return one of our names as an absolute one; RobotError KG812 if it is invalid."""
     found = name if name.startswith("/") else f"/{name}"
     if not is_name(found) or found == "/":
         raise RobotError("KG812", f"`{shown(name)}` is not a ROS name", hint="Write letters, digits, `_` and `/`.")
@@ -36,13 +36,13 @@ def absolute(name: str) -> str:
 
 
 def shown(value: object) -> str:
-    """Return what a peer told as it can be shown in a message: short, on one line."""
+    """Return a value from a peer for a message: short, on one line."""
     text = value if isinstance(value, str) else repr(value)
     return "".join(sign if sign.isprintable() else "?" for sign in text[:80])
 
 
 def peer(uri: object, scheme: str = "http") -> tuple[str, int]:
-    """Return host and port of the address of a peer; RobotError KG812 for what is no such address."""
+    """Return host and port in the address of a peer; RobotError KG812 for an invalid one."""
     try:
         found = urlsplit(_bracketed(uri) if isinstance(uri, str) and len(uri) <= _MOST_CHARACTERS else "")
         host, port = found.hostname, found.port
@@ -62,14 +62,14 @@ def _bracketed(uri: str) -> str:
 
 
 def netloc(host: str, port: int | str) -> str:
-    """Return host and port as an address has them: an IPv6 address in brackets."""
+    """Return host and port as written in addresses: an IPv6 address in brackets."""
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
 
 
 def listening(host: str) -> str:
-    """Return where a node listens that peers reach under a host: on this machine alone for a loopback address.
+    """Return the listening address for a host name that peers use: loopback only for a loopback name.
 
-    Where the host is an address of IPv6, or `$ROS_IPV6` is `on`, that is both protocols (`::`).
+    For an IPv6 address, or with `$ROS_IPV6` set to `on`, it is that of both protocols (`::`).
     """
     if host == "::1":
         return host
@@ -83,7 +83,7 @@ def _ipv6() -> bool:
 
 
 def own_host(master: str, port: int) -> str:
-    """Return the name under which peers reach us: `$ROS_HOSTNAME`, `$ROS_IP`, or the address on the way to the master.
+    """Return our host name for peers: `$ROS_HOSTNAME`, `$ROS_IP`, or the address used to reach the master.
 
     The order is that of wiki.ros.org/ROS/EnvironmentVariables.
     """

@@ -1,4 +1,4 @@
-"""Our own node in the graph of ROS 1: the Slave API, the port of TCPROS, and what the master is told of us.
+"""Our node in the graph of ROS 1: the Slave API, the TCPROS port, and its registrations at the master.
 
 The API is that of wiki.ros.org/ROS/Slave_API.
 """
@@ -35,7 +35,7 @@ _NOT_SUPPORTED: Final = [-1, "it does not fit the Slave API", 0]
 
 
 class Node:
-    """A node that is registered at a master; everything else of this room speaks through it."""
+    """A node registered at a master, through which all other modules of this folder communicate."""
 
     def __init__(self, master: str, name: str, types: Types, clock: Clock) -> None:
         self.master = master
@@ -58,7 +58,7 @@ class Node:
         self._host = ""
 
     async def start(self) -> None:
-        """Listen for peers; RobotError KG814 where our own address is none of this machine."""
+        """Listen for peers; RobotError KG814 if our address is not one of this machine."""
         self._host = own_host(*peer(self.master))
         place = listening(self._host)
         try:
@@ -73,42 +73,42 @@ class Node:
         self.spawn(self._keep_registered(), "staying registered")
 
     def spawn(self, work: Coroutine[Any, Any, None], what: str) -> asyncio.Task[None]:
-        """Run something as long as the node is there; an error that ends it is reported as that of `what`."""
+        """Run a task for the lifetime of the node; an error that ends it is reported as one of `what`."""
         return self._tasks.spawn(work, what)
 
     def note(self, code: str, subject: str, message: str) -> None:
-        """Remember what a peer did wrong, for the graph; the oldest make room."""
+        """Record an error of a peer, for the graph; the oldest ones are dropped."""
         self.problems[GraphProblem(code, shown(subject), message)] = None
         while len(self.problems) > _MOST_PROBLEMS:
             del self.problems[next(iter(self.problems))]
 
     def present(self) -> None:
-        """Raise RobotError KG803 when the node is no longer in the graph."""
+        """Raise RobotError KG803 if the node is no longer in the graph."""
         if self.lost.done():
             raise RobotError("KG803", f"the robot is lost: {self.lost.result()}")
 
     def lose(self, why: str) -> None:
-        """End what is open, because the master is gone or wants us to be."""
+        """Close everything, because the master is gone or requests it."""
         if not self.lost.done():
             self.lost.set_result(why)
         for one in [one for ones in self.subscriptions.values() for one in ones]:
             one.end()
 
     async def ask(self, method: str, *arguments: Any) -> Any:
-        """Ask the master in our name; errors as those of `http.ask`."""
+        """Call the master in our name; errors as those of `http.ask`."""
         return await ask(self.master, method, self.name, *arguments)
 
     def _turn(self, name: str) -> asyncio.Lock:
-        """Return what lets the master hear of a name in order, although each request has a connection of its own."""
+        """Return a lock that keeps requests about a name in order, although each has a connection of its own."""
         return self._turns.setdefault(name, asyncio.Lock())
 
     async def _in_turn(self, method: str, name: str, *arguments: Any) -> Any:
-        """Ask the master something of a topic or service when it has answered what it was asked of that before."""
+        """Send a request about a topic or service after the previous one about it has been answered."""
         async with self._turn(name):
             return await self.ask(method, name, *arguments)
 
     async def offer(self, topic: str, kind: str) -> Offer:
-        """Be a publisher of a topic; RobotError KG806 when we offer it with another type."""
+        """Publish a topic; RobotError KG806 if we already publish it with another type."""
         offer = self.offers.get(topic)
         if offer is None:
             self.types.md5(kind)
@@ -117,7 +117,7 @@ class Node:
         if offer.kind != kind:
             raise RobotError("KG806", f"`{topic}` is offered as {offer.kind} already, not as {kind}")
         try:
-            await asyncio.shield(offer.registered)  # others may wait for it who are not cancelled
+            await asyncio.shield(offer.registered)  # other waiters might not be cancelled
         except RobotError:
             if self.offers.get(topic) is offer:
                 del self.offers[topic]
@@ -126,14 +126,14 @@ class Node:
         return offer
 
     async def withdraw(self, offer: Offer) -> None:
-        """Let go of a topic; the last one who does ends it."""
+        """Release a topic; the last release closes it."""
         offer.users -= 1
         if offer.users == 0 and self.offers.pop(offer.topic, None) is not None:
             offer.close()
             await self._tell("unregisterPublisher", offer.topic, self.uri)
 
     async def join(self, subscription: Ros1Subscription) -> None:
-        """Be a subscriber of a topic; not at all when the master refuses, or does not answer."""
+        """Subscribe to a topic; not at all if the master refuses or does not answer."""
         self.subscriptions.setdefault(subscription.topic, []).append(subscription)
         try:
             await self._enrol(subscription.topic, subscription.kind)
@@ -142,15 +142,15 @@ class Node:
             raise
 
     async def _enrol(self, topic: str, kind: str) -> None:
-        """Register as a subscriber, and read from the publishers that the master lists."""
+        """Register as a subscriber, and connect to the publishers that the master lists."""
         async with self._turn(topic):
             heard = self._updates[topic]
             told = await self.ask("registerSubscriber", topic, kind, self.uri)
-        if self._updates[topic] == heard:  # what the master told meanwhile is newer than its answer
+        if self._updates[topic] == heard:  # a later notification is newer than the answer
             self._update(topic, told)
 
     async def leave(self, subscription: Ros1Subscription) -> None:
-        """Be no subscriber any more, when this was the last one of the topic."""
+        """Unsubscribe after the last subscription of the topic."""
         others = self.subscriptions.get(subscription.topic, [])
         if subscription in others:
             others.remove(subscription)
@@ -158,7 +158,7 @@ class Node:
             await self._tell("unregisterSubscriber", subscription.topic, self.uri)
 
     async def serve(self, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
-        """Answer a service; RobotError KG804 when its type is not known."""
+        """Serve a service; RobotError KG804 if its type is unknown."""
         self.types.md5(kind)
         service = self.services[name] = Service(self, name, kind, answer)
         try:
@@ -169,7 +169,7 @@ class Node:
         return service
 
     async def stop_serving(self, service: Service) -> None:
-        """Answer a service no more."""
+        """Stop serving a service."""
         self.services.pop(service.name, None)
         await self._tell("unregisterService", service.name, self._service_uri)
 
@@ -189,7 +189,7 @@ class Node:
             self._tcp.close()
 
     async def _tell(self, method: str, name: str, *arguments: Any) -> None:
-        """Tell the master something of a topic or service, where there still is one."""
+        """Send a notification about a topic or service to the master, if it still exists."""
         if not self.lost.done():
             try:
                 await self._in_turn(method, name, *arguments)
@@ -197,7 +197,7 @@ class Node:
                 self.note(error.code, self.master, error.message)
 
     async def _keep_registered(self) -> None:
-        """See that the master is there and knows us: one that was started anew is told again who we are."""
+        """Check that the master is alive and knows us; register again with a restarted one."""
         missed = 0
         while not self.lost.done():
             await asyncio.sleep(_HEARTBEAT)
@@ -212,7 +212,7 @@ class Node:
                     self.lose(f"the master does not answer any more: {error.message}")
 
     async def _register_again(self) -> None:
-        """Tell a master that does not know us what is there; what comes meanwhile registers itself, and some goes."""
+        """Register everything with a restarted master, allowing for concurrent changes."""
         for offer in list(self.offers.values()):
             if self.offers.get(offer.topic) is offer:
                 await self._tell("registerPublisher", offer.topic, offer.kind, self.uri)
@@ -227,7 +227,7 @@ class Node:
                     self.note(error.code, self.master, error.message)
 
     def _update(self, topic: str, publishers: object) -> bool:
-        """Take the list of publishers of a topic, and tell whether it is one."""
+        """Update the publishers of a topic; return whether the list is valid."""
         if not isinstance(publishers, list) or not all(isinstance(one, str) for one in publishers):
             self.note("KG810", self.master, f"the list of publishers of `{shown(topic)}` is {shown(publishers)}")
             return False
@@ -240,7 +240,7 @@ class Node:
         return True
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """Serve a peer on the port of TCPROS."""
+        """Serve a peer on the TCPROS port."""
         host = str((writer.get_extra_info("peername") or "?")[0])
         task = asyncio.current_task()
         if task is None or len(self._tasks) > _MOST_CONNECTIONS:
@@ -258,12 +258,12 @@ class Node:
         except RobotError as error:
             self.note(error.code, host, error.message)
         except (OSError, asyncio.CancelledError):
-            return  # the peer broke off, or the node has ended; asyncio before 3.12 would log that it was cancelled
+            return  # the peer disconnected, or the node has ended; asyncio before 3.12 would log the cancellation
         finally:
             writer.close()
 
     async def _handle(self, method: str, arguments: list[Any]) -> Any:
-        """Answer the Slave API; a method that is none of it is a KeyError."""
+        """Respond to the Slave API; KeyError for an unknown method."""
         answer = getattr(self, f"_on_{_METHODS[method]}")
         if not arguments or len(arguments) > 3:  # noqa: PLR2004 - the API's longest call
             return _NOT_SUPPORTED

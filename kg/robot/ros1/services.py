@@ -1,4 +1,4 @@
-"""Services of ROS 1, both ways: a connection, a header each, a request and a response (wiki.ros.org/ROS/TCPROS)."""
+"""Service clients and servers of ROS 1: headers, request and response over one connection (wiki.ros.org/ROS/TCPROS)."""
 
 from __future__ import annotations
 
@@ -17,11 +17,10 @@ if TYPE_CHECKING:
 
 
 async def probe(caller: str, uri: str, service: str, *, seconds: float = 2.0) -> str:
-    """Ask the node at `rosrpc://HOST:PORT` for the type of a service that it serves.
+    """Request the type of a service from its node at `rosrpc://HOST:PORT`.
 
     Raises:
-        RobotError: KG803 when it does not answer, KG810 when it answers with no header or no type, KG812 when the
-            address is none.
+        RobotError: KG803 no answer, KG810 an invalid header or type, KG812 an invalid address.
     """
     try:
         async with asyncio.timeout(seconds):
@@ -43,11 +42,10 @@ async def probe(caller: str, uri: str, service: str, *, seconds: float = 2.0) ->
 
 
 async def call_service(node: Node, uri: str, service: str, kind: str, request: Value) -> Value:
-    """Call a service at `rosrpc://HOST:PORT` and return the response; who calls sets the time.
+    """Call a service at `rosrpc://HOST:PORT` and return the response; the caller limits the time.
 
     Raises:
-        RobotError: KG803 when the node cannot be reached or ends the connection, KG806 when it has another sum, KG808
-            when it failed.
+        RobotError: KG803 the node is unreachable or disconnects, KG806 another checksum, KG808 a failure.
     """
     types, caller = node.types, node.name
     content = framed(types.encode(f"{kind}_Request", request))
@@ -75,7 +73,7 @@ async def call_service(node: Node, uri: str, service: str, kind: str, request: V
 
 
 class Service:
-    """A service that our node answers."""
+    """A service of our node."""
 
     def __init__(self, node: Node, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> None:
         self.name = name
@@ -87,7 +85,7 @@ class Service:
     async def serve(
         self, header: Mapping[str, str], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> None:
-        """Serve a client that has sent its header: one call, or more where it asks for a persistent connection."""
+        """Serve a client after its header: one call, or more over a persistent connection."""
         types, told = self._node.types, header.get("md5sum", "*")
         if told not in {"*", types.md5(self.kind)}:
             words = f"`{self.name}` is {self.kind} with the sum {types.md5(self.kind)}, not {shown(told)}"
@@ -118,12 +116,12 @@ class Service:
             return b"\x00" + framed(reason(error).encode())
 
     async def aclose(self) -> None:
-        """Stop answering."""
+        """Stop serving."""
         if self._node.services.get(self.name) is self:
             await self._node.stop_serving(self)
         self.close()
 
     def close(self) -> None:
-        """End all connections."""
+        """Close all connections."""
         for writer in self._open:
             writer.close()

@@ -1,7 +1,7 @@
-"""Topics of ROS 1, both ways.
+"""Publishers and subscribers of ROS 1.
 
-A topic that we write to has one connection for each subscriber, with a queue that drops the oldest. One that we read
-has a connection to each publisher, made again when it ends while the publisher is listed.
+A published topic has one connection for each subscriber, with a queue that drops the oldest messages. A subscribed
+topic has one connection to each publisher, reopened while the publisher is listed.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _QUEUE: Final = 100
 
 
 class _Link:
-    """A subscriber of a topic of ours."""
+    """The connection to a subscriber of our topic."""
 
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self.dropped = 0
@@ -39,7 +39,7 @@ class _Link:
         self._news = asyncio.Event()
 
     def put(self, content: bytes) -> None:
-        """Send a message, at once where nothing waits; the oldest makes room when the subscriber is too slow."""
+        """Send a message, at once if the queue is empty; the oldest is dropped if the subscriber is too slow."""
         if not self._waiting and not self._writer.transport.get_write_buffer_size():
             self._writer.write(content)
             return
@@ -48,18 +48,18 @@ class _Link:
         self._news.set()
 
     async def run(self) -> None:
-        """Send what waits until the subscriber ends the connection, on which it says nothing."""
+        """Send queued messages until the subscriber disconnects; it sends nothing."""
         sending = spawn(self._send(), "sending to a subscriber")
         try:
             while await self._reader.read(1 << 12):
                 pass
         except OSError:
-            return  # it broke off
+            return  # it disconnected
         finally:
             sending.cancel()
 
     def close(self) -> None:
-        """End the connection, after what waits: a subscriber that is slow is told to stand still all the same."""
+        """Close the connection after sending the queue: a slow subscriber still receives the command to stop."""
         while self._waiting:
             self._writer.write(self._waiting.popleft())
         self._writer.close()
@@ -77,7 +77,7 @@ class _Link:
 
 
 class Offer:
-    """A topic that our node is registered for as a publisher."""
+    """A topic that our node publishes."""
 
     def __init__(self, node: Node, topic: str, kind: str) -> None:
         self.topic = topic
@@ -91,11 +91,11 @@ class Offer:
 
     @property
     def dropped(self) -> int:
-        """How many messages were dropped for those who read too slowly and are still connected."""
+        """Number of messages dropped for slow subscribers that are still connected."""
         return sum(link.dropped for link in self.links)
 
     def put(self, value: Value) -> None:
-        """Send a message to all; RobotError KG805 when it does not fit."""
+        """Send a message to all subscribers; RobotError KG805 for an invalid value."""
         content = framed(self._node.types.encode(self.kind, value))
         if self.latch:
             self._last = content
@@ -105,7 +105,7 @@ class Offer:
     async def serve(
         self, header: Mapping[str, str], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> None:
-        """Serve a subscriber that has sent its header, until it leaves."""
+        """Serve a subscriber after its header, until it disconnects."""
         types = self._node.types
         wanted = {"md5sum": types.md5(self.kind), "type": self.kind}
         for field, ours in wanted.items():
@@ -126,13 +126,13 @@ class Offer:
             del self.links[link]
 
     def close(self) -> None:
-        """End all connections."""
+        """Close all connections."""
         for link in self.links:
             link.close()
 
 
 class Ros1Publication:
-    """A use of a topic: the topic is offered as long as one is open."""
+    """A use of a published topic, which is published while any use is open."""
 
     def __init__(self, node: Node, offer: Offer) -> None:
         self._node = node
@@ -141,18 +141,18 @@ class Ros1Publication:
 
     @property
     def peers(self) -> int:
-        """How many subscribers are connected."""
+        """Number of connected subscribers."""
         return len(self._offer.links)
 
     @property
     def dropped(self) -> int:
-        """How many messages were dropped for subscribers that read too slowly."""
+        """Number of messages dropped for slow subscribers."""
         return self._offer.dropped
 
     async def publish(self, value: Value) -> None:
-        """Send a message; RobotError KG805 when the value does not fit the type, KG803 when the robot is lost.
+        """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the robot is lost.
 
-        Links to subscribers outlive the master: a robot that moves can be told to stand still without it.
+        Connections to subscribers survive the master, so a moving robot can be stopped without it.
         """
         if not self._offer.links:
             self._node.present()
@@ -160,7 +160,7 @@ class Ros1Publication:
         await asyncio.sleep(0)
 
     async def aclose(self) -> None:
-        """Stop offering the topic."""
+        """Stop publishing the topic."""
         if self._open:
             self._open = False
             await self._node.withdraw(self._offer)
@@ -172,7 +172,7 @@ _SLOWEST: Final = 5.0
 
 
 class Ros1Subscription(Messages):
-    """Messages of a topic as they come; the oldest are dropped when too many wait."""
+    """The messages of a topic; the oldest are dropped if the queue is full."""
 
     def __init__(self, node: Node, topic: str, kind: str, queue: int) -> None:
         self.topic = topic
@@ -184,7 +184,7 @@ class Ros1Subscription(Messages):
         super().__init__(Inbox(queue, self.end), partial(node.types.decode, kind), self._note)
 
     def update(self, publishers: Iterable[str]) -> None:
-        """Read from these publishers and no others."""
+        """Connect to these publishers and no others."""
         wanted = set() if self._closed else set(publishers)
         for uri in self.links.keys() - wanted:
             self.links.pop(uri).cancel()
@@ -195,13 +195,13 @@ class Ros1Subscription(Messages):
         self._node.note(error.code, node or self.topic, error.message)
 
     async def aclose(self) -> None:
-        """Stop receiving."""
+        """Close the subscription."""
         if not self._closed:
             await self._inbox.aclose()
             await self._node.leave(self)
 
     def end(self) -> None:
-        """Let the iteration end after what waits, and every connection at once."""
+        """End the iteration after the queue, and close all connections at once."""
         self._closed = True
         self.update(())
         self._inbox.end()
@@ -216,14 +216,14 @@ class Ros1Subscription(Messages):
                 code, words = (error.code, error.message) if isinstance(error, RobotError) else ("KG803", str(error))
                 self._node.note(code, self.connected.get(uri, uri), f"`{self.topic}`: {words}")
                 if code in {"KG806", "KG812"}:
-                    return  # it will not be of another opinion as long as it is listed
+                    return  # it would refuse again while it is listed
             finally:
                 self.connected.pop(uri, None)
             await asyncio.sleep(pause)
             pause = min(2 * pause, _LONGEST_PAUSE)
 
     async def _receive(self, uri: str) -> None:
-        """Read from a publisher until it ends the connection."""
+        """Read from a publisher until it disconnects."""
         reader, writer = await open_topic(self._node.name, uri, self.topic)
         try:
             header = await greet(self._node.name, self.topic, self.kind, reader, writer)
@@ -236,7 +236,7 @@ class Ros1Subscription(Messages):
 
 
 async def open_topic(name: str, uri: str, topic: str) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-    """Connect to a publisher of a topic; RobotError as `ask`, and KG810 when it offers no TCPROS."""
+    """Connect to a publisher of a topic; RobotError as `ask`, and KG810 if it does not support TCPROS."""
     protocol = await ask(uri, "requestTopic", name, topic, [["TCPROS"]])
     if not isinstance(protocol, list) or [type(one) for one in protocol] != [str, str, int]:
         raise RobotError("KG810", f"{uri} offers `{topic}` by {shown(protocol)}, not by TCPROS")
@@ -244,14 +244,14 @@ async def open_topic(name: str, uri: str, topic: str) -> tuple[asyncio.StreamRea
     async with asyncio.timeout(_SLOWEST):
         try:
             return await asyncio.open_connection(host, port)
-        except (ValueError, OverflowError):  # a host or port that can be none
+        except (ValueError, OverflowError):  # an invalid host or port
             raise RobotError("KG810", f"{uri} offers `{topic}` at {shown(host)}:{port}") from None
 
 
 async def greet(
     name: str, topic: str, kind: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
 ) -> dict[str, str]:
-    """Exchange headers with a publisher and return its own; the sums are compared by `learn`."""
+    """Exchange headers with a publisher and return its own; `learn` compares the checksums."""
     ours = {"callerid": name, "topic": topic, "type": kind, "md5sum": "*", "tcp_nodelay": "1", "message_definition": ""}
     writer.write(pack(ours))
     header = await read_header(reader)
@@ -261,7 +261,7 @@ async def greet(
 
 
 def told_type(header: Mapping[str, str]) -> str:
-    """Return the type that a publisher tells; RobotError KG810 when it tells none."""
+    """Return the type in a publisher's header; RobotError KG810 without one."""
     kind = header.get("type", "")
     if not is_type(kind) or not header.get("md5sum"):
         raise RobotError(
@@ -271,11 +271,11 @@ def told_type(header: Mapping[str, str]) -> str:
 
 
 def learn(types: Types, kind: str, header: Mapping[str, str]) -> None:
-    """Compare a publisher's header with what is known of a type, which is learned from it when it was not known.
+    """Compare a publisher's header with a type, or learn an unknown type from it.
 
     Raises:
-        RobotError: KG806 when type or sum differ, KG810 when the header or the definition in it is broken, KG804 when
-            it has none of a type that is not known.
+        RobotError: KG806 type or checksum differ, KG810 an invalid header or definition, KG804 no definition of an
+            unknown type.
     """
     told, known = told_type(header), types.knows(kind)
     if told != kind:

@@ -1,14 +1,15 @@
-"""XML-RPC over HTTP, both ways, without a thread: every reading has a bound in bytes and in time.
+"""XML-RPC client and server over HTTP on asyncio, with limits on bytes and time of everything received.
 
-What peers send is bounded, and none of it is expanded (xmlrpc.com/spec.md).
+No entities are expanded (xmlrpc.com/spec.md).
 """
 
 from __future__ import annotations
 
 import asyncio
 import socket
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 from xml.parsers import expat
 from xmlrpc import client
 
@@ -16,14 +17,11 @@ from kg.errors import RobotError
 from kg.robot.ros1.names import netloc, peer
 from kg.robot.tasks import Tasks
 
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
 _ODD: Final = (expat.ExpatError, client.Error, ValueError, TypeError, LookupError, AttributeError, OverflowError)
 
 
 def xml_request(method: str, arguments: tuple[Any, ...]) -> bytes:
-    """Return the bytes of a call; RobotError KG805 for arguments that XML-RPC cannot carry."""
+    """Return the bytes of a call; RobotError KG805 for arguments that XML-RPC cannot encode."""
     try:
         return client.dumps(arguments, method, encoding="utf-8").encode()
     except (TypeError, OverflowError, UnicodeEncodeError) as error:
@@ -31,7 +29,7 @@ def xml_request(method: str, arguments: tuple[Any, ...]) -> bytes:
 
 
 def xml_answer(value: Any) -> bytes:
-    """Return the bytes of a response; RobotError KG805 for a value that XML-RPC cannot carry."""
+    """Return the bytes of a response; RobotError KG805 for a value that XML-RPC cannot encode."""
     try:
         return client.dumps((value,), methodresponse=True).encode()
     except (TypeError, OverflowError, UnicodeEncodeError) as error:
@@ -39,16 +37,15 @@ def xml_answer(value: Any) -> bytes:
 
 
 def xml_fault(message: str) -> bytes:
-    """Return the bytes of a response that says what is wrong."""
+    """Return the bytes of a fault response."""
     return client.dumps(client.Fault(1, message)).encode()
 
 
 def xml_read(content: bytes) -> tuple[str | None, list[Any]]:
-    """Return the method and the values that bytes carry; for a response the method is None.
+    """Return method and values in a call or response; for a response the method is None.
 
     Raises:
-        RobotError: KG810 for other bytes, and for a document type, with which a few bytes become many;
-            KG813 for a fault.
+        RobotError: KG810 invalid bytes, or a document type, which can expand without limit; KG813 a fault.
     """
     target = client.Unmarshaller(use_builtin_types=True)
     parser = expat.ParserCreate()
@@ -72,22 +69,21 @@ def _refuse(*_: object) -> None:
 
 
 MOST_BYTES: Final = 1 << 24
-"""The longest body: the state of a system of some ten thousand topics is a tenth of it."""
+"""Maximum size of a body: ten times the state of a system with ten thousand topics."""
 
 _MOST_REQUEST: Final = 1 << 20
 _MOST_CONNECTIONS: Final = 256
 _IDLE: Final = 30.0
 _SLOWEST: Final = 5.0
 _BACKLOG: Final = 1024
-_ENDING: Final = 1.0
-"""Seconds that answers which are being given may take when the server ends."""
+_ENDING: Final = 1.0  # seconds for pending responses when the server stops
 
 
 async def ask(uri: str, method: str, *arguments: Any, seconds: float = 3.0) -> Any:
     """Call a method of the Master, Slave or Parameter API and return its value (wiki.ros.org/ROS/Master_API).
 
     Raises:
-        RobotError: those of `call`, and KG813 when the peer says that it failed.
+        RobotError: those of `call`, and KG813 if the peer reports a failure.
     """
     return value(uri, method, await exchange(uri, method, *arguments, seconds=seconds))
 
@@ -103,20 +99,20 @@ def value(uri: str, method: str, content: bytes) -> Any:
 
 
 async def call(uri: str, method: str, *arguments: Any, seconds: float = 3.0) -> Any:
-    """Call a method of a peer and return what it answers.
+    """Call a method of a peer and return its result.
 
     Raises:
-        RobotError: those of `exchange`, KG810 when the answer is not XML-RPC, KG813 when it is a fault.
+        RobotError: those of `exchange`, KG810 the answer is not XML-RPC, KG813 it is a fault.
     """
     return _only(uri, method, await exchange(uri, method, *arguments, seconds=seconds))
 
 
 async def exchange(uri: str, method: str, *arguments: Any, seconds: float = 3.0) -> bytes:
-    """Call a method of a peer and return the bytes that it answers.
+    """Call a method of a peer and return the bytes of its answer.
 
     Raises:
-        RobotError: KG803 when the peer cannot be reached or does not answer in time, KG810 when its answer is not HTTP,
-            KG812 when the address is none.
+        RobotError: KG803 the peer is unreachable or does not answer in time, KG810 its answer is not HTTP, KG812 an
+            invalid address.
     """
     host, port = peer(uri)
     body = xml_request(method, arguments)
@@ -178,7 +174,7 @@ async def _body(reader: asyncio.StreamReader, fields: dict[str, str], most: int)
 async def listen(
     serve: Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]], host: str, port: int = 0
 ) -> asyncio.Server:
-    """Listen at a host, at `::` on the same port of both protocols; OSError when that is not possible."""
+    """Listen at a host, at `::` on the same port for both protocols; OSError if that fails."""
     if host != "::":
         return await asyncio.start_server(serve, host, port, backlog=_BACKLOG)
     both = socket.create_server((host, port), family=socket.AF_INET6, dualstack_ipv6=True, backlog=_BACKLOG)
@@ -186,7 +182,7 @@ async def listen(
 
 
 class XmlRpcServer:
-    """Answers calls: `handle` gets the method and its arguments; a KeyError of it is a method that is not known."""
+    """An XML-RPC server: `handle` receives method and arguments, and raises KeyError for an unknown method."""
 
     def __init__(self, handle: Callable[[str, list[Any]], Awaitable[Any]]) -> None:
         self._handle = handle
@@ -195,17 +191,17 @@ class XmlRpcServer:
         self._answering = Tasks()
 
     async def start(self, host: str, port: int = 0) -> int:
-        """Listen, and return the port; OSError when that is not possible."""
+        """Listen, and return the port; OSError if that fails."""
         self._server = await listen(self._serve, host, port)
         return int(self._server.sockets[0].getsockname()[1])
 
     async def aclose(self) -> None:
-        """Answer nobody any more."""
+        """Stop the server."""
         if self._server is not None:
             self._server.close()
         for writer in list(self._open):
             writer.close()
-        with suppress(TimeoutError):  # a loop that ends before they have would say that they were cancelled
+        with suppress(TimeoutError):  # an event loop that stops first would report their cancellation
             async with asyncio.timeout(_ENDING):
                 await self._answering.done()
 
@@ -217,15 +213,15 @@ class XmlRpcServer:
             while len(self._open) <= _MOST_CONNECTIONS and await self._answer(reader, writer):
                 pass
         except (OSError, RobotError, TimeoutError):
-            return  # the caller broke off, or sends what is not a call: there is nobody to tell
+            return  # the caller disconnected, or sends something else: nothing to respond to
         except asyncio.CancelledError:
-            return  # the loop ends; asyncio before 3.12 would log that it was cancelled
+            return  # the event loop stops; asyncio before 3.12 would log the cancellation
         finally:
             self._open.discard(writer)
             writer.close()
 
     async def _answer(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> bool:
-        """Answer one call, and tell whether the connection stays open."""
+        """Respond to one call, and return whether the connection stays open."""
         async with asyncio.timeout(_IDLE):
             first, fields = await _head(reader)
         async with asyncio.timeout(_SLOWEST):

@@ -1,4 +1,4 @@
-"""What all middlewares of ROS 2 share: names, type hashes, actions upon services, the connection above the wire."""
+"""Shared parts of all ROS 2 middlewares: names, type hashes, actions, and the connection."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Actions of ROS 2, both ways: three services and two topics under a hidden name.
+"""Action client and server of ROS 2: three services and two topics under a hidden name.
 
-Source: design.ros2.org/articles/actions.html; action_msgs/GoalStatus and CancelGoal for the numbers. Our own server
-carries out one goal at a time.
+Source: design.ros2.org/articles/actions.html; action_msgs/GoalStatus and CancelGoal for the numbers. Our server
+executes one goal at a time.
 """
 
 from __future__ import annotations
@@ -28,18 +28,15 @@ if TYPE_CHECKING:
 
 _ACCEPTED, _EXECUTING, _CANCELLING, _SUCCEEDED, _CANCELLED, _ABORTED = range(1, 7)
 _STATUS: Final = {0: "is not known to the server", _CANCELLED: "was cancelled", _ABORTED: "was aborted"}
-_MOST_FEEDBACK: Final = 1000
-"""So much feedback waits for who may not read it."""
-_GIVING_UP: Final = 1.0
-"""Seconds of the wall that cancelling a goal may take that is given up."""
-_CONFIRMING: Final = 5.0
-"""Seconds that a server may take to say that it has heard of a wish to cancel."""
+_MOST_FEEDBACK: Final = 1000  # maximum number of queued feedback messages
+_GIVING_UP: Final = 1.0  # wall-clock seconds for the cancellation of an abandoned goal
+_CONFIRMING: Final = 5.0  # seconds for a server to acknowledge a cancellation
 
 
 async def send_goal(  # noqa: PLR0913 - what a goal consists of
     owner: Ros2Connection, action: str, kind: str, goal: Value, *, seconds: float, identity: str
 ) -> Ros2Goal:
-    """Give an action a goal; RobotError KG805, KG806, KG807 or KG809. One that nobody waits for is cancelled."""
+    """Send a goal; RobotError KG805, KG806, KG807 or KG809. It is cancelled with its caller."""
     await owner.known(kind, f"{kind}_Goal", f"{action}/_action/send_goal")
     owner.types.complete(f"{kind}_Goal", goal)
     made = Ros2Goal(owner, action, kind, identity)
@@ -58,13 +55,13 @@ async def send_goal(  # noqa: PLR0913 - what a goal consists of
 
 
 async def canceller(owner: Ros2Connection, action: str) -> Ros2Canceller:
-    """Return what cancels goals of an action."""
+    """Return an object that cancels goals of an action."""
     client = await owner.client(f"{action}/_action/cancel_goal", "action_msgs/CancelGoal")
     return Ros2Canceller(client, owner.clock, action)
 
 
 class Ros2Canceller:
-    """Cancels goals of an action whoever gave them, by their identities."""
+    """Cancels goals of an action by their identities, whoever sent them."""
 
     def __init__(self, client: Client, clock: Clock, action: str) -> None:
         self._client = client
@@ -72,7 +69,7 @@ class Ros2Canceller:
         self._action = action
 
     async def cancel(self, identity: str) -> None:
-        """Ask the server to end a goal; RobotError KG803 when it does not answer."""
+        """Request cancellation of a goal; RobotError KG803 if the server does not answer."""
         request = {"goal_info": {"goal_id": {"uuid": bytes.fromhex(identity)}}}
         try:
             await within(self._clock, _CONFIRMING, self._client.call(request))
@@ -87,7 +84,7 @@ def _late(owner: Ros2Connection, action: str, seconds: float) -> RobotError:
 
 
 class Ros2Goal:
-    """A goal that the server of an action was given."""
+    """A goal sent to an action server."""
 
     def __init__(self, owner: Ros2Connection, action: str, kind: str, identity: str) -> None:
         self._owner = owner
@@ -102,7 +99,7 @@ class Ros2Goal:
         self._outcome: asyncio.Future[Value] | None = None
 
     async def send(self, goal: Value) -> None:
-        """Offer the goal to the server, once there is one; RobotError KG809 when it is rejected."""
+        """Send the goal once there is a server; RobotError KG809 if it is rejected."""
         if not await self._owner.watch.until(lambda _: self._served()):
             raise RobotError("KG803", f"the connection was closed before anybody served `{self._action}`")
         (server, *_) = self._owner.ends(Role.ACTION_SERVERS, self._action)
@@ -134,6 +131,9 @@ class Ros2Goal:
             status = _STATUS.get(response["status"], f"ended with the status {response['status']}")
             raise RobotError("KG809", f"the goal of `{self._action}` {status}")
         result: Value = response["result"]
+        if not result and self._owner.types.fields(f"{self._kind}_Result"):
+            told = "its result does not decode, because this robot has another version of the type; the status counts"
+            self._owner.watch.report(GraphProblem("KG816", self._action, told))
         return result
 
     def _served(self) -> bool:
@@ -151,11 +151,11 @@ class Ros2Goal:
 
     def _ended(self, outcome: asyncio.Future[Value]) -> None:
         if not outcome.cancelled():
-            outcome.exception()  # nobody has to wait for a result
+            outcome.exception()  # the result need not be awaited
         self.end()
 
     async def give_up(self) -> None:
-        """Cancel a goal of which the server has said nothing: it may have it all the same."""
+        """Cancel a goal without an acknowledgement: the server may have received it."""
         self.end()
         if self._offered:
             with suppress(RobotError, TimeoutError):
@@ -163,35 +163,34 @@ class Ros2Goal:
                     await self.cancel()
 
     def end(self) -> None:
-        """Listen to feedback no more."""
+        """Unsubscribe from feedback."""
         self._told.end()
         self._listening.close()
         self._owner.forget(self)
 
     async def feedback(self) -> AsyncIterator[Value]:
-        """Yield feedback as it comes, until the goal has ended."""
+        """Yield feedback until the goal has ended."""
         async for value in self._told:
             yield value
 
     async def result(self) -> Value:
-        """Return the result; RobotError KG809 with the status when the goal was aborted or cancelled."""
+        """Return the result; RobotError KG809 with the status if the goal was aborted or cancelled."""
         if self._outcome is None:
             raise RobotError("KG803", f"`{self._action}` has taken no goal")
         return await asyncio.shield(self._outcome)
 
     async def cancel(self) -> None:
-        """Ask the server to end the goal; `result` tells when it has."""
+        """Request cancellation of the goal; `result` returns when it has ended."""
         await (await canceller(self._owner, self._action)).cancel(self._id.hex())
 
 
 _UNKNOWN_GOAL, _TERMINATED = 2, 3
-_KEPT: Final = 64
-"""So many goals that have ended are remembered, for clients that ask for a result late."""
+_KEPT: Final = 64  # number of finished goals kept for clients that request their result late
 _NOBODY: Final = bytes(16)
 
 
 class _Work:
-    """A goal as the code that carries it out sees it: `Accepted`."""
+    """The server's side of a goal: `Accepted`."""
 
     def __init__(self, server: ActionServer, identity: bytes, goal: Value) -> None:
         self.goal = goal
@@ -214,16 +213,16 @@ class _Work:
         return self.status >= _SUCCEEDED
 
     async def feedback(self, value: Value) -> None:
-        """Tell the client how far it is."""
+        """Send feedback to the client."""
         await self._server.tell(self.identity, value)
 
     def abort(self, reason: str) -> None:
-        """Note that the goal could not be reached; ROS 2 has no words for why, so that they stay here."""
+        """Record that the goal was aborted; ROS 2 cannot send the reason."""
         self.failure = reason
 
 
 class ActionServer:
-    """An action that our node carries out."""
+    """An action server of our node."""
 
     def __init__(
         self, owner: Ros2Connection, name: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
@@ -302,7 +301,7 @@ class ActionServer:
         return {"status": work.status, "result": result}
 
     async def _cancel_goal(self, request: Value) -> Value:
-        """Cancel a goal, or all of them when none is named."""
+        """Cancel a goal, or all of them if none is named."""
         identity = bytes(request["goal_info"]["goal_id"]["uuid"])
         named = [one for one in self._goals.values() if identity in {_NOBODY, one.identity}]
         if not named and identity != _NOBODY:
@@ -315,7 +314,7 @@ class ActionServer:
         return {"return_code": code, "goals_canceling": [one.info for one in open_ones]}
 
     def end(self) -> None:
-        """Carry out nothing more."""
+        """Stop executing goals."""
         if self._working is not None:
             self._working.cancel()
         for work in self._goals.values():
@@ -327,5 +326,5 @@ class ActionServer:
         self._owner.forget(self)
 
     async def aclose(self) -> None:
-        """Stop answering."""
+        """Stop serving."""
         self.end()

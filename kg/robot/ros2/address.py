@@ -1,4 +1,4 @@
-"""Addresses of systems of ROS 2: `dds://DOMAIN` or `zenoh://HOST:PORT`, with options behind a question mark."""
+"""Addresses of ROS 2 systems: `dds://DOMAIN` or `zenoh://HOST:PORT`, with options after a question mark."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from urllib.parse import parse_qsl, urlsplit
 from kg.errors import RobotError
 
 SETTLE: Final = 5.0
-"""Seconds until a graph that is found by discovery is called complete; the lease of a participant is 10 s, and those
-that run announce themselves at once to one that is new."""
+"""Seconds until a discovered graph counts as complete. The lease of a participant is 10 s, and running participants
+announce themselves to a new one at once.
+"""
 
 _OPTIONS: Final = {
     "clock": "wall or simulated",
@@ -19,19 +20,18 @@ _OPTIONS: Final = {
     "distribution": "humble",
     "types": "peers",
 }
-_MAXIMUM: Final = 232
-"""The largest number of a domain: the ports of a larger one would be none (DDSI-RTPS 2.5, 9.6.2)."""
+_MAXIMUM: Final = 232  # maximum domain number: higher ones would have invalid ports (DDSI-RTPS 2.5, 9.6.2)
 _NUMBERS: Final = f"A domain is a number from 0 to {_MAXIMUM}, as in dds://0; settle is one of seconds."
 
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """An address that was read.
+    """A parsed address.
 
-    `place` is what stands behind the scheme. `simulated` asks for the time of `/clock`; `settle` is how many seconds
-    the graph is watched before it is called complete. `humble` says that the system is of that distribution, or of one
-    before it, which writes identifiers of 24 bytes; without it kg does so while somebody else does. `ask_types` has
-    unknown types asked of peers over DDS, on which Cyclone DDS before 11 crashes.
+    `place` is the part after the scheme. `simulated` uses the time of `/clock`; `settle` is the number of seconds until
+    the graph counts as complete. `humble` marks a system of Humble or earlier, with identifiers of 24 bytes; without
+    it, kg uses that length while another participant does. `ask_types` requests unknown types from peers over DDS,
+    which crashes Cyclone DDS before 11.
     """
 
     text: str
@@ -44,7 +44,7 @@ class Address:
 
     @classmethod
     def read(cls, text: str) -> Address:
-        """Return what an address says; RobotError KG801 for an option or a value that there is not."""
+        """Return a parsed address; RobotError KG801 for an unknown option or invalid value."""
         try:
             parts = urlsplit(text)
         except ValueError as error:

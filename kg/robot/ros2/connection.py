@@ -1,4 +1,4 @@
-"""A node of ours in a system of ROS 2, whichever middleware it is on."""
+"""Our node in a ROS 2 system, over any middleware."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class _Open(Protocol):
 class Ros2Connection:
     """A `Connection` over any middleware of ROS 2.
 
-    A robot of ROS 2 is not a server that could be lost: `wait_lost` returns when all nodes have been gone
-    for two seconds. What was opened stays open, for a node that starts anew is found again.
+    A ROS 2 robot has no server to lose: `wait_lost` returns when all nodes have been gone for two seconds. Open ends
+    stay open, since restarted nodes are discovered again.
     """
 
     ros = 2
@@ -54,7 +54,7 @@ class Ros2Connection:
 
     @classmethod
     async def open(cls, wire: Middleware, address: Address, name: str) -> Self:
-        """Return the connection of a node that has just joined: it watches who is there, and the clock of the robot."""
+        """Return the connection of a node that has just joined; it watches the graph and the robot's clock."""
         watch = Watch(wire.neighbourhood, address.settle)
         wire.begin(watch)
         connection = cls(wire, watch, address, name)
@@ -63,11 +63,11 @@ class Ros2Connection:
 
     @property
     def types(self) -> Types:
-        """The types of messages that are known."""
+        """The known message types."""
         return self.wire.types
 
     async def follow_clock(self) -> None:
-        """Take the time of the topic `/clock` where the address asks for it."""
+        """Use the time of the topic `/clock`, if the address requires it."""
         if isinstance(self.clock, SimulatedClock):
             ticks = await self.subscribe("/clock", "rosgraph_msgs/Clock", queue=1)
             self._ticking = spawn(self.clock.follow(ticks), "following /clock")
@@ -85,7 +85,7 @@ class Ros2Connection:
                     self.watch.report(GraphProblem("KG803", one.topic, f"it cannot be read any more: {error}"))
 
     async def graph(self) -> ComputationGraph:
-        """Return the computation graph without our own node, when it was watched long enough to be complete."""
+        """Return the computation graph without our own node, after it has been watched long enough to be complete."""
         self._present("KG802")
         self._follow_states()
         await self.watch.settled()
@@ -93,25 +93,25 @@ class Ros2Connection:
         return self.watch.now()
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
-        """Yield the graph as it is, complete or not, and again each time that it has changed."""
+        """Yield the current graph, complete or not, and again after each change."""
         self._follow_states()
         return self.watch.changes()
 
     def _follow_states(self) -> None:
-        """Follow the states of managed nodes from when somebody looks at the graph: a watchdog does not."""
+        """Follow the states of managed nodes once the graph is read; a watchdog never reads it."""
         if self.watch.amend != self._states.of:
             self.watch.amend = self._states.of
             self.watch.changed()
 
     def ends(self, role: Role, name: str) -> list[LiveEnd]:
-        """Return the ends of others of that role and name that are known now."""
+        """Return the currently known ends of others with a role and name."""
         return [one for one in self.watch.now().ends if one.role is role and one.name == name]
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Ros2Subscription:
-        """Receive the messages of a topic; without `kind` its type is asked for.
+        """Subscribe to a topic; without `kind` its type is looked up.
 
         Raises:
-            RobotError: KG804 when the type is not known and nobody tells it, KG806 when the topic has another type.
+            RobotError: KG804 the type is unknown to us and all peers, KG806 the topic has another type.
         """
         self._present()
         if kind is None:
@@ -126,7 +126,7 @@ class Ros2Connection:
         return subscription
 
     async def _asked(self, topic: str) -> str:
-        """Return the type that publishers of a topic tell, or else subscribers."""
+        """Return the type of a topic according to its publishers, or else its subscribers."""
 
         def told() -> list[str]:
             ends = self.ends(Role.PUBLISHES, topic) or self.ends(Role.SUBSCRIBES, topic)
@@ -138,7 +138,7 @@ class Ros2Connection:
         return told()[0]
 
     async def known(self, kind: str, message: str, name: str) -> None:
-        """See that a message type is known, from peers if need be; RobotError KG804 when it cannot be."""
+        """Ensure that a message type is known, asking peers if necessary; RobotError KG804 if that fails."""
         if self.types.knows(message) or (await self.wire.learn(kind, name) and self.types.knows(message)):
             return
         why = await describe(self, kind, name)
@@ -150,10 +150,15 @@ class Ros2Connection:
         raise RobotError("KG804", f"the message type `{message}` is not known{because}", hint=hint)
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> Ros2Publication:
-        """Offer a topic; `latch` keeps the last message for those that come later (transient local)."""
+        """Offer a topic; `latch` keeps the last message for those that come later (transient local).
+
+        So does a subscriber that asks for it, which otherwise would get nothing.
+        """
         self._present()
         await self.known(kind, kind, topic)
-        writer = self.wire.writer(topic, kind, LATCHED if latch else OFFERED)
+        asked = [one.qos for one in self.ends(Role.SUBSCRIBES, topic) if one.qos]
+        kept = latch or any(one.durability == "transient_local" for one in asked)
+        writer = self.wire.writer(topic, kind, LATCHED if kept else OFFERED)
         publication = Ros2Publication(topic, partial(self.types.encode, kind), writer)
         self._open.add(publication)
         return publication
@@ -172,7 +177,7 @@ class Ros2Connection:
         return await (await self.client(service, self._serving(service, kind))).call(request)
 
     def _serving(self, service: str, kind: str | None) -> str:
-        """Return the type of a service; RobotError KG807 when nobody serves it, KG806 when it is another one."""
+        """Return the type of a service; RobotError KG807 without a server, KG806 for another type."""
         servers = self.ends(Role.SERVICES, service)
         if not servers:
             raise RobotError("KG807", f"no node serves `{service}`")
@@ -184,7 +189,7 @@ class Ros2Connection:
         return kind or min(told)
 
     async def client(self, service: str, kind: str) -> Client:
-        """Return our client of a service, which is kept, since it takes its time to be known to the server."""
+        """Return our client of a service, which is reused, since its discovery by the server takes time."""
         found = self._clients.get((service, kind))
         if found is None:
             await self.known(kind, f"{kind}_Response", service)
@@ -195,17 +200,17 @@ class Ros2Connection:
     async def send_goal(
         self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None
     ) -> Goal:
-        """Give an action a goal; KG807 when nobody serves it within so many seconds, KG809 when it is rejected."""
+        """Send a goal to an action; KG807 without a server within some seconds, KG809 if it is rejected."""
         self._present()
         return await send_goal(self, action, kind, goal, seconds=seconds, identity=identity or uuid4().hex)
 
     async def canceller(self, action: str, kind: str) -> Ros2Canceller:  # noqa: ARG002 - all actions cancel alike
-        """Return what cancels goals of an action."""
+        """Return an object that cancels goals of an action."""
         self._present()
         return await canceller(self, action)
 
     async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
-        """Answer a service; RobotError KG804 for a type that is not known."""
+        """Serve a service; RobotError KG804 for an unknown type."""
         self._present()
         await self.known(kind, f"{kind}_Request", service)
         serving = Service(self, service, kind, answer)
@@ -215,7 +220,7 @@ class Ros2Connection:
     async def serve_action(
         self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
     ) -> ActionServer:
-        """Carry out goals, one at a time: a new one cancels the one before; what `carry_out` returns is the result."""
+        """Serve an action, one goal at a time: a new goal cancels the previous one. `carry_out` returns the result."""
         self._present()
         await self.known(kind, f"{kind}_Goal", action)
         server = ActionServer(self, action, kind, carry_out)
@@ -223,7 +228,7 @@ class Ros2Connection:
         return server
 
     def forget(self, one: _Open) -> None:
-        """Note that something is closed already."""
+        """Remove something that is already closed."""
         self._open.discard(one)
 
     def _present(self, code: str = "KG803") -> None:
@@ -231,11 +236,11 @@ class Ros2Connection:
             raise RobotError(code, f"the connection to {self.address} is closed")
 
     async def wait_lost(self) -> str:
-        """Return, when all nodes of the robot have left, that they did; never before."""
+        """Return the reason when all nodes of the robot have left; never before."""
         return await asyncio.shield(self.watch.lost)
 
     async def aclose(self) -> None:
-        """Leave the graph; everything that was opened is closed."""
+        """Leave the graph, and close everything."""
         if self.watch.closed:
             return
         self.watch.close()

@@ -1,4 +1,4 @@
-"""Topics and services of ROS 2 above the wire: messages, requests and responses as values."""
+"""Topics and services of ROS 2 above the middleware: messages, requests and responses as values."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from kg.robot.ros2.connection import Ros2Connection
 
 Result = TypeVar("Result")
+_ENCAPSULATION: Final = 4
+"""Bytes before the first field of what CDR encodes."""
 
 
 class Client:
@@ -32,21 +34,27 @@ class Client:
         self._caller = caller
 
     async def call(self, request: Value) -> Value:
-        """Return the response; RobotError KG805, KG808, or KG816 for one that does not decode."""
+        """Return the response; RobotError KG805, KG808, or KG816 for one that does not decode.
+
+        Distributions differ in the results of actions, as Humble and Jazzy in that of `NavigateToPose`, but not in the
+        status before it: of a result that does not decode, the status is returned, with an empty `result`.
+        """
         content = self._types.encode(f"{self._kind}_Request", request)
         response = await self._caller.call(content)
         try:
             return self._types.decode(f"{self._kind}_Response", response)
         except RobotError as error:
+            if self._kind.endswith("_GetResult") and len(response) > _ENCAPSULATION:
+                return {"status": response[_ENCAPSULATION], "result": {}}
             raise RobotError("KG816", f"the response of a {self._kind} does not decode: {error.message}") from None
 
     def end(self) -> None:
-        """Stop being a client."""
+        """Close the client."""
         self._caller.close()
 
 
 class Service:
-    """A service that our node answers."""
+    """A service of our node."""
 
     def __init__(
         self, owner: Ros2Connection, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]
@@ -71,21 +79,21 @@ class Service:
         return self._owner.types.encode(f"{self._kind}_Response", found)
 
     def end(self) -> None:
-        """Stop answering."""
+        """Stop serving."""
         self._handle.close()
         self._owner.forget(self)
 
     async def aclose(self) -> None:
-        """Stop answering."""
+        """Stop serving."""
         self.end()
 
 
 _DEPTH: Final = 100
-"""So many messages wait at least in the middleware, which counts none that it drops, before ours takes them."""
+"""Minimum queue length in the middleware, which does not report messages that it drops."""
 
 
 class Ros2Subscription(Messages):
-    """Messages of a topic as they come."""
+    """The messages of a topic."""
 
     def __init__(self, owner: Ros2Connection, topic: str, kind: str, queue: int) -> None:
         self.kind = kind
@@ -97,7 +105,7 @@ class Ros2Subscription(Messages):
         self._handle: Handle | None = None
 
     def suit(self, graph: ComputationGraph) -> None:
-        """Ask for what all publishers that are known offer; the reader is opened anew when that is another thing."""
+        """Request a QoS that all known publishers offer; the reader is reopened if it changes."""
         offers = [one.qos for one in graph.ends if one.name == self.topic and one.role is Role.PUBLISHES and one.qos]
         reliable = all(one.reliability != "best_effort" for one in offers)
         kept = bool(offers) and all(one.durability == "transient_local" for one in offers)
@@ -110,7 +118,7 @@ class Ros2Subscription(Messages):
         if wanted != self._qos:
             if self._handle is not None:
                 self._handle.close()
-            self._qos = self._handle = None  # until it is open: where that fails, the next graph tries again
+            self._qos = self._handle = None  # until it is open: after a failure, the next graph tries again
             self._handle = self._owner.wire.reader(self.topic, self.kind, wanted, self._take)
             self._qos = wanted
 
@@ -122,7 +130,7 @@ class Ros2Subscription(Messages):
         self._owner.watch.report(GraphProblem("KG816", node or self.topic, told))
 
     async def aclose(self) -> None:
-        """Stop receiving."""
+        """Close the subscription."""
         await self._inbox.aclose()
 
     def _shut(self) -> None:
@@ -138,7 +146,7 @@ class Ros2Subscription(Messages):
 
 
 class Ros2Publication:
-    """A topic that our node writes to."""
+    """A topic that our node publishes."""
 
     def __init__(self, topic: str, encode: Callable[[Value], bytes], writer: Writer) -> None:
         self._topic = topic
@@ -148,11 +156,11 @@ class Ros2Publication:
 
     @property
     def peers(self) -> int:
-        """How many subscribers are connected."""
+        """Number of connected subscribers."""
         return 0 if self._closed else self._writer.peers
 
     async def publish(self, value: Value) -> None:
-        """Send a message; RobotError KG805 when the value does not fit the type, KG803 when the topic is closed."""
+        """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the topic is closed."""
         content = self._encode(value)
         if self._closed:
             raise RobotError("KG803", f"`{self._topic}` is not offered any more")
@@ -160,10 +168,10 @@ class Ros2Publication:
         await asyncio.sleep(0)
 
     def end(self) -> None:
-        """Stop offering the topic."""
+        """Stop publishing the topic."""
         self._closed = True
         self._writer.close()
 
     async def aclose(self) -> None:
-        """Stop offering the topic."""
+        """Stop publishing the topic."""
         self.end()

@@ -1,7 +1,7 @@
-"""The computation graph of ROS 2: from the ends that a middleware tells, and watched as it changes.
+"""The computation graph of ROS 2, from the ends that a middleware reports, and its changes.
 
-Actions are folded, what does not fit is reported. A watch knows whether the graph was watched long enough, what
-changed, and whether everybody has gone.
+Actions are folded, mismatches are reported. A watch knows whether the graph is complete, what changed, and whether all
+nodes have left.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 _HIDDEN: Final = re.compile(r"(.+)/_action/(send_goal|get_result|cancel_goal|feedback|status)")
 _ROLES: Final = {Role.SERVICES: Role.ACTION_SERVERS, Role.CLIENTS: Role.ACTION_CLIENTS}
 _MOST: Final = 1000
-"""So many problems of ends that do not fit are told; a graph that has more is not made clearer by them."""
+"""Maximum number of reported mismatches."""
 
 
 def computation_graph(told: Neighbourhood, *, complete: bool) -> ComputationGraph:
-    """Return the graph that the ends of others make."""
+    """Return the graph of the ends of others."""
     ends = {one for end in told.ends if (one := _folded(end)) is not None}
     ordered = sorted(ends, key=lambda one: (one.name, one.role, one.node, one.type or "", str(one.qos)))
     problems = {*told.problems, *_misfits(ordered)}
@@ -74,7 +74,7 @@ def _misfits(ends: list[LiveEnd]) -> list[GraphProblem]:
 
 
 def _misfits_of(name: str, publishers: list[LiveEnd], subscribers: list[LiveEnd]) -> list[GraphProblem]:
-    """Compare kinds of ends, not ends: `/rosout` has hundreds, all alike."""
+    """Compare distinct kinds of ends: `/rosout` has hundreds of identical ones."""
     offers, asks = _kinds(publishers), _kinds(subscribers)
     found = []
     for (offered, offer), writer in offers.items():
@@ -93,7 +93,7 @@ def _kinds(ends: list[LiveEnd]) -> dict[tuple[str | None, Qos | None], LiveEnd]:
 
 
 def misfit(offer: Qos, ask: Qos) -> str | None:
-    """Return why an offer does not do for who asks, None when it does.
+    """Return why an offered QoS does not satisfy a request, None if it does.
 
     Source: DDS 1.4, 2.2.3, "requested / offered" of reliability, durability, deadline and liveliness.
     """
@@ -110,22 +110,20 @@ def misfit(offer: Qos, ask: Qos) -> str | None:
     return None
 
 
-_PAUSE: Final = 0.05
-"""Seconds in which changes are gathered: a node that starts tells a dozen ends."""
-_GONE: Final = 2.0
-"""Seconds without anybody after which a robot is lost; a node that starts anew is back sooner."""
+_PAUSE: Final = 0.05  # seconds in which changes are batched: a starting node announces a dozen ends
+_GONE: Final = 2.0  # seconds without any node after which a robot is lost; a restarted node is back sooner
 _MOST_PROBLEMS: Final = 100
 
 
 class Watch:
-    """The graph as the middleware tells it, for those that wait on it.
+    """The graph as the middleware reports it, with notification of changes.
 
     Args:
-        look: gives who is there.
-        settle: seconds until the graph is complete. Discovery is a matter of the network: its time is the wall's,
-            also where that of the robot is simulated.
+        look: returns the current nodes and ends.
+        settle: seconds until the graph is complete. Discovery depends on the network, so this is wall-clock time even
+        if the robot is simulated.
 
-    `amend` may add to a graph what the middleware does not tell.
+    `amend` may add what the middleware does not report.
     """
 
     def __init__(self, look: Callable[[], Neighbourhood], settle: float) -> None:
@@ -149,7 +147,7 @@ class Watch:
         return self._loop.time() >= self._settled
 
     def now(self) -> ComputationGraph:
-        """Return the graph as it is."""
+        """Return the current graph."""
         if self._cached is None or self._cached.complete != self.complete:
             seen = self.amend(computation_graph(self._look(), complete=self.complete))
             self._seen = self._seen or bool(seen.nodes)
@@ -158,13 +156,13 @@ class Watch:
         return self._cached
 
     def report(self, problem: GraphProblem) -> None:
-        """Add a problem that was met; each is told once, and the first hundred are enough."""
+        """Add a problem; duplicates are dropped, and so are those after the first hundred."""
         if problem not in self._problems and len(self._problems) < _MOST_PROBLEMS:
             self._problems[problem] = None
             self.changed()
 
     def changed(self) -> None:
-        """Wake up who watches, a moment later."""
+        """Notify watchers, after a short delay."""
         self._cached = None
         if self._gathering is None and not self.closed:
             self._gathering = self._loop.call_later(_PAUSE, self._tell)
@@ -175,7 +173,7 @@ class Watch:
         self._changes.tell()
 
     def _count(self) -> None:
-        """Notice that nobody is there any more, where somebody was."""
+        """Detect that all nodes have left."""
         if self.now().nodes:
             if self._leaving is not None:
                 self._leaving.cancel()
@@ -193,7 +191,7 @@ class Watch:
         return self.now()
 
     async def until(self, true: Callable[[ComputationGraph], bool]) -> bool:
-        """Return when a condition holds of the graph: True, or False when the connection was closed before."""
+        """Return True when a condition holds for the graph, False if the connection is closed first."""
         async with aclosing(self.changes()) as graphs:
             async for graph in graphs:
                 if true(graph):
@@ -201,7 +199,7 @@ class Watch:
         return False
 
     def changes(self) -> AsyncGenerator[ComputationGraph]:
-        """Yield the graph as it is, and each time that it has changed, until it is closed."""
+        """Yield the current graph, and again after each change, until it is closed."""
         return self._changes.values(lambda: None if self.closed else self.now())
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""What a middleware of ROS 2 gives: bytes of messages to and from topics and services, and who else is there."""
+"""The interface of ROS 2 middlewares: encoded messages of topics and services, and discovery."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ if TYPE_CHECKING:
     from kg.robot.ros2.graph import Watch
 
 OFFERED = Qos("reliable", "volatile", "keep_last", 10)
-"""What is offered to subscribers: every one that does not ask for earlier messages can read it."""
+"""QoS offered to subscribers: compatible with all that do not require earlier messages."""
 LATCHED = Qos("reliable", "transient_local", "keep_last", 1)
 ANSWERS = Qos("reliable", "volatile", "keep_last", 10)
-"""That of services (rmw_qos_profile_services_default)."""
+"""QoS of services (rmw_qos_profile_services_default)."""
 
 Deliver: TypeAlias = "Callable[[bytes, str | None], None]"
-"""Takes a message in CDR with its four bytes of encapsulation, and the name of the node that sent it, if known."""
+"""Receives a message in CDR with its four bytes of encapsulation, and the name of its sender, if known."""
 
 
 @dataclass(frozen=True, slots=True)
 class Neighbourhood:
-    """The others, as the middleware sees them: actions are not folded yet."""
+    """The other nodes and ends as the middleware reports them, before actions are folded."""
 
     nodes: tuple[LiveNode, ...] = ()
     ends: tuple[LiveEnd, ...] = ()
@@ -34,61 +34,61 @@ class Neighbourhood:
 
 
 class Handle(Protocol):
-    """Something that was opened."""
+    """An open end."""
 
     @property
     def peers(self) -> int:
-        """How many ends of others are connected to it."""
+        """Number of connected ends of others."""
 
     async def ready(self) -> None:
-        """Return when an end of another node is connected, so that nothing is lost that is sent from now on."""
+        """Return when an end of another node is connected, so no message is lost from then on."""
 
     def close(self) -> None:
-        """Close it; closing again is nothing."""
+        """Close it; may be repeated."""
 
 
 class Writer(Handle, Protocol):
-    """An end that writes to a topic."""
+    """A publisher of a topic."""
 
     def write(self, content: bytes) -> None:
-        """Send a message in CDR with its encapsulation; RobotError KG803 when it cannot be sent."""
+        """Send a message in CDR with its encapsulation; RobotError KG803 if that fails."""
 
 
 class Caller(Handle, Protocol):
     """A client of a service."""
 
     async def call(self, content: bytes) -> bytes:
-        """Return the response to a request; RobotError KG808 when the server says that it failed."""
+        """Return the response to a request; RobotError KG808 if the server reports a failure."""
 
 
 class Middleware(Protocol):
-    """A wire of ROS 2; all of it is called in the event loop, and calls back in it."""
+    """A ROS 2 middleware; all calls and callbacks are in the event loop."""
 
     types: Types
 
     def begin(self, watch: Watch) -> None:
-        """Be there as a node, and tell the watch when something has changed."""
+        """Join as a node, and notify the watch of changes."""
 
     def neighbourhood(self) -> Neighbourhood:
-        """Return who else is there now."""
+        """Return the other nodes and ends."""
 
     def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> Handle:
-        """Read a topic."""
+        """Open a reader of a topic."""
 
     def writer(self, topic: str, kind: str, qos: Qos) -> Writer:
-        """Write to a topic."""
+        """Open a writer of a topic."""
 
     def caller(self, service: str, kind: str) -> Caller:
-        """Become a client of a service; `kind` is without `_Request`."""
+        """Open a client of a service; `kind` is without `_Request`."""
 
     def server(self, service: str, kind: str, answer: Callable[[bytes], Awaitable[bytes]]) -> Handle:
-        """Serve a service; an exception of `answer` is told to the client where the middleware has a way to."""
+        """Serve a service; an exception of `answer` is reported to the client if the middleware supports it."""
 
     def hashes(self, name: str) -> Iterable[tuple[str, str]]:
-        """Return the nodes that have an end of a topic or service, each with the hash of its type (RIHS01)."""
+        """Return the nodes with an end of a topic or service, each with the hash of its type (RIHS01)."""
 
     async def learn(self, kind: str, name: str) -> bool:
-        """Ask those that have an end of that topic or service for its type; tell whether it is known now."""
+        """Request the type of a topic or service from its nodes; return whether it is known now."""
 
     def close(self) -> None:
-        """Leave; everything that was opened is closed."""
+        """Leave, and close everything."""

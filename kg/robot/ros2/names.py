@@ -1,7 +1,7 @@
-"""Names of ROS 2 and what they are on the wire of DDS, and of Zenoh, which takes the names of types from it.
+"""Names of ROS 2 and their forms in DDS, and in Zenoh, which uses the same names of types.
 
-Source: design.ros2.org/articles/topic_and_service_names.html for the form of names and the prefixes `rt`, `rq`, `rr`;
-the types have `dds_` as their last module and an underscore behind them.
+Source: design.ros2.org/articles/topic_and_service_names.html for the form of names and the prefixes `rt`, `rq`, `rr`.
+Types have `dds_` as their last module and an underscore as suffix.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ _LONGEST: Final = 255
 
 
 def is_name(name: str) -> bool:
-    """Tell whether a text is the absolute name of a node, topic or service."""
+    """Return whether a text is the absolute name of a node, topic or service."""
     return len(name) <= _LONGEST and _NAME.fullmatch(name) is not None and "__" not in name
 
 
 def absolute(name: str) -> str:
-    """Return an absolute name for our own node; RobotError KG801 for one that is not a name."""
+    """Return an absolute name for our own node; RobotError KG801 for an invalid one."""
     made = name if name.startswith("/") else f"/{name}"
     if not is_name(made):
         hint = "Write letters, digits and underscores between slashes."
@@ -36,10 +36,10 @@ def absolute(name: str) -> str:
 
 
 def family(kind: str, *, service: bool = False) -> str:
-    """Return in which folder of its package a type is defined: `msg`, `srv` or `action`.
+    """Return the folder of its package in which a type is defined: `msg`, `srv` or `action`.
 
-    The name alone tells it, since only parts of services and actions have an underscore in theirs; `service` says that
-    it is that of a service itself, which has none.
+    The name alone determines it, since only parts of services and actions contain an underscore; `service` marks the
+    type of a whole service, which has none.
     """
     if _ACTION.search(kind):
         return "action"
@@ -47,13 +47,13 @@ def family(kind: str, *, service: bool = False) -> str:
 
 
 def dds_type(kind: str, *, service: bool = False) -> str:
-    """Return what `package/Type` is called on the wire: `package::msg::dds_::Type_`."""
+    """Return the DDS name of `package/Type`: `package::msg::dds_::Type_`."""
     package, _, name = kind.partition("/")
     return f"{package}::{family(kind, service=service)}::dds_::{name}_"
 
 
 def ros_type(mangled: str) -> str | None:
-    """Return `package/Type` for the name of a type on the wire, None when it is none of ROS."""
+    """Return `package/Type` for a DDS type name, None if it is not a ROS type."""
     found = _TYPE.fullmatch(mangled)
     return f"{found[1]}/{found[2]}" if found else None
 
@@ -71,9 +71,9 @@ def replies(service: str) -> str:
 
 
 def ros_end(topic: str, mangled: str, *, writer: bool) -> tuple[Role, str, str | None] | None:
-    """Return role, name and type of the ROS end that a DDS reader or writer is of; None when it is of none.
+    """Return role, name and type of the ROS end of a DDS reader or writer; None if there is none.
 
-    The replies of a service are left out: who reads its requests serves it, who writes them is a client.
+    Responses are ignored: the reader of requests is the server, the writer is a client.
     """
     kind = ros_type(mangled)
     if topic.startswith("rt/"):

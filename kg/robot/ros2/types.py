@@ -1,10 +1,9 @@
-"""Message types between peers of ROS 2: the hashes they compare, and the descriptions that nodes give.
+"""Message types between ROS 2 peers: their hashes, and the descriptions that nodes provide.
 
-A hash (RIHS01) is the SHA-256 of a type's description (REP 2016). A service has a description of its own, with a
-request, a response and an event, which is made here, since nobody writes it down. Nodes of Jazzy and later describe the
-types that they use, each named by its hash (`~/get_type_description`, type_description_interfaces). In the numbers of
-field types, `FIELD_TYPE_INT8` = 2 stands for one value; 48 more for an array, 96 for a list with a limit, 144 for a
-list.
+A hash (RIHS01) is the SHA-256 of a type's description (REP 2016). A service's description, with request, response and
+event, is derived here, since no file has it. Nodes of Jazzy and later provide descriptions of their types by hash
+(`~/get_type_description`, type_description_interfaces). In the numbers of field types, `FIELD_TYPE_INT8` = 2 is a
+single value; add 48 for an array, 96 for a bounded list, 144 for a list.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ _DUMMY: Final = (MEMBER_OF_NOTHING, (Nodetype.BASE, ("uint8", 0)))
 
 
 def type_hash(types: Types, kind: str, *, service: bool = False) -> str:
-    """Return `RIHS01_` and 64 digits for a message or a service; RobotError KG804 when a type in it is not known."""
+    """Return `RIHS01_` and 64 digits for a message or a service; RobotError KG804 if a nested type is unknown."""
     store = get_typestore(Stores.EMPTY)
     found: dict[str, Any] = {}
     if service:
@@ -60,7 +59,7 @@ def _describe(types: Types, kind: str, found: dict[str, Any]) -> None:
 
 def _description(field: Field) -> Any:
     sort = Nodetype.NAME if field.is_message else Nodetype.BASE
-    base = "uint8" if field.type == "char" else field.type  # rosidl makes a `uint8` of it
+    base = "uint8" if field.type == "char" else field.type  # rosidl converts it to `uint8`
     element = (sort, _full(field.type) if field.is_message else (base, field.bound))
     if field.length is None:
         return element
@@ -80,8 +79,7 @@ def _describe_service(types: Types, kind: str, found: dict[str, Any]) -> None:
 
 
 _SERVICE: Final = "type_description_interfaces/GetTypeDescription"
-_PATIENCE: Final = 2.0
-"""Seconds that a node may take to describe a type."""
+_PATIENCE: Final = 2.0  # seconds for a node to describe a type
 _NESTED, _STRING, _BOUNDED_STRING = 1, 17, 21
 _BASE: Final = {
     2: "int8",
@@ -99,17 +97,17 @@ _BASE: Final = {
     16: "byte",
     _STRING: "string",
 }
-"""What `.msg` files call the types; `wchar`, `wstring`, `long double` and texts of a fixed length are missing."""
+"""Names of types in `.msg` files; `wchar`, `wstring`, `long double` and fixed-length strings are not supported."""
 _WHOLE: Final = ("_Event", "_SendGoal", "_GetResult")
 _GROUP: Final = 48
 _ONE, _ARRAY, _LIMITED = range(3)
 
 
 async def describe(connection: Ros2Connection, kind: str, name: str) -> str | None:
-    """Ask the nodes with an end of a topic, service or action for its type, and learn it with those that it uses.
+    """Request the type of a topic, service or action from its nodes, and learn it with its nested types.
 
     Returns:
-        None when one has described it, else why none has: empty if there is none to ask.
+        None on success, else the reason; empty if there is no node to ask.
     """
 
     def describing(graph: ComputationGraph) -> list[tuple[str, str]]:
@@ -133,10 +131,10 @@ async def describe(connection: Ros2Connection, kind: str, name: str) -> str | No
 
 
 def texts(description: Value) -> dict[str, str]:
-    """Return the definitions of messages that a TypeDescription has, in `.msg` form, by `package/Type`.
+    """Return the definitions of messages in a TypeDescription, in `.msg` form, by `package/Type`.
 
-    The descriptions of a service or an action as a whole, and of events, are left out. RobotError KG804 for a field of
-    a type that kg does not support.
+    The descriptions of a whole service or action, and of events, are left out. RobotError KG804 for a field of an
+    unsupported type.
     """
     every = [description["type_description"], *description["referenced_type_descriptions"]]
     return {short(one["type_name"]): "".join(_lines(one)) for one in every if _is_message(one["type_name"])}

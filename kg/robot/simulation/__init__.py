@@ -1,6 +1,6 @@
-"""Robots to try things on: worlds of pybullet, and the nodes that make robots of ROS of them.
+"""Simulated robots: worlds of pybullet, with nodes that make them ROS robots.
 
-`plan` reads worlds, which are data; `scene`, `wheeled` and `drone` are the physics and sensors; `nodes` and
-`navigating` are the faces through `kg.robot.connection`; `running` moves time. pybullet and OpenCV (the extra
-`simulate`) are loaded by `scene` alone.
+`plan` reads the worlds, which are data files; `scene`, `wheeled`, `drone` and `arm` are physics and sensors; `nodes`,
+`arm_nodes` and `navigating` are the nodes over `kg.robot.connection`; `running` advances time. Only `scene` loads
+pybullet and OpenCV (the extra `simulate`).
 """

@@ -19,30 +19,26 @@ if TYPE_CHECKING:
 JOINTS: Final = tuple(f"panda_joint{index}" for index in range(1, 8))
 """The names of the joints, from the base to the hand."""
 WIDEST: Final = 0.08
-"""The greatest opening of the gripper, in metres."""
+"""Maximum opening of the gripper in metres."""
 
 Quaternion = tuple[float, float, float, float]
 
 _MODEL: Final = "franka_panda/panda.urdf"
 _FINGERS: Final = (9, 10)
-_HAND: Final = 11
-"""The point between the tips of the fingers."""
+_HAND: Final = 11  # the point between the tips of the fingers
 _HOME: Final = (0.0, -0.4, 0.0, -2.2, 0.0, 1.8, 0.785)
 _LOWEST: Final = (-2.9, -1.76, -2.9, -3.07, -2.9, -0.02, -2.9)
 _HIGHEST: Final = (2.9, 1.76, 2.9, -0.07, 2.9, 3.75, 2.9)
 _FORCES: Final = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
-_QUICKEST: Final = 2.0
-"""How fast a joint turns at most, in rad/s."""
+_QUICKEST: Final = 2.0  # maximum speed of a joint in rad/s
 _DOWN: Final[Quaternion] = (1.0, 0.0, 0.0, 0.0)
 _SPEED: Final = 0.25
 _TURNING: Final = 1.0
 _SHOULDER: Final = 0.333
 _REACH: Final = 0.75
-"""How far the hand reaches from the shoulder, pointing down; a target beyond is moved to this sphere."""
-_LOWEST_HAND: Final = 0.01
-"""The hand stays so many metres above the table."""
-_GRIP: Final = 40.0
-"""The gripper's own force in newtons, where a command has none."""
+"""Maximum distance of the hand from the shoulder in metres, pointing down; targets beyond are moved to this sphere."""
+_LOWEST_HAND: Final = 0.01  # minimum height of the hand above the table in metres
+_GRIP: Final = 40.0  # default force of the gripper in newtons
 _CLOSING: Final = 0.1
 _SUBSTEPS: Final = 4
 _FRICTION: Final = 1.2
@@ -51,7 +47,7 @@ _CAMERA_AT: Final = 1.4
 
 @dataclass(frozen=True, slots=True)
 class Waypoint:
-    """Where joints are to be, in rad in the order of `JOINTS`, at a time of the world in seconds."""
+    """Positions of joints in rad, in the order of `JOINTS`, at a time of the world in seconds."""
 
     time: float
     positions: tuple[float, ...]
@@ -82,7 +78,7 @@ class Arm:
         self._measure()
 
     def reach(self, at: Vector, turned: Quaternion) -> None:
-        """Move the hand straight to a position in metres and an orientation; one of zeros points down."""
+        """Move the hand straight to a position in metres and an orientation; a zero orientation points down."""
         if not all(math.isfinite(one) for one in (*at, *turned)):
             return
         length = math.hypot(*turned)
@@ -99,22 +95,22 @@ class Arm:
         return x, y, z
 
     def follow(self, way: Sequence[Waypoint]) -> None:
-        """Move the joints along a trajectory, whose times are later than now; each joint within its limits."""
+        """Move the joints along a trajectory, whose times are later than now, within the joints' limits."""
         self._target = None
         self._begun = Waypoint(self._time, self.positions)
         self._way = list(way)
 
     def hold(self) -> None:
-        """Stay where it is."""
+        """Hold the current position."""
         self._way, self._target, self._wanted = [], None, list(self.positions)
 
     def grip(self, wide: float, force: float) -> None:
-        """Move the fingers to an opening in metres with a force in newtons, 0 for the gripper's own."""
+        """Move the fingers to an opening in metres with a force in newtons, 0 for the default."""
         self._wide = max(0.0, min(WIDEST, wide)) if math.isfinite(wide) else self._wide
         self._force = min(force, _GRIP) if force > 0 else _GRIP
 
     def step(self, seconds: float, now: float) -> None:
-        """Move for a step of the scene's time."""
+        """Advance by a step of the scene's time."""
         self._time = now
         if self._way:
             self._proceed(now)
@@ -133,7 +129,7 @@ class Arm:
         self._measure()
 
     def _proceed(self, now: float) -> None:
-        """Set the joints to where the trajectory is now."""
+        """Set the joints to the current point of the trajectory."""
         while self._way and self._way[0].time <= now:
             self._begun = self._way.pop(0)
         self._wanted = list(self._begun.positions)
@@ -143,7 +139,7 @@ class Arm:
             self._wanted = [one + share * (two - one) for one, two in zip(self._wanted, to.positions, strict=True)]
 
     def _approach(self, at: Vector, turned: Quaternion, seconds: float) -> None:
-        """Set the joints so that the hand is a step nearer to its target, on a straight line."""
+        """Set the joints for the next step of the hand towards its target, on a straight line."""
         aim, now = self._aim
         far = math.dist(at, aim)
         share = min(1.0, _SPEED * seconds / far) if far else 1.0
@@ -184,10 +180,10 @@ class Arm:
 
     @property
     def opening(self) -> float:
-        """How far the fingers are from each other, in metres."""
+        """Distance of the fingers in metres."""
         return sum(self.fingers)
 
     def picture(self) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
-        """Return what the camera sees, which looks down on the table."""
+        """Return the image of the camera, which looks down on the table."""
         x, y = self.base.x + 0.45, self.base.y
         return self._scene.picture(self.camera, (x, y, _CAMERA_AT), (x, y, 0.0), (0, 1, 0))

@@ -18,21 +18,16 @@ TABLE: Final = "table"
 """The frame of poses of the hand: the corner of the table is its origin, z is the height above it."""
 _FINGERS: Final = ("panda_finger_joint1", "panda_finger_joint2")
 _PERIOD: Final = 0.1
-_CLOSE: Final = 0.02
-"""A trajectory has ended when each joint is within so many radians of its position."""
-_OPEN: Final = 0.002
-"""The gripper has reached an opening within so many metres."""
-_STILL: Final = 0.002
-"""Fingers slower than this many m/s stand still."""
-_PATIENCE: Final = 3.0
-"""Seconds that the joints or fingers get beyond the planned end."""
+_CLOSE: Final = 0.02  # A trajectory has ended when each joint is within so many radians of its position
+_OPEN: Final = 0.002  # maximum difference of the gripper's opening in metres at its target
+_STILL: Final = 0.002  # speed in m/s below which fingers count as standing still
+_PATIENCE: Final = 3.0  # extra seconds for joints or fingers after the planned end
 _INVALID: Final = -1
-_MISSED: Final = -5
-"""`INVALID_GOAL` and `GOAL_TOLERANCE_VIOLATED` of `control_msgs/FollowJointTrajectory`."""
+_MISSED: Final = -5  # `INVALID_GOAL` and `GOAL_TOLERANCE_VIOLATED` of `control_msgs/FollowJointTrajectory`
 
 
 async def arm_nodes(stage: Stage, arm: Arm) -> None:
-    """Let all nodes of the arm join the graph and begin."""
+    """Let all nodes of the arm join the graph and start."""
     control = await stage.node("/franka_control")
     await _joints(control, arm)
     await _hand(control, arm)
@@ -108,9 +103,9 @@ async def _trajectories(node: Node, arm: Arm) -> None:
 
 
 def _way(trajectory: Mapping[str, Any], now: tuple[float, ...], time: float) -> list[Waypoint] | str:
-    """Return the waypoints of a trajectory that begins at a time, or what is wrong with it.
+    """Return the waypoints of a trajectory that starts at a time, or its error.
 
-    Joints that it does not name stay where they are.
+    Unnamed joints keep their positions.
     """
     names, points = trajectory["joint_names"], trajectory["points"]
     if unknown := [one for one in names if one not in JOINTS]:
@@ -143,7 +138,7 @@ async def _gripper(node: Node, arm: Arm) -> None:
             reached = abs(arm.opening - wide) < _OPEN
             stalled = not reached and arm.closing < _STILL
             state = {"position": arm.opening, "effort": arm.squeeze, "stalled": stalled, "reached_goal": reached}
-            if reached or stalled or clock.now() > end:  # a grip on a thing stalls, and is what was asked for
+            if reached or stalled or clock.now() > end:  # a grip on an object stalls, which is a success
                 return state
             await accepted.feedback(state)
             await clock.sleep(_PERIOD)

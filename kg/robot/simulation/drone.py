@@ -1,4 +1,4 @@
-"""A quadrotor: a rigid body with four rotors in pybullet, and the controller of velocity that such drones carry."""
+"""A quadrotor: a rigid body with four rotors in pybullet, and its velocity controller."""
 
 from __future__ import annotations
 
@@ -29,12 +29,11 @@ _GROUND: Final = 0.08
 _PUSH: Final = 3.0
 _INERTIA: Final = (0.0070, 0.0070, 0.0131)
 _HOLD: Final = 1.2
-_STILL: Final = 0.1
-"""A drone brakes to this speed before it chooses the place to hold."""
+_STILL: Final = 0.1  # A drone brakes to this speed before it chooses the place to hold
 
 
 class State(IntEnum):
-    """What a drone does, by the numbers of `ardrone_autonomy/Navdata`."""
+    """States of a drone, by the numbers of `ardrone_autonomy/Navdata`."""
 
     EMERGENCY = 0
     LANDED = 2
@@ -45,9 +44,9 @@ class State(IntEnum):
 
 
 class Drone:
-    """The drone in a scene; `step` moves it. A drone without a command holds its place.
+    """The drone in a scene; `step` moves it. Without a command it holds its place.
 
-    It begins on the ground, or hovering where the start is above it.
+    It starts on the ground, or hovering if the start is above it.
     """
 
     def __init__(self, scene: Scene, start: Place, chance: np.random.Generator) -> None:
@@ -72,31 +71,31 @@ class Drone:
 
     @property
     def altitude(self) -> float:
-        """How far its belly is above the ground, in metres."""
+        """Height of its lowest point above the ground in metres."""
         return max(0.0, self.pose.z - _HEIGHT / 2)
 
     def command(self, command: Command) -> None:
-        """Fly at a velocity until half a second is over, or another command comes."""
+        """Fly at a velocity for half a second, or until another command."""
         self._command = command.limited(SPEED, TURN)
 
     def take_off(self) -> None:
-        """Rise to 1.2 m and hover; a drone that does not stand on the ground ready to fly does nothing."""
+        """Rise to 1.2 m and hover; does nothing unless the drone is on the ground and ready."""
         if self.state is State.LANDED:
             self.state = State.TAKING_OFF
             self._hold = [self.pose.x, self.pose.y, None]
 
     def land(self) -> None:
-        """Sink to the ground where it is and switch the rotors off."""
+        """Land at the current place and switch the rotors off."""
         if self.state in {State.TAKING_OFF, State.FLYING, State.HOVERING}:
             self.state = State.LANDING
             self._hold = [self.pose.x, self.pose.y, None]
 
     def reset(self) -> None:
-        """Switch the rotors off at once; a second time makes the drone ready to fly again."""
+        """Switch the rotors off at once; a second call makes the drone ready again."""
         self.state = State.LANDED if self.state is State.EMERGENCY else State.EMERGENCY
 
     def step(self, seconds: float, now: float) -> None:
-        """Move for a step of the scene's time."""
+        """Advance by a step of the scene's time."""
         self._proceed(now)
         if self.state in {State.EMERGENCY, State.LANDED}:
             self.rotors = (0.0, 0.0, 0.0, 0.0)
@@ -117,13 +116,13 @@ class Drone:
             self.state = State.HOVERING if still else State.FLYING
 
     def _axes(self, command: Command) -> Vector:
-        """Return the velocity of a command along the axes of the world."""
+        """Return the velocity of a command in the world frame."""
         cosine, sine = math.cos(self.pose.heading), math.sin(self.pose.heading)
         x = command.forward * cosine - command.left * sine
         return x, command.forward * sine + command.left * cosine, command.up
 
     def _wanted(self, command: Command) -> Vector:
-        """Return the velocity to fly at, along the axes of the world: the command's, or back to the place to hold."""
+        """Return the target velocity in the world frame: the command's, or back to the place to hold."""
         if self.state is State.TAKING_OFF:
             return self._held(0), self._held(1), _CLIMB
         if self.state is State.LANDING:
@@ -151,7 +150,7 @@ class Drone:
         return self.pose.x, self.pose.y, self.pose.z
 
     def _fly(self, wanted: Vector, turn: float) -> None:
-        """Set the rotors: from the velocity to the tilt, and from the tilt to torques (a cascade of P and PD)."""
+        """Set the rotors: from velocity to tilt, and from tilt to torques (a cascade of P and PD controllers)."""
         push = [max(-_PUSH, min(_PUSH, 2.5 * (to - now))) for to, now in zip(wanted, self.velocity, strict=True)]
         cosine, sine = math.cos(self.pose.heading), math.sin(self.pose.heading)
         pitch = math.atan2(push[0] * cosine + push[1] * sine, _GRAVITY)
@@ -183,12 +182,12 @@ class Drone:
         self.bumped = any(touch[2] != floor for touch in bullet.getContactPoints(self._body))
 
     def located(self) -> Pose:
-        """Return where the drone believes to be by its odometry, a few centimetres beside where it is."""
+        """Return the pose by odometry, with an error of a few centimetres."""
         x, y = (float(one) for one in self._chance.normal(0.0, 0.02, 2))
         return Pose(self.pose.x + x, self.pose.y + y, self.pose.heading, self.pose.z)
 
     def picture(self, *, down: bool) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
-        """Return what the camera sees that looks ahead, or the one that looks down with ahead on top."""
+        """Return the image of the forward camera, or of the downward one with forward on top."""
         ahead = (math.cos(self.pose.heading), math.sin(self.pose.heading), 0.0)
         reach = 0.0 if down else _RADIUS + 0.02
         eye = (self.pose.x + reach * ahead[0], self.pose.y + reach * ahead[1], self.pose.z - down * _HEIGHT)

@@ -1,7 +1,7 @@
-"""The node that carries out goals, as `move_base` of ROS 1 and the navigator of Nav2 do.
+"""The navigation node, which executes goals like `move_base` of ROS 1 and the navigator of Nav2.
 
-Ways through the map of a plan are found by A* over its squares, away from walls, and then straight where nothing stands
-between. The next velocity follows from the pose and what the laser sees.
+Paths are found by A* on the grid of a plan, away from walls, then straightened. The velocity follows from the pose and
+the laser.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ _HALF_WALL: Final = 0.05
 
 
 class Grid:
-    """The map of a plan in squares of an edge of `resolution` metres, a little larger than the plan.
+    """The map of a plan as a grid with cells of `resolution` metres, with a border.
 
-    `taken` is true where something stands; `origin` is the corner of the first square, in both directions.
+    `taken` marks occupied cells; `origin` is the corner of the first cell, in both directions.
     """
 
     def __init__(self, plan: Plan, resolution: float) -> None:
@@ -63,11 +63,11 @@ class Grid:
         self.taken |= (abs(self._east - x) <= half_width + slack) & (abs(self._north - y) <= half_depth + slack)
 
     def cell(self, x: float, y: float) -> Cell:
-        """Return the square that a point lies in; it may lie outside of the grid."""
+        """Return the cell of a point; it may be outside of the grid."""
         return math.floor((y - self.origin) / self.resolution), math.floor((x - self.origin) / self.resolution)
 
     def point(self, cell: Cell) -> tuple[float, float]:
-        """Return the middle of a square, as x and y."""
+        """Return the centre of a cell, as x and y."""
         row, column = cell
         return (
             self.origin + (column + 0.5) * self.resolution,
@@ -75,7 +75,7 @@ class Grid:
         )
 
     def near(self, distance: float) -> np.ndarray[Any, Any]:
-        """Return true for the squares that lie within a distance in metres of something."""
+        """Return true for the cells within a distance in metres of an obstacle."""
         reach = int(distance / self.resolution)
         padded = np.pad(self.taken, reach, constant_values=True)
         found = np.zeros_like(self.taken)
@@ -87,24 +87,24 @@ class Grid:
         return found
 
     def occupancy(self) -> list[int]:
-        """Return the data of a `nav_msgs/OccupancyGrid`: 100 for what is taken, 0 for what is free, row by row."""
+        """Return the data of a `nav_msgs/OccupancyGrid`: 100 for occupied, 0 for free, row by row."""
         return [int(one) for one in np.where(self.taken, 100, 0).flatten()]
 
 
 _RESOLUTION: Final = 0.1
 _DETOUR: Final = 3.0
-"""A square beside a wall costs so many times as much: a way keeps to the middle where there is one."""
+"""Cost factor of cells near walls: paths prefer the middle."""
 
 _STEPS: Final = [(down, right) for down in (-1, 0, 1) for right in (-1, 0, 1) if down or right]
 
 
 class Planner:
-    """Finds ways for a round robot.
+    """Path planner for a round robot.
 
     Args:
-        plan: where it drives.
+        plan: the world.
         radius: of the robot, in metres.
-        margin: how far it would like to stay from what stands there, in metres.
+        margin: preferred distance from obstacles, in metres.
     """
 
     def __init__(self, plan: Plan, radius: float, margin: float = 0.2) -> None:
@@ -113,7 +113,7 @@ class Planner:
         self._close = self._grid.near(radius + margin)
 
     def way(self, start: tuple[float, float], goal: tuple[float, float]) -> list[tuple[float, float]] | None:
-        """Return the points of the way to a goal without the start; None when the goal cannot be reached."""
+        """Return the points of the path to a goal without the start; None if it is unreachable."""
         end = self._grid.cell(*goal) if math.isfinite(sum(goal)) else (-1, -1)
         if not self._free(end):
             return None
@@ -154,7 +154,7 @@ class Planner:
                 yield there, math.hypot(down, right) * (_DETOUR if self._close[there] else 1.0)
 
     def _straightened(self, cells: list[Cell]) -> list[tuple[float, float]]:
-        """Return the points where the way bends, and not where it only follows the squares."""
+        """Return the corners of a path, without the points between."""
         kept = [cells[0]]
         for last, cell in pairwise(cells):
             if not self._clear(kept[-1], cell):
@@ -162,7 +162,7 @@ class Planner:
         return [self._grid.point(one) for one in (*kept, cells[-1])]
 
     def _clear(self, start: Cell, end: Cell) -> bool:
-        """Tell whether a straight line costs no more than squares that are away from walls."""
+        """Return whether a straight line crosses only cells away from walls."""
         steps = 2 * max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)
         return not any(
             self._close[
@@ -181,18 +181,17 @@ def _traced(before: dict[Cell, Cell], goal: Cell) -> list[Cell]:
 
 
 REACHED: Final = 0.1
-"""A goal is reached within so many metres, and then by the heading within `_TURNED` radians."""
+"""Tolerance of a goal in metres; then the heading is turned to, within `_TURNED` radians."""
 
 _TURNED: Final = 0.06
 _PASSED: Final = 0.25
-_ABOUT: Final = 0.6
-"""Where the way bends by more radians, the robot turns on the spot."""
+_ABOUT: Final = 0.6  # angle in radians above which the robot turns on the spot
 
 _STOP: Final = 0.08
 
 
 class Follower:
-    """Follows points to a last one and its heading; `done` once it is there."""
+    """Follows points to the last one and its heading; `done` at the end."""
 
     def __init__(self, points: Sequence[tuple[float, float]], heading: float) -> None:
         self._points = list(points)
@@ -200,7 +199,7 @@ class Follower:
         self.done = False
 
     def left(self, pose: Pose) -> float:
-        """Return how far it still is, in metres."""
+        """Return the remaining distance in metres."""
         points = [(pose.x, pose.y), *self._points]
         return sum(math.dist(one, two) for one, two in pairwise(points))
 
@@ -230,7 +229,7 @@ def _turning(off: float) -> float:
 
 
 def free_ahead(ranges: Sequence[float]) -> float:
-    """Return how far the robot can drive straight on, in metres, by a scan that begins behind it."""
+    """Return the free distance ahead in metres, from a scan that starts at the rear."""
     free = math.inf
     for index, length in enumerate(ranges):
         angle = -math.pi + index * math.tau / len(ranges)
@@ -241,8 +240,7 @@ def free_ahead(ranges: Sequence[float]) -> float:
 
 
 _PERIOD: Final = 0.1
-_PATIENCE: Final = 12.0
-"""Seconds without coming nearer after which a goal is given up."""
+_PATIENCE: Final = 12.0  # seconds without progress after which a goal is aborted
 
 _NEARER: Final = 0.05
 
@@ -262,7 +260,7 @@ _NAMES: Final = {
 
 
 class Navigator:
-    """Drives the robot to goals, one at a time; a newer one takes the place of the one before."""
+    """Drives the robot to goals, one at a time; a new goal replaces the current one."""
 
     def __init__(self, node: Node, robot: Wheeled) -> None:
         self._node = node
@@ -273,7 +271,7 @@ class Navigator:
         self._velocity: Publication
 
     async def begin(self) -> None:
-        """Offer the action and the topic for simple goals."""
+        """Serve the action and subscribe to the topic for simple goals."""
         self._velocity = await self._node.tell("/cmd_vel", "geometry_msgs/Twist")
         await self._node.hear("/scan", "sensor_msgs/LaserScan", self._scanned, queue=1)
         await self._node.hear("/odom", "nav_msgs/Odometry", lambda _: None, queue=1)
@@ -284,7 +282,7 @@ class Navigator:
         self._ranges = value["ranges"]
 
     async def _go(self, goal: Value) -> None:
-        """Drive to a simple goal: like `move_base`, the node gives it to its own action and tells nobody the result."""
+        """Drive to a simple goal: like `move_base`, the node sends it to its own action and ignores the result."""
         names = self._names
         await self._node.connection.send_goal(names.action, names.kind, {names.goal: goal}, seconds=_PATIENCE)
 

@@ -1,6 +1,6 @@
-"""The nodes of simulated robots: in the office those of a TurtleBot and its navigation, else `ardrone_autonomy`.
+"""The nodes of simulated robots: in the office those of a TurtleBot with navigation, else `ardrone_autonomy`.
 
-Both have cameras, and what finds tags in their pictures. In ROS 2 the drone tells its state as a Tello does.
+Both have cameras, and detectors of tags. In ROS 2 the drone reports its state like a Tello.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from kg.robot.simulation.drone import Drone
 
 Turned = Callable[[Vector], Vector]
-"""From right, down and ahead of a camera to ahead, left and up of the robot."""
+"""Conversion from the axes of a camera (right, down, forward) to those of the robot (forward, left, up)."""
 
 
 async def camera(node: Node, topic: str, eye: Camera, every: float, look: Callable[[], np.ndarray[Any, Any]]) -> None:
-    """Let a node publish what a camera sees on `TOPIC/image_raw`, and its geometry on `TOPIC/camera_info`."""
+    """Publish a camera's images on `TOPIC/image_raw`, and its geometry on `TOPIC/camera_info`."""
     frame = f"{topic.strip('/').replace('/', '_')}_optical_frame"
 
     def picture() -> Value:
@@ -58,15 +58,15 @@ async def camera(node: Node, topic: str, eye: Camera, every: float, look: Callab
 
 
 async def tag_finder(node: Node, topic: str, turned: Turned, shift: Vector) -> None:
-    """Let a node find tags in the pictures of a camera, as `ar_track_alvar` does, in the robot's own frame.
+    """Detect tags in the images of a camera, as `ar_track_alvar` does, in the robot's frame.
 
     They are published as `AlvarMarkers` in ROS 1 and as `aruco_msgs/MarkerArray` in ROS 2, the nearest first.
 
     Args:
-        node: which finds them.
+        node: the detecting node.
         topic: of the camera, without `/image_raw`.
-        turned: from the camera's axes to the robot's.
-        shift: where the camera is on the robot: ahead, left, up, in metres.
+        turned: conversion from the camera's axes to the robot's.
+        shift: position of the camera on the robot: forward, left, up, in metres.
     """
     kind = "ar_track_alvar_msgs/AlvarMarkers" if node.connection.ros == 1 else "aruco_msgs/MarkerArray"
     found = await node.tell("/ar_pose_marker", kind)
@@ -103,7 +103,7 @@ _COVARIANCE: Final = [0.0004 if index in {0, 7} else 0.0001 if index == 35 else 
 
 
 async def office_nodes(stage: Stage, robot: Wheeled) -> None:
-    """Let all nodes of the robot join the graph and begin."""
+    """Let all nodes of the robot join the graph and start."""
     await _base(await stage.node("/mobile_base"), robot)
     await _laser(await stage.node("/laser"), robot)
     eye = await stage.node("/camera")
@@ -186,7 +186,7 @@ async def _localisation(node: Node, robot: Wheeled) -> None:
         return {"header": node.stage.header("map"), "pose": pose}
 
     def offset() -> Value:
-        """Return where the frame of the odometry is on the map."""
+        """Return the pose of the odometry frame on the map."""
         turn = robot.pose.heading - robot.odometry.heading
         cosine, sine = math.cos(turn), math.sin(turn)
         x = robot.pose.x - robot.odometry.x * cosine + robot.odometry.y * sine
@@ -200,18 +200,17 @@ async def _localisation(node: Node, robot: Wheeled) -> None:
 
 
 def _nothing(_value: Value) -> None:
-    """Take no notice: the simulation knows where the robot is, but the graph is that of a robot which computes it."""
+    """Ignore messages: the simulation knows the pose, but the graph should be that of a robot which computes it."""
 
 
 _MILLI: Final = 1000.0
 _CENTI: Final = 100.0
 _STRONGEST: Final = 255.0
-_LIFT: Final = 2.0
-"""The lift of a rotor in newtons that navdata calls the strongest."""
+_LIFT: Final = 2.0  # the lift of a rotor in newtons that navdata reports as the maximum
 
 
 async def drone_nodes(stage: Stage, drone: Drone) -> None:
-    """Let all nodes of the drone join the graph and begin."""
+    """Let all nodes of the drone join the graph and start."""
     driver = await stage.node("/ardrone_driver")
     await _commands(driver, drone)
     await _state(driver, drone)

@@ -1,4 +1,4 @@
-"""Plans of worlds: rooms, walls, things and tags with their positions, in metres, as `worlds/*.toml` say."""
+"""Plans of worlds: rooms, walls, objects and tags with their positions in metres, from `worlds/*.toml`."""
 
 from __future__ import annotations
 
@@ -10,15 +10,14 @@ from typing import Final, Literal
 import msgspec
 
 PLANS: Final = ("office", "drone", "arm")
-"""The names of the worlds that there are."""
+"""The names of the worlds."""
 
 _FOLDER: Final = Path(__file__).parent / "worlds"
-_DOOR: Final = 1.1
-"""How wide doors are, in metres: a base of 0.2 m radius with its margin passes."""
+_DOOR: Final = 1.1  # width of doors in metres: enough for a base of 0.2 m radius with its margin
 
 
 class Place(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A place on the floor with a heading, which plans write in degrees; `up` metres above it, for what can hover."""
+    """A place on the floor with a heading, which plans give in degrees; `up` metres above it, for drones."""
 
     x: float
     y: float
@@ -32,7 +31,7 @@ class Place(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Room(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A rectangle of the floor with a name; `place` is where a robot goes that is sent there."""
+    """A rectangle of the floor with a name; `place` is the target for a robot sent there."""
 
     name: str
     x: float
@@ -42,12 +41,12 @@ class Room(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     place: Place
 
     def holds(self, x: float, y: float) -> bool:
-        """Tell whether a point lies in the room."""
+        """Return whether a point is in the room."""
         return self.x <= x <= self.x + self.width and self.y <= y <= self.y + self.depth
 
 
 class Wall(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A straight wall along an axis; `doors` are the middles of openings, measured from its beginning."""
+    """A straight wall along an axis; `doors` are the centres of openings, measured from its start."""
 
     x: float
     y: float
@@ -56,7 +55,7 @@ class Wall(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     doors: tuple[float, ...] = ()
 
     def pieces(self) -> list[tuple[float, float, float, float]]:
-        """Return what stands between the doors, each as x, y, to x, to y."""
+        """Return the parts between the doors, each as x, y, to x, to y."""
         length = math.hypot(self.to_x - self.x, self.to_y - self.y)
         edges = [0.0, *(at + side for at in sorted(self.doors) for side in (-_DOOR / 2, _DOOR / 2)), length]
         return [
@@ -69,7 +68,7 @@ class Wall(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Thing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A thing on the floor; a cylinder has a radius in place of width and depth. A thing with a mass in kg moves."""
+    """An object on the floor; a cylinder has a radius instead of width and depth. An object with a mass in kg moves."""
 
     name: str
     shape: Literal["box", "cylinder"]
@@ -84,7 +83,7 @@ class Thing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class TagPlace(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Where the middle of a tag is, and the heading in degrees that it looks to; None for one that lies face up."""
+    """The position of a tag's centre, and its heading in degrees; None for one that lies face up."""
 
     id: int
     x: float
@@ -94,7 +93,7 @@ class TagPlace(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Plan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A world: its size from the origin on, and what stands in it; `height` is that of the walls."""
+    """A world: its size from the origin, and its content; `height` is that of the walls."""
 
     name: str
     robot: Literal["wheeled", "drone", "arm"]
@@ -108,7 +107,7 @@ class Plan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     tags: tuple[TagPlace, ...]
 
     def room(self, name: str) -> Room:
-        """Return the room of a name; `KeyError` for another."""
+        """Return the room of a name; `KeyError` for an unknown one."""
         return {one.name: one for one in self.rooms}[name]
 
     def places(self) -> str:
@@ -124,7 +123,7 @@ class Plan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         )
 
     def room_at(self, x: float, y: float) -> str | None:
-        """Return the name of the smallest room that a point lies in."""
+        """Return the name of the smallest room that contains a point."""
         inside = [one for one in self.rooms if one.holds(x, y)]
         return min(inside, key=lambda one: one.width * one.depth).name if inside else None
 

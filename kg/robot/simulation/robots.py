@@ -1,4 +1,4 @@
-"""What both robots have in common: poses in the plane, commands that end unless they are renewed, battery, trail."""
+"""Shared parts of the mobile robots: poses in the plane, commands that expire, battery, trail."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Final
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A position in metres and a heading in radians, from the x axis to the left."""
+    """A position in metres and a heading in radians, counterclockwise from the x axis."""
 
     x: float
     y: float
@@ -17,7 +17,7 @@ class Pose:
     z: float = 0.0
 
     def distance(self, x: float, y: float) -> float:
-        """Return how far a point of the floor is, in metres."""
+        """Return the distance to a point of the floor in metres."""
         return math.hypot(x - self.x, y - self.y)
 
     def moved(self, ahead: float, left: float, turn: float) -> Pose:
@@ -39,18 +39,18 @@ def quaternion_of(heading: float) -> dict[str, float]:
 
 
 def heading_of(quaternion: dict[str, float]) -> float:
-    """Return the heading of a `geometry_msgs/Quaternion`; one of zeros heads along the x axis."""
+    """Return the heading of a `geometry_msgs/Quaternion`; a zero one has heading 0."""
     x, y, z, w = (quaternion[one] for one in "xyzw")
     return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 STALE: Final = 0.5
-"""Seconds after which a command that was not renewed counts no more."""
+"""Seconds after which a command expires."""
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A velocity in the robot's frame, in m/s and rad/s, and when it was given in seconds."""
+    """A velocity in the robot's frame, in m/s and rad/s, and its time in seconds."""
 
     forward: float = 0.0
     left: float = 0.0
@@ -59,11 +59,11 @@ class Command:
     at: float = -math.inf
 
     def now(self, time: float) -> Command:
-        """Return the command as it counts at a time: none when it is stale."""
+        """Return the command in force at a time: zero if it has expired."""
         return self if time - self.at <= STALE else Command()
 
     def limited(self, speed: float, turn: float) -> Command:
-        """Return the command with each part within what the robot can do; what is not a number is zero."""
+        """Return the command limited to the robot's speeds; values that are not numbers become zero."""
         forward, left, up = (_bounded(one, speed) for one in (self.forward, self.left, self.up))
         return Command(forward, left, up, _bounded(self.turn, turn), self.at)
 
@@ -73,20 +73,20 @@ def _bounded(value: float, most: float) -> float:
 
 
 def approached(value: float, target: float, most: float) -> float:
-    """Return the value moved towards a target, by no more than `most`."""
+    """Return the value moved towards a target, by at most `most`."""
     return value + max(-most, min(most, target - value))
 
 
 @dataclass(slots=True)
 class Battery:
-    """A battery; `charge` is its share from 0 to 1. Empty, it is as good as new: a simulation has no sockets."""
+    """A battery; `charge` is from 0 to 1. An empty one is replaced at once, since the simulation has no charger."""
 
     idle: float
     moving: float
     charge: float = 1.0
 
     def drain(self, seconds: float, speed: float) -> None:
-        """Take out what some seconds at a speed in m/s cost."""
+        """Discharge by the consumption of some seconds at a speed in m/s."""
         self.charge -= seconds * (self.idle + self.moving * speed)
         if self.charge <= 0:
             self.charge = 1.0
@@ -94,13 +94,13 @@ class Battery:
 
 @dataclass(slots=True)
 class Trail:
-    """Where a robot was, a point every 0.1 m, of which the last are kept."""
+    """The path of a robot, a point every 0.1 m; old points are dropped."""
 
     points: list[tuple[float, float]] = field(default_factory=list)
     most: int = 2000
 
     def add(self, pose: Pose) -> None:
-        """Note where the robot is."""
+        """Add the robot's position."""
         if not self.points or pose.distance(*self.points[-1]) >= 0.1:  # noqa: PLR2004 - the docstring says it
             self.points.append((pose.x, pose.y))
             del self.points[: -self.most]

@@ -1,4 +1,4 @@
-"""Simulations that run: the world, the nodes and the pace of time; in this process, or in a system at an address."""
+"""Running simulations: the world, the nodes and the pace of time, in this process or in a system at an address."""
 
 from __future__ import annotations
 
@@ -29,34 +29,31 @@ from kg.robot.tasks import first
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
-    from types import TracebackType
     from typing import Self
 
     from kg.robot.connection import Connection
     from kg.robot.simulation.plan import Place
 
 VIEW: Final = "/simulator/view"
-"""The topic (`std_msgs/String`) of the world from above, as SVG: a page shows it, wherever the simulation runs."""
+"""The topic (`std_msgs/String`) of the view from above, as SVG, which pages show."""
 
 _TURNS: Final = 8
-"""How often others may go on between two steps when time does not wait for them: to hear, to decide, to answer."""
+"""Turns of the event loop between two steps of an unpaced simulation, for nodes to receive, decide and respond."""
 
-_LATE: Final = 0.2
-"""Seconds that the simulation catches up at most; beyond, it is slower than it should be."""
+_LATE: Final = 0.2  # maximum delay in seconds that the simulation makes up for; beyond, it is slower than requested
 
 
 class Simulation:
-    """A world with the nodes of its robot; `async with` lets them join and leave.
+    """A world with the nodes of its robot, which join inside `async with`.
 
     Args:
         name: of the world.
-        join: how a node of a name becomes part of the graph.
-        ros: the version of ROS that is spoken.
-        speed: how many seconds of the world pass in one of the wall; None for as fast as can be.
+        join: adds a node to the graph, by name.
+        ros: the version of ROS.
+        speed: seconds of the world per wall-clock second; None for as fast as possible.
         seed: of the noise.
-        told: whether the graph takes its time from the simulation: `/clock` is published, and messages have the time
-            of the world.
-        start: where the robot begins, by default where the plan says.
+        told: whether the graph uses the simulation's time: `/clock` is published, and messages are stamped with it.
+        start: initial pose of the robot, by default that of the plan.
     """
 
     def __init__(  # noqa: PLR0913 - what a simulation is made of
@@ -70,7 +67,7 @@ class Simulation:
         told: bool = True,
         start: Place | None = None,
     ) -> None:
-        """Raise RobotError KG840 when pybullet or OpenCV is not installed."""
+        """Raise RobotError KG840 if pybullet or OpenCV is not installed."""
         self.world = World(name, seed=seed, start=start)
         self.stage = Stage(self.world, join, ros=ros, simulated=told)
         self.view = TopView(self.world)
@@ -79,15 +76,13 @@ class Simulation:
     async def __aenter__(self) -> Self:
         try:
             await self._robot()
-            await self._simulator()  # last: who joins where the time is told waits for it
+            await self._simulator()  # last: nodes that join a system with simulated time wait for it
         except BaseException:
             await self.aclose()
             raise
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         await self.aclose()
 
     async def aclose(self) -> None:
@@ -106,7 +101,7 @@ class Simulation:
                 await office_nodes(self.stage, wheeled)
 
     async def _simulator(self) -> None:
-        """Let the simulation be a node of its own, which tells the time and the places, and shows the world."""
+        """Let the simulator's own node join, which publishes the time, the places, and the view of the world."""
         node = await self.stage.node("/simulator")
         if self.stage.simulated:
             kind = "rosgraph_msgs/Clock"
@@ -116,7 +111,7 @@ class Simulation:
         await node.tells(VIEW, "std_msgs/String", 0.25 * (self._speed or 1), lambda: {"data": self.view.svg()})
 
     async def run(self, seconds: float | None = None) -> None:
-        """Let so many seconds of the world pass, or go on until it is cancelled."""
+        """Advance the world by some seconds, or until cancelled."""
         loop = asyncio.get_running_loop()
         end = None if seconds is None else self.world.time + seconds
         begun, at = loop.time(), self.world.time
@@ -137,10 +132,10 @@ class Simulation:
 async def hosted_in_memory(
     world: str, *, ros: int = 1, seed: int = 0, start: Place | None = None
 ) -> AsyncIterator[tuple[Simulation, str]]:
-    """Run a world in this process as fast as can be; yield it with its address. `start` is as for `Simulation`.
+    """Run a world in this process as fast as possible; yield it with its address. `start` is as for `Simulation`.
 
     Raises:
-        RobotError: KG840 when pybullet or OpenCV is not installed.
+        RobotError: KG840 pybullet or OpenCV is not installed.
     """
     with Bus(f"{world}-{uuid4().hex[:8]}", ros=ros) as bus:
 
@@ -163,12 +158,12 @@ def at_address(  # noqa: PLR0913 - what can be chosen of a simulation
     told: bool = False,
     start: Place | None = None,
 ) -> Simulation:
-    """Return a world as nodes of the system at an address; it is to be opened, and to be run.
+    """Return a world as nodes of the system at an address, still to be opened and run.
 
-    `told` makes messages have the time of the world instead of the wall's, which is published on `/clock`.
+    With `told`, messages have the time of the world instead of the wall clock, and `/clock` is published.
 
     Raises:
-        RobotError: KG840 when pybullet or OpenCV is not installed; opening it raises those of `connect`.
+        RobotError: KG840 pybullet or OpenCV is not installed; opening it raises those of `connect`.
     """
     types = Types(ros)
 
@@ -180,7 +175,7 @@ def at_address(  # noqa: PLR0913 - what can be chosen of a simulation
 
 @asynccontextmanager
 async def running(simulation: Simulation) -> AsyncIterator[None]:
-    """Let time pass in a simulation that is open; when it fails, the body is ended, and that is raised in its place."""
+    """Advance an open simulation during the body; its failure ends the body and is raised instead."""
     body = asyncio.current_task()
     task = asyncio.create_task(simulation.run())
 
@@ -196,7 +191,7 @@ async def running(simulation: Simulation) -> AsyncIterator[None]:
             task.remove_done_callback(ended)
             task.cancel()
             await asyncio.gather(task, return_exceptions=True)
-    except asyncio.CancelledError:  # of the body, or, where it was just at its end, of the waiting behind it
+    except asyncio.CancelledError:  # of the body, or, if it was just ending, of the wait after it
         failure = _failure(task)
         if failure is None or body is None:
             raise
@@ -210,12 +205,11 @@ def _failure(task: asyncio.Task[None]) -> BaseException | None:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """What is simulated, and where.
+    """The simulation to run, and its system.
 
-    `address` is that of a system that runs (`ros1://HOST:PORT`, `dds://DOMAIN`); without one the robot gets a ROS
-    master of its own at `port` (0: a free one), with `ros2` the domain of the environment. `speed` is None for as fast
-    as can be, `seconds` how long it goes on by the time of the world. The robot begins at `start`, by default where the
-    world says.
+    `address` is that of a running system (`ros1://HOST:PORT`, `dds://DOMAIN`). Without one, the robot gets a ROS master
+    of its own at `port` (0: any free one), or with `ros2` the domain of the environment. `speed` is None for as fast as
+    possible, `seconds` the duration in the time of the world. The robot starts at `start`, by default the world's.
     """
 
     world: str
@@ -229,12 +223,12 @@ class Choice:
 
     @property
     def told(self) -> bool:
-        """Whether the graph takes its time from the simulation, since it is not that of the wall."""
+        """Whether the graph uses the simulation's time, since it differs from the wall clock."""
         return self.speed != 1.0
 
 
 async def simulate(choice: Choice, begun: Callable[[str], None]) -> None:
-    """Simulate a robot; `begun` is told the address once its nodes are there.
+    """Run a simulation; `begun` is called with the address once its nodes have joined.
 
     Raises:
         RobotError: those of `opened`, and KG803 when the system ends before the simulation.
@@ -246,11 +240,11 @@ async def simulate(choice: Choice, begun: Callable[[str], None]) -> None:
 
 @asynccontextmanager
 async def opened(choice: Choice) -> AsyncIterator[tuple[Simulation, str]]:
-    """Yield a simulation whose nodes are in their system, which is still to be run, and the address to connect to.
+    """Yield a simulation whose nodes have joined, still to be run, and the address to connect to.
 
     Raises:
-        RobotError: KG840 when pybullet or OpenCV is not installed, KG814 when the port is taken, KG801 and KG802 for an
-            address where there is no system.
+        RobotError: KG840 pybullet or OpenCV is not installed, KG814 the port is in use, KG801 and KG802 no system at
+            the address.
     """
     async with AsyncExitStack() as stack:
         address = await stack.enter_async_context(_system(choice))
@@ -294,11 +288,11 @@ async def _system(choice: Choice) -> AsyncIterator[str]:
 
 @asynccontextmanager
 async def _told(address: str) -> AsyncIterator[None]:
-    """Let nodes that begin at a ROS master meanwhile take their time from `/clock`."""
+    """Let nodes that join a ROS master inside the context use the time of `/clock`."""
     master, name = f"http://{urlsplit(address).netloc}", "/use_sim_time"
     await ask(master, "setParam", "/kg", name, True)
     try:
         yield
     finally:
-        with suppress(RobotError):  # a master that is gone has forgotten it
+        with suppress(RobotError):  # a master that is gone has lost it
             await ask(master, "deleteParam", "/kg", name)

@@ -1,6 +1,6 @@
-"""The world as pybullet has it: what stands there, what a ray hits, what a camera sees, and tags by OpenCV's ArUco.
+"""The physics of a world: bodies, rays and cameras of pybullet, and tags by OpenCV's ArUco.
 
-pybullet and OpenCV, the extra `simulate`, are loaded where a simulation begins.
+pybullet and OpenCV, the extra `simulate`, are loaded when a simulation starts.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _STREAMS: Final = (1, 2)
 
 
 def physics() -> Any:
-    """Return a new physics server of pybullet without a window; RobotError KG840 when pybullet is not installed."""
+    """Return a new physics server of pybullet without a window; RobotError KG840 if pybullet is not installed."""
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
     with _silence():
@@ -39,7 +39,7 @@ def physics() -> Any:
 
 
 def opencv() -> Any:
-    """Return OpenCV with its dictionaries of tags; RobotError KG840 when it is not installed."""
+    """Return OpenCV with its dictionaries of tags; RobotError KG840 if it is not installed."""
     return _loaded("cv2")
 
 
@@ -54,7 +54,7 @@ def _loaded(module: str) -> Any:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Keep the greetings of pybullet's C code from the terminal, and off stdout, which is for data."""
+    """Keep the banner of pybullet's C code off the terminal, and off stdout, which is for data."""
     flush = ctypes.CDLL(None).fflush
     kept = [os.dup(stream) for stream in _STREAMS]
     nothing = os.open(os.devnull, os.O_WRONLY)
@@ -72,17 +72,17 @@ def _silence() -> Iterator[None]:
 
 
 BORDER: Final = 1 / 6
-"""The white margin beside the black square, as a share of its edge: one cell of the dictionary."""
+"""White margin around the black square, as a share of its edge: one cell of the dictionary."""
 
 _CELLS: Final = 6
 _PIXELS: Final = 32
 _LARGER: Final = 3
-"""Pictures are enlarged so much before tags are looked for, since cells of two pixels are lost otherwise."""
+"""Enlargement of images before tags are detected, since cells of two pixels are missed otherwise."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sighting:
-    """A tag that is seen: its position in metres in the optical frame (right, down, ahead) and its orientation."""
+    """A detected tag: its position in metres in the optical frame (right, down, forward) and its orientation."""
 
     id: int
     position: tuple[float, float, float]
@@ -98,7 +98,7 @@ def picture_of(tag: int) -> bytes:
 
 
 def find_tags(pixels: np.ndarray[Any, Any], matrix: Sequence[float], size: float) -> list[Sighting]:
-    """Return the tags in a picture, the nearest first.
+    """Return the tags in an image, the nearest first.
 
     Args:
         pixels: rows of red, green and blue.
@@ -154,7 +154,7 @@ def _detector() -> Any:
 Vector = tuple[float, float, float]
 
 TAG_SIZE: Final = 0.6
-"""The edge of the black square of a tag, in metres: large, so that small pictures show it."""
+"""Edge of the black square of a tag in metres: large enough for small images."""
 
 _THICK: Final = 0.1
 _WALL: Final = (0.91, 0.89, 0.84, 1.0)
@@ -163,7 +163,7 @@ _FLOOR: Final = (0.62, 0.62, 0.60, 1.0)
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """A pinhole camera without distortion; `field` is its vertical angle in degrees."""
+    """A pinhole camera without distortion; `field` is its vertical field of view in degrees."""
 
     width: int = 200
     height: int = 150
@@ -182,16 +182,16 @@ class Camera:
 
 
 class Scene:
-    """The bodies of a plan in a physics server of their own, which `close` ends.
+    """The bodies of a plan in a physics server of their own, ended by `close`.
 
     Args:
-        plan: what stands there.
-        step: the fixed step of time, in seconds.
+        plan: the world.
+        step: the fixed time step, in seconds.
         gravity: whether bodies fall.
     """
 
     def __init__(self, plan: Plan, step: float, *, gravity: bool) -> None:
-        """Raise RobotError KG840 when pybullet or OpenCV is not installed."""
+        """Raise RobotError KG840 if pybullet or OpenCV is not installed."""
         self.bullet: Any = physics()
         self.bullet.setTimeStep(step)
         self.bullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1)
@@ -218,13 +218,13 @@ class Scene:
                 self._tag(tag, Path(folder))
 
     def box(self, half: Vector, at: Vector, color: Sequence[float], mass: float = 0) -> int:
-        """Put a box there, by half of its edges; without mass it does not move. Return its number."""
+        """Add a box, by its half edges, and return its number; without mass it does not move."""
         shape = self.bullet.createCollisionShape(self.bullet.GEOM_BOX, halfExtents=half)
         look = self.bullet.createVisualShape(self.bullet.GEOM_BOX, halfExtents=half, rgbaColor=color)
         return int(self.bullet.createMultiBody(mass, shape, look, at))
 
     def cylinder(self, radius: float, height: float, at: Vector, color: Sequence[float], mass: float = 0) -> int:
-        """Put a standing cylinder there; without mass it does not move. Return its number."""
+        """Add an upright cylinder, and return its number; without mass it does not move."""
         shape = self.bullet.createCollisionShape(self.bullet.GEOM_CYLINDER, radius=radius, height=height)
         look = self.bullet.createVisualShape(self.bullet.GEOM_CYLINDER, radius=radius, length=height, rgbaColor=color)
         return int(self.bullet.createMultiBody(mass, shape, look, at))
@@ -248,23 +248,23 @@ class Scene:
         self.bullet.changeVisualShape(body, -1, textureUniqueId=self.bullet.loadTexture(str(path)))
 
     def thing_at(self, name: str) -> Vector:
-        """Return the middle of a thing of the plan, in metres; `KeyError` for another name."""
+        """Return the centre of an object of the plan in metres; `KeyError` for an unknown name."""
         x, y, z = self.bullet.getBasePositionAndOrientation(self._things[name])[0]
         return float(x), float(y), float(z)
 
     def model(self, path: str, at: Vector, heading: float) -> int:
-        """Fix a robot of pybullet's own models there, by the path of its URDF; return its number."""
+        """Add one of pybullet's robot models at a fixed base, by the path of its URDF; return its number."""
         data = _loaded("pybullet_data").getDataPath()
         turned = self.bullet.getQuaternionFromEuler((0, 0, heading))
         with _silence():
             return int(self.bullet.loadURDF(f"{data}/{path}", at, turned, useFixedBase=True))
 
     def rays(self, begin: Sequence[Vector], end: Sequence[Vector]) -> list[float]:
-        """Return for each ray which share of it is free, 1 where it hits nothing."""
+        """Return the free fraction of each ray, 1 if it hits nothing."""
         return [float(hit[2]) for hit in self.bullet.rayTestBatch(begin, end)]
 
     def picture(self, camera: Camera, eye: Vector, target: Vector, up: Vector) -> np.ndarray[Any, Any]:
-        """Return what a camera sees, as rows of pixels of red, green and blue."""
+        """Return the image of a camera, as rows of pixels of red, green and blue."""
         view = self.bullet.computeViewMatrix(eye, target, up)
         shape = self.bullet.computeProjectionMatrixFOV(camera.field, camera.width / camera.height, 0.05, camera.far)
         flags = self.bullet.ER_NO_SEGMENTATION_MASK

@@ -1,4 +1,4 @@
-"""What the nodes of a simulated robot share: the world, joining the graph, work that is due again and again."""
+"""Shared parts of the nodes of a simulated robot: the world, joining the graph, and periodic work."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ class Stage:
     """The nodes of a robot in a world.
 
     Args:
-        world: where the robot is.
-        join: how a node of a name becomes part of the graph.
-        ros: the version of ROS that is spoken.
-        simulated: whether messages are stamped with the time of the world rather than that of the wall.
+        world: the world.
+        join: adds a node to the graph, by name.
+        ros: the version of ROS.
+        simulated: whether messages are stamped with the time of the world instead of the wall clock.
     """
 
     def __init__(self, world: World, join: Join, *, ros: int, simulated: bool) -> None:
@@ -48,24 +48,24 @@ class Stage:
         self._nodes: list[Node] = []
 
     async def node(self, name: str) -> Node:
-        """Let a node of a name join the graph."""
+        """Let a node join the graph."""
         node = Node(self, await self._join(name))
         self._nodes.append(node)
         return node
 
     def every(self, seconds: float, job: Callable[[], Awaitable[None]]) -> None:
-        """Do something again and again by the time of the world; jobs do not all come in the same step."""
+        """Schedule periodic work in the time of the world; jobs are spread over the steps."""
         self._work.append(_Work(seconds, job, len(self._work) * self.world.step))
 
     async def work(self) -> None:
-        """Do what is due."""
+        """Run the work that is due."""
         for one in self._work:
             if one.next <= self.world.time:
                 one.next += one.every
                 await one.job()
 
     def stamp(self) -> dict[str, int]:
-        """Return the time as a message has it."""
+        """Return the current time as a message."""
         return stamp(self.world.time if self.simulated else time.time())
 
     def header(self, frame: str) -> Value:
@@ -73,7 +73,7 @@ class Stage:
         return {"stamp": self.stamp(), "frame_id": frame}
 
     async def wait_lost(self) -> str:
-        """Return, when the first node has lost the robot's system, why."""
+        """Return the reason when the first node has lost the robot's system."""
         return await self._nodes[0].connection.wait_lost()
 
     async def aclose(self) -> None:
@@ -84,7 +84,7 @@ class Stage:
 
 
 class Node:
-    """A node of the simulated robot: its connection, and what it does with what it hears."""
+    """A node of the simulated robot: its connection and its callbacks."""
 
     def __init__(self, stage: Stage, connection: Connection) -> None:
         self.stage = stage
@@ -92,9 +92,9 @@ class Node:
         self._hearing: list[asyncio.Task[None]] = []
 
     async def hear(self, topic: str, kind: str, heard: Callable[[Value], Any], *, queue: int = 10) -> None:
-        """Call something with each message of a topic; what it returns is awaited if it can be.
+        """Call something with each message of a topic; an awaitable result is awaited.
 
-        A message that it fails on is reported, and the next is heard all the same.
+        A failure on a message is reported, and the next message is processed.
         """
         subscription = await self.connection.subscribe(topic, kind, queue=queue)
 
@@ -112,16 +112,16 @@ class Node:
         self._hearing.append(spawn(listen(), f"hearing {topic}"))
 
     async def tell(self, topic: str, kind: str, *, latch: bool = False) -> Publication:
-        """Offer a topic."""
+        """Advertise a topic."""
         return await self.connection.advertise(topic, kind, latch=latch)
 
     async def tells(self, topic: str, kind: str, every: float, message: Callable[[], Value]) -> None:
-        """Publish on a topic again and again, by the time of the world; nothing is made where nobody listens."""
+        """Publish on a topic periodically, in the time of the world; nothing is computed without subscribers."""
         publication = await self.tell(topic, kind)
 
         async def publish() -> None:
             if publication.peers:
-                with suppress(RobotError):  # one that is lost now is told by the connection
+                with suppress(RobotError):  # a lost one is reported by the connection
                     await publication.publish(message())
 
         self.stage.every(every, publish)

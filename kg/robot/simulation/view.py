@@ -1,4 +1,4 @@
-"""The world from above, as SVG: rooms with their names, walls, things, tags, the robot and where it was."""
+"""The view of a world from above, as SVG: rooms with names, walls, objects, tags, the robot and its trail."""
 
 from __future__ import annotations
 
@@ -16,21 +16,15 @@ if TYPE_CHECKING:
     from kg.robot.simulation.plan import Plan, Thing
     from kg.robot.simulation.world import World
 
-_ACROSS: Final = 600
-"""Units of the picture across the world: letters have sizes that all viewers draw."""
+_ACROSS: Final = 600  # width of the picture in units: letters have sizes that all viewers draw
 
-_MARGIN: Final = 15
-"""Units around the world."""
-_BELOW: Final = 28
-"""Units below the world for the line of words."""
-_NAME: Final = 0.76
-"""How far up in a room its name stands, above the tag on a pad."""
+_MARGIN: Final = 15  # margin around the world in units
+_BELOW: Final = 28  # space below the world for the caption in units
+_NAME: Final = 0.76  # relative height of a room's name, above the tag on a pad
 
 _BASE: Final = 0.08
-_HAND: Final = 0.03
-"""The sizes of the base and the hand of an arm, in metres."""
-_SHOWN: Final = 400
-"""So many points of the trail are drawn: 40 m."""
+_HAND: Final = 0.03  # sizes of the base and the hand of an arm in metres
+_SHOWN: Final = 400  # number of drawn points of the trail: 40 m
 
 _STYLE: Final = """
 .floor{fill:#fbfaf7}.wall{stroke:#57534e;stroke-width:5;stroke-linecap:square}.room{fill:none;stroke:#d6d3d1;
@@ -44,7 +38,7 @@ stroke-dasharray:4 4}.name{fill:#57534e;font:20px sans-serif;text-anchor:middle}
 
 
 class TopView:
-    """Draws a world; what does not move is drawn once."""
+    """Draws a world; static parts are drawn once."""
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -53,7 +47,7 @@ class TopView:
         self._still = "".join(self._drawn(world.plan))
 
     def svg(self) -> str:
-        """Return the picture of now, a document of SVG of some kilobytes."""
+        """Return the current picture, an SVG document of some kilobytes."""
         return f"{self._still}{self._moved()}{self._trail()}{self._robot()}{self._state()}</svg>"
 
     def _x(self, x: float) -> str:
@@ -86,7 +80,7 @@ class TopView:
             yield f'<text class="number" x="{x:.0f}" y="{y + 6:.0f}">{tag.id}</text>'
 
     def _moved(self) -> str:
-        """Draw the things that can be moved where they are now."""
+        """Draw the movable objects at their current places."""
         places = [(one, self._world.thing_at(one.name)) for one in self._plan.things if one.mass]
         return "".join(self._thing(one, x, y) for one, (x, y, _) in places)
 

@@ -1,4 +1,4 @@
-"""A robot with two driven wheels: a round base that pybullet moves and stops, a laser, odometry, a camera."""
+"""A differential-drive robot: a round base with collisions by pybullet, a laser, odometry, a camera."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ RADIUS: Final = 0.2
 SPEED: Final = 0.8
 TURN: Final = 2.0
 RAYS: Final = 120
-"""The laser looks around in so many directions, beginning from behind, to the left."""
+"""Number of the laser's rays, from the rear counterclockwise."""
 LASER_RANGE: Final = 8.0
 LASER_NEAR: Final = 0.21
 
@@ -33,7 +33,7 @@ _LASER_NOISE: Final = 0.005
 
 
 class Wheeled:
-    """The robot in a scene; `step` moves it. Its odometry drifts as wheels slip, by a seed."""
+    """The robot in a scene; `step` moves it. Its odometry drifts by wheel slip, with a seed."""
 
     def __init__(self, scene: Scene, start: Place, chance: np.random.Generator) -> None:
         self.camera = Camera()
@@ -51,11 +51,11 @@ class Wheeled:
         self._settle()
 
     def command(self, command: Command) -> None:
-        """Drive at a velocity until half a second is over, or another command comes."""
+        """Drive at a velocity for half a second, or until another command."""
         self._command = command.limited(SPEED, TURN)
 
     def step(self, seconds: float, now: float) -> None:
-        """Move for a step of the scene's time."""
+        """Advance by a step of the scene's time."""
         wanted = self._command.now(now)
         self.forward = approached(self.forward, wanted.forward, _QUICKER * seconds)
         self.turn = approached(self.turn, wanted.turn, _QUICKER_TURN * seconds)
@@ -69,7 +69,7 @@ class Wheeled:
         self.battery.drain(seconds, abs(self.forward))
 
     def _blocked(self) -> bool:
-        """Tell whether what the robot touches lies in the way of its motion."""
+        """Return whether a contact blocks the motion."""
         self.bumped = False
         ahead = math.copysign(1.0, self.forward)
         x, y = ahead * math.cos(self.pose.heading), ahead * math.sin(self.pose.heading)
@@ -96,7 +96,7 @@ class Wheeled:
         self._scene.bullet.resetBasePositionAndOrientation(self._body, (self.pose.x, self.pose.y, _LIFT), turned)
 
     def scan(self) -> list[float]:
-        """Return how far the laser sees, in metres, from behind to the left around; infinite where nothing is."""
+        """Return the ranges of the laser in metres, from the rear counterclockwise; infinite without an obstacle."""
         angles = [self.pose.heading - math.pi + index * math.tau / RAYS for index in range(RAYS)]
         ways = [(math.cos(one), math.sin(one)) for one in angles]
         free = self._scene.rays(
@@ -113,12 +113,12 @@ class Wheeled:
         return self.pose.x + x * length, self.pose.y + y * length, _LASER_AT
 
     def located(self) -> Pose:
-        """Return where the robot believes to be, a few centimetres beside where it is."""
+        """Return the pose by odometry, with an error of a few centimetres."""
         x, y, heading = (float(one) for one in self._chance.normal(0.0, (0.02, 0.02, 0.01)))
         return Pose(self.pose.x + x, self.pose.y + y, wrapped(self.pose.heading + heading))
 
     def picture(self) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
-        """Return what the camera sees, which looks ahead."""
+        """Return the image of the forward camera."""
         x, y = math.cos(self.pose.heading), math.sin(self.pose.heading)
         eye = (self.pose.x + x * RADIUS, self.pose.y + y * RADIUS, _CAMERA_AT)
         return self._scene.picture(self.camera, eye, (eye[0] + x, eye[1] + y, eye[2]), (0, 0, 1))

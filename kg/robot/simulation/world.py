@@ -1,9 +1,9 @@
-"""A world with its robot and its time, which goes on in fixed steps; the truth that tests compare with."""
+"""A world with its robot and its time, which advances in fixed steps; the ground truth of tests."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final, Self
 
 import numpy as np
 
@@ -15,11 +15,6 @@ from kg.robot.simulation.robots import Pose, Trail
 from kg.robot.simulation.scene import Scene, Vector
 from kg.robot.simulation.wheeled import Wheeled
 
-if TYPE_CHECKING:
-    from types import TracebackType
-    from typing import Self
-
-
 _STEPS: Final = {"wheeled": 0.02, "drone": 0.01, "arm": 0.01}
 _ROBOTS: Final[dict[str, type[Wheeled | Drone | Arm]]] = {"wheeled": Wheeled, "drone": Drone, "arm": Arm}
 _LASTING: Final = 1.0
@@ -27,15 +22,15 @@ _RISE: Final = 0.3
 
 
 class World:
-    """A world by the name of its plan; the same seed makes the same noise.
+    """A world by the name of its plan; the same seed gives the same noise.
 
-    `visited` has the names of rooms in the order in which the robot was in them for a second, `turned` is by how many
-    radians it has turned in all, in either direction, and `rises` how often it rose by 0.3 m or more. `clock` tells the
-    time of the world to what runs inside of it. The robot begins at `start`, by default that of the plan.
+    `visited` has the names of rooms in which the robot stayed for a second, in order, `turned` is the sum of its turns
+    in radians, in either direction, and `rises` the number of times that it rose by 0.3 m or more. `clock` is the time
+    of the world for the nodes in it. The robot starts at `start`, by default that of the plan.
     """
 
     def __init__(self, name: str, *, seed: int = 0, start: Place | None = None) -> None:
-        """Raise RobotError KG840 when pybullet or OpenCV is not installed."""
+        """Raise RobotError KG840 if pybullet or OpenCV is not installed."""
         self.plan: Plan = read_plan(name)
         self.start = start or self.plan.start
         self.step = _STEPS[self.plan.robot]
@@ -52,11 +47,11 @@ class World:
 
     @property
     def time(self) -> float:
-        """The time of the world in seconds, from 0 on."""
+        """The time of the world in seconds, from 0."""
         return round(self._steps * self.step, 6)
 
     def advance(self) -> None:
-        """Go on by one step."""
+        """Advance by one step."""
         self._steps += 1
         self.robot.step(self.step, self.time)
         pose = self.robot.pose
@@ -78,14 +73,14 @@ class World:
         if self._rising and pose.z < self._low - _RISE / 2:
             self._rising = False
         if self._rising:
-            self._low = max(self._low, pose.z)  # the highest of this rise
+            self._low = max(self._low, pose.z)  # the highest point of this rise
         else:
             self._low = min(self._low, pose.z)
             if pose.z >= self._low + _RISE:
                 self.rises, self._rising, self._low = self.rises + 1, True, pose.z
 
     def thing_at(self, name: str) -> Vector:
-        """Return the middle of a thing of the plan, in metres; `KeyError` for another name."""
+        """Return the centre of an object of the plan in metres; `KeyError` for an unknown name."""
         return self._scene.thing_at(name)
 
     def close(self) -> None:
@@ -95,7 +90,5 @@ class World:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()

@@ -1,9 +1,9 @@
-"""Robots behind a bridge to WebSockets: `ws://HOST:PORT`, of Foxglove or rosbridge; `wss://` for encrypted ones.
+"""Robots behind a WebSocket bridge: `ws://HOST:PORT`, of Foxglove or rosbridge; `wss://` for encrypted ones.
 
     connection = await connect("ws://robot.local:8765", "/kg")     # foxglove_bridge
     connection = await connect("ws://robot.local:9090", "/kg")     # rosbridge_server
 
-Which one it is, the subprotocol tells that the server chooses: Foxglove's have one, rosbridge has none.
+The subprotocol that the server selects distinguishes them: Foxglove bridges have one, rosbridge has none.
 """
 
 from __future__ import annotations
@@ -22,20 +22,16 @@ if TYPE_CHECKING:
 __all__ = ["connect"]
 
 _HINT = "foxglove_bridge and rosbridge_server are bridges; the latter needs `rosapi`."
-_OPENING = 5.0
-"""Seconds that a server may take to answer."""
-_PING = 3.0
-"""Seconds between two questions whether the server is there, and that it may take to answer one."""
-_LARGEST = 1 << 28
-"""Bytes of a message, at most: a point cloud has some tens of millions."""
+_OPENING = 5.0  # seconds to wait for an answer of a server
+_PING = 3.0  # interval and timeout of pings in seconds
+_LARGEST = 1 << 28  # maximum size of a message in bytes: a point cloud has some tens of millions
 
 
 async def connect(address: str, name: str, types: Types | None = None) -> BridgeConnection:
-    """Become a client of a bridge.
+    """Connect to a bridge as a client.
 
     Raises:
-        RobotError: KG801 for an address of another form or where the library is not installed; KG802 when nobody
-            answers there, or no bridge does.
+        RobotError: KG801 an invalid address or missing library; KG802 no answer, or not a bridge.
     """
     own = absolute(name)
     try:

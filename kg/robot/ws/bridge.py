@@ -1,12 +1,13 @@
-"""What both protocols of bridges share: the version of ROS, calls that wait for an answer, the graph that was told."""
+"""Shared parts of both bridge protocols: the version of ROS, pending calls, the reported graph."""
 
 from __future__ import annotations
 
 import asyncio
 import json
 import struct
+from collections.abc import Awaitable, Callable, Iterable
 from itertools import count
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from kg.errors import RobotError
 from kg.facts import Role
@@ -18,19 +19,15 @@ from kg.robot.ros2.graph import computation_graph
 from kg.robot.ros2.middleware import Neighbourhood
 from kg.robot.ros2.names import family
 
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable
-
-
 Send: TypeAlias = "Callable[[str | bytes], Awaitable[None]]"
 """Sends a text or bytes to the server."""
 
 
 class Bridge:
-    """One side of a protocol; all of it is called in the event loop.
+    """The client side of a protocol; all calls are in the event loop.
 
-    `deliver` gets the messages of topics that are listened to, `changed` is called when the graph has changed; both are
-    set by the connection.
+    `deliver` receives messages of subscribed topics, `changed` is called when the graph has changed; the connection
+    sets both.
     """
 
     def __init__(self, send: Send, types: Types | None) -> None:
@@ -46,16 +43,16 @@ class Bridge:
 
     @property
     def types(self) -> Types:
-        """The types of messages that are known; there once `begin` has returned."""
+        """The known message types; available after `begin`."""
         assert self._types is not None  # noqa: S101 - `begin` has come to its end
         return self._types
 
     def _bridges(self, ros: int) -> None:
-        """Note which version of ROS is bridged."""
+        """Set the version of ROS."""
         self._types = self._given if self._given and self._given.ros == ros else Types(ros)
 
     def _full(self, kind: str) -> str:
-        """Return the name that the version of ROS gives a type: `package/msg/Type` in ROS 2."""
+        """Return the full name of a type in the version of ROS: `package/msg/Type` in ROS 2."""
         package, _, name = kind.partition("/")
         return kind if self.types.ros == 1 else f"{package}/{family(kind)}/{name}"
 
@@ -63,7 +60,7 @@ class Bridge:
         await self._send(json.dumps({"op": op, **fields}))
 
     async def _answered(self, number: object, asking: Awaitable[None]) -> Any:
-        """Ask something, and return what is answered under a number; the error that it failed with is raised."""
+        """Send a request with a number, and return the response; raises the error that it failed with."""
         waiting = self._calls[str(number)] = asyncio.get_running_loop().create_future()
         try:
             await asking
@@ -72,7 +69,7 @@ class Bridge:
             del self._calls[str(number)]
 
     def _answer(self, number: object, answer: Any) -> None:
-        """Give the answer, or an error, to who waits for it, if anybody does."""
+        """Complete a pending request with a response or an error, if it is still awaited."""
         waiting = self._calls.get(str(number))
         if waiting is not None and not waiting.done():
             if isinstance(answer, RobotError):
@@ -81,12 +78,12 @@ class Bridge:
                 waiting.set_result(answer)
 
     def lose(self, error: RobotError) -> None:
-        """Let calls fail that wait for an answer."""
+        """Fail all pending requests."""
         for number in self._calls:
             self._answer(number, error)
 
     def take(self, message: str | bytes) -> None:
-        """Take what the server has sent; RobotError KG810 where that breaks the protocol."""
+        """Process a message of the server; RobotError KG810 if it violates the protocol."""
         try:
             self._take(message)
         except (AttributeError, KeyError, TypeError, ValueError, struct.error) as error:
@@ -101,11 +98,11 @@ class Bridge:
             self.changed()
 
     def graph(self) -> ComputationGraph:
-        """Return the graph that was told last, the bridge's own node included."""
+        """Return the last reported graph, including the bridge's own node."""
         raise NotImplementedError
 
     def _told(self, nodes: Iterable[LiveNode], ends: Iterable[LiveEnd]) -> ComputationGraph:
-        """Return the graph of these nodes and ends, with actions in the place of what they consist of."""
+        """Return the graph of these nodes and ends, with actions folded."""
         told = Neighbourhood(tuple(nodes), tuple(ends), tuple(self._problems))
         if self.types.ros == 2:  # noqa: PLR2004 - the version
             return computation_graph(told, complete=True)
@@ -113,5 +110,5 @@ class Bridge:
         return ComputationGraph(1, told.nodes, tuple(ordered), tuple(sorted(told.problems)))
 
     def hears(self, topic: str) -> int:
-        """Return how many nodes subscribe to a topic, as far as the bridge tells."""
+        """Return the number of subscribers of a topic, as far as the bridge reports it."""
         return sum(one.name == topic and one.role is Role.SUBSCRIBES for one in of_robot(self.graph()).ends)

@@ -1,4 +1,4 @@
-"""A client of a bridge: a `Connection`, whatever the protocol of the bridge."""
+"""A `Connection` over a bridge, for both protocols."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 
 
 class BridgeConnection:
-    """A client of a bridge; `connect` makes it. It counts nodes of bridges as its own: they are in no graph."""
+    """A client of a bridge, created by `connect`. Nodes of bridges count as our own: they are not in the graph."""
 
     def __init__(self, socket: ClientConnection, bridge: Foxglove | Rosbridge, address: str, name: str) -> None:
         self.address = address
         self.name = name
         self._socket = socket
         self._bridge = bridge
-        self.clock: Clock = WallClock()  # bridges tell none
+        self.clock: Clock = WallClock()  # bridges report none
         self._inboxes: dict[str, list[Inbox[Received]]] = {}
         self._offered: dict[str, _Publication] = {}
         self._changes = Changes()
@@ -47,7 +47,7 @@ class BridgeConnection:
         self._receiving = spawn(self._receive(), f"receiving from {address}")
 
     async def begin(self) -> None:
-        """Return when the bridge has told what there is; RobotError KG802 for what bridges no ROS, or has gone."""
+        """Return when the bridge has reported its topics; RobotError KG802 if it does not bridge ROS, or is gone."""
 
         async def lost() -> None:
             raise RobotError("KG802", f"{self.address} {await self.wait_lost()}")
@@ -56,12 +56,12 @@ class BridgeConnection:
 
     @property
     def ros(self) -> int:
-        """The version of ROS that is bridged."""
+        """The version of the bridged ROS."""
         return self._bridge.types.ros
 
     @property
     def types(self) -> Types:
-        """The types of messages that are known."""
+        """The known message types."""
         return self._bridge.types
 
     async def _receive(self) -> None:
@@ -90,7 +90,7 @@ class BridgeConnection:
             raise RobotError("KG803", f"the bridge at {self.address} {why}")
 
     async def graph(self) -> ComputationGraph:
-        """Return the computation graph without nodes of bridges; RobotError KG802 when the bridge is lost."""
+        """Return the computation graph without nodes of bridges; RobotError KG802 if the bridge is lost."""
         if self._closed or self._lost.done():
             raise RobotError("KG802", f"the bridge at {self.address} is not connected any more")
         self._now()
@@ -101,13 +101,13 @@ class BridgeConnection:
         return self._states.of(of_robot(self._bridge.graph()))
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
-        """Yield the graph as it is, and again each time that it has changed; it ends with the connection."""
+        """Yield the current graph, and again after each change; ends with the connection."""
         return self._changes.values(lambda: None if self._closed or self._lost.done() else self._now())
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Inbox[Received]:
-        """Receive the messages of a topic; RobotError KG804 or KG806 as every connection.
+        """Subscribe to a topic; RobotError KG804 or KG806 as every connection.
 
-        A bridge sends each topic once: of two subscriptions only the first gets a message that was latched before.
+        A bridge sends each topic once: of two subscriptions, only the first gets a message latched before.
         """
         self._present()
         known = await self._bridge.know(topic, kind)
@@ -116,7 +116,7 @@ class BridgeConnection:
         others.append(inbox)
         if len(others) == 1:
             self._listening[topic] = spawn(_unless_lost(self._bridge.listen(topic, known)), f"listening to `{topic}`")
-            await asyncio.sleep(0)  # what it sends first is on its way when this returns
+            await asyncio.sleep(0)  # its first message is already in transit
         return inbox
 
     def _leave(self, topic: str, inbox: Inbox[Received]) -> None:
@@ -133,7 +133,7 @@ class BridgeConnection:
             inbox.put(Received(value, self.clock.now()))
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> _Publication:
-        """Offer a topic; RobotError KG804 for an unknown type, KG852 where the bridge takes no messages."""
+        """Advertise a topic; RobotError KG804 for an unknown type, KG852 if the bridge accepts no messages."""
         self._present()
         self.types.fields(kind)
         publication = self._offered.get(topic)
@@ -146,7 +146,7 @@ class BridgeConnection:
         return publication
 
     async def publish(self, publication: _Publication, value: Value) -> None:
-        """Send a message; RobotError KG803, KG805."""
+        """Publish a message; RobotError KG803, KG805."""
         self._present()
         try:
             await self._bridge.send(publication.topic, publication.kind, value)
@@ -154,14 +154,14 @@ class BridgeConnection:
             raise RobotError("KG803", f"the bridge at {self.address} is lost") from None
 
     async def withdraw(self, publication: _Publication) -> None:
-        """Offer a topic no more."""
+        """Stop publishing a topic."""
         if self._offered.get(publication.topic) is publication:
             del self._offered[publication.topic]
             with suppress(ConnectionClosed):
                 await self._bridge.withdraw(publication.topic)
 
     def hears(self, topic: str) -> int:
-        """Return how many nodes subscribe to a topic."""
+        """Return the number of subscribers of a topic."""
         return 0 if self._lost.done() else self._bridge.hears(topic)
 
     async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
@@ -175,17 +175,17 @@ class BridgeConnection:
             raise RobotError("KG803", f"the bridge at {self.address} is lost") from None
 
     async def _impossible(self, *_given: Any, **_options: Any) -> NoReturn:
-        """Raise RobotError KG852: bridges carry topics and services only."""
+        """Raise RobotError KG852: bridges support topics and services only."""
         raise RobotError("KG852", f"{self.address} is a bridge; kg cannot send goals or offer services over it")
 
     send_goal = canceller = serve = serve_action = _impossible
 
     async def wait_lost(self) -> str:
-        """Return, when the connection is lost, why; never before."""
+        """Return the reason when the connection is lost; never before."""
         return await asyncio.shield(self._lost)
 
     async def aclose(self) -> None:
-        """Leave the bridge, which withdraws what was offered."""
+        """Disconnect; the bridge then withdraws our topics."""
         if self._closed:
             return
         self._closed = True
@@ -199,13 +199,13 @@ class BridgeConnection:
 
 
 async def _unless_lost(work: Coroutine[Any, Any, None]) -> None:
-    """Tell a server something; one that is lost need not know it."""
+    """Send a notification to a server, ignoring a lost connection."""
     with suppress(ConnectionClosed):
         await work
 
 
 class _Publication:
-    """A topic that this client writes to; the same one for all that offer it."""
+    """A topic that this client publishes, shared by all its uses."""
 
     def __init__(self, connection: BridgeConnection, topic: str, kind: str) -> None:
         self.topic = topic
@@ -215,15 +215,15 @@ class _Publication:
 
     @property
     def peers(self) -> int:
-        """How many nodes subscribe."""
+        """Number of subscribers."""
         return self._connection.hears(self.topic)
 
     async def publish(self, value: Value) -> None:
-        """Send a message; RobotError KG803, KG805."""
+        """Publish a message; RobotError KG803, KG805."""
         await self._connection.publish(self, value)
 
     async def aclose(self) -> None:
-        """Stop offering the topic."""
+        """Stop publishing the topic."""
         self.users -= 1
         if self.users == 0:
             await self._connection.withdraw(self)

@@ -1,6 +1,6 @@
-"""The protocol of Foxglove for WebSockets, as a client (github.com/foxglove/ws-protocol, docs/spec.md, version 1).
+"""Client of the Foxglove WebSocket protocol (github.com/foxglove/ws-protocol, docs/spec.md, version 1).
 
-Messages are the bytes that ROS 1 (`ros1`) or ROS 2 (`cdr`) itself writes; the server tells definitions of types.
+Messages are the bytes of ROS 1 (`ros1`) or ROS 2 (`cdr`); the server provides definitions of types.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 SUBPROTOCOLS: Final = [Subprotocol("foxglove.sdk.v1"), Subprotocol("foxglove.websocket.v1")]
 UNKNOWN: Final = "/_bridged"
-"""The node that stands for all where the bridge does not tell who publishes what."""
+"""Placeholder node if the bridge does not report the publishers."""
 _UNNAMED: Final = "the bridge does not report nodes"
 _ENCODINGS: Final = {"ros1": 1, "cdr": 2}
 _MESSAGE: Final = struct.Struct("<BIQ")
@@ -35,12 +35,13 @@ _GRAPH: Final = {
     "subscribedTopics": ("subscriberIds", Role.SUBSCRIBES),
     "advertisedServices": ("providerIds", Role.SERVICES),
 }
-_QUIET: Final = 0.3
-"""Seconds without news after which what there is counts as told: the protocol does not say."""
+_QUIET: Final = (
+    0.3  # seconds without news after which the list of channels counts as complete: the protocol has no end marker
+)
 
 
 class Foxglove(Bridge):
-    """A client of `foxglove_bridge`, or of another server that offers topics of ROS."""
+    """A client of `foxglove_bridge`, or of another server with ROS topics."""
 
     def __init__(self, send: Send, types: Types | None) -> None:
         super().__init__(send, types)
@@ -53,7 +54,7 @@ class Foxglove(Bridge):
         self._news = asyncio.Event()
 
     async def begin(self) -> None:
-        """Return when it is known what is bridged; RobotError KG802 where that is no ROS."""
+        """Return when the bridged ROS is known; RobotError KG802 if there is none."""
         while not self._capabilities and self._types is None:
             await self._more()
         if "connectionGraph" in self._capabilities:
@@ -101,7 +102,7 @@ class Foxglove(Bridge):
         self.changed()
 
     def _decide(self, *encodings: str) -> None:
-        """Learn the version of ROS: that of the first encoding that is one of ROS."""
+        """Set the version of ROS by the first ROS encoding."""
         for one in encodings:
             if self._types is None and one in _ENCODINGS:
                 self._bridges(_ENCODINGS[one])
@@ -135,7 +136,7 @@ class Foxglove(Bridge):
         self.deliver(topic, value)
 
     def graph(self) -> ComputationGraph:
-        """Return the graph that was told last; without one, a node stands for all that publish and serve."""
+        """Return the last reported graph; without one, a placeholder node publishes and serves everything."""
         ends = [
             LiveEnd(node, role, name, self._kind(role, name))
             for (role, name), nodes in self._ends.items()
@@ -173,7 +174,7 @@ class Foxglove(Bridge):
         return told
 
     async def listen(self, topic: str, kind: str) -> None:
-        """Subscribe to each channel that is offered of a topic, now or later."""
+        """Subscribe to each current and future channel of a topic."""
         self._listening[topic] = kind
         subscribed: set[int] = set()
         while True:
@@ -193,7 +194,7 @@ class Foxglove(Bridge):
         await self._tell("unsubscribe", subscriptionIds=numbers)
 
     async def offer(self, topic: str, kind: str, *, latch: bool) -> None:  # noqa: ARG002 - the protocol knows none
-        """Advertise a channel of ours; RobotError KG852 where the server takes none."""
+        """Advertise a channel; RobotError KG852 if the server accepts none."""
         if "clientPublish" not in self._capabilities:
             raise RobotError("KG852", f"the bridge takes no messages, so that `{topic}` cannot be published")
         number = self._offered[topic] = next(self._numbers)
@@ -202,11 +203,11 @@ class Foxglove(Bridge):
         await self._tell("advertise", channels=[channel])
 
     async def send(self, topic: str, kind: str, value: Value) -> None:
-        """Send a message."""
+        """Publish a message."""
         await self._send(_SENT.pack(1, self._offered[topic]) + self.types.encode(kind, value))
 
     async def withdraw(self, topic: str) -> None:
-        """Take a channel of ours back."""
+        """Withdraw our channel."""
         await self._tell("unadvertise", channelIds=[self._offered.pop(topic)])
 
     async def call(self, service: str, kind: str | None, request: Value) -> Value:
@@ -228,12 +229,12 @@ class Foxglove(Bridge):
         return self.types.decode(f"{told}_Response", await self._answered(number, asking))
 
     def hears(self, topic: str) -> int:
-        """Return how many nodes subscribe to a topic, 1 where the server does not tell."""
+        """Return the number of subscribers of a topic, 1 if the server does not report it."""
         if "connectionGraph" not in self._capabilities:
             return 1
         return super().hears(topic)
 
     def lose(self, error: RobotError) -> None:
-        """Let calls fail that wait, and look whether something is there no more."""
+        """Fail pending calls, and those to removed services."""
         super().lose(error)
         self._news.set()

@@ -1,7 +1,7 @@
-"""The protocol of rosbridge, version 2, as a client (rosbridge_suite, ROSBRIDGE_PROTOCOL.md), in JSON.
+"""Client of the rosbridge protocol, version 2 (rosbridge_suite, ROSBRIDGE_PROTOCOL.md), in JSON.
 
-Which nodes, topics and types there are, services of the node `rosapi` tell, which runs beside the bridge. In messages
-arrays of bytes are texts in base64, numbers that are not finite are null, times of ROS 1 have `secs` and `nsecs`
+The services of the node `rosapi`, which runs with the bridge, report nodes, topics and types. In messages, arrays of
+bytes are base64 texts, numbers that are not finite are null, times of ROS 1 have `secs` and `nsecs`
 (`message_conversion.py`).
 """
 
@@ -29,7 +29,7 @@ _SECONDS: Final = {1: ("secs", "nsecs"), 2: ("sec", "nanosec")}
 
 
 def from_json(types: Types, kind: str, told: Any) -> Value:
-    """Return the value of a message, whole; RobotError KG805 for what is none of that type, KG804 for no type."""
+    """Return the complete value of a message; RobotError KG805 if it does not fit, KG804 for an unknown type."""
     return types.complete(kind, _read(types, kind, told))
 
 
@@ -58,7 +58,7 @@ def _read_one(types: Types, field: Field, told: Any) -> Any:
 
 
 def to_json(types: Types, kind: str, value: Value) -> dict[str, Any]:
-    """Return the object of a message, whole; RobotError KG805 and KG804 as `Types.complete`."""
+    """Return the complete object of a message; RobotError KG805 and KG804 as `Types.complete`."""
     written: dict[str, Any] = _write(types, kind, types.complete(kind, value))
     return written
 
@@ -83,12 +83,11 @@ def _write_one(types: Types, field: Field, value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-_PERIOD: Final = 1.0
-"""Seconds between two questions which nodes, topics and services there are."""
+_PERIOD: Final = 1.0  # seconds between polls of nodes, topics and services
 _WHOLE: Final = 5
-"""Every so many of them each node is asked for its ends, too, which else is done where a list has changed."""
+"""Every so many polls, the ends of each node are requested too; otherwise only when a list has changed."""
 _FAILED: Final = "# failed"
-"""What rosapi of ROS 2 writes in the place of a definition that it does not find begins so."""
+"""Prefix of the text that rosapi of ROS 2 returns instead of a missing definition."""
 _FIELDS: Final = {"publishing": Role.PUBLISHES, "subscribing": Role.SUBSCRIBES, "services": Role.SERVICES}
 
 
@@ -105,7 +104,7 @@ class Rosbridge(Bridge):
         self._polling: asyncio.Task[None] | None = None
 
     async def begin(self) -> None:
-        """Return when the graph is known; RobotError KG802 where no `rosapi` answers."""
+        """Return when the graph is known; RobotError KG802 if `rosapi` does not answer."""
         try:
             await self._look(whole=True)
         except RobotError as error:
@@ -125,7 +124,7 @@ class Rosbridge(Bridge):
                 self._report(GraphProblem(error.code, "/rosapi", error.message))
 
     async def _look(self, *, whole: bool) -> bool:
-        """Ask what there is; tell whether it has changed."""
+        """Poll the graph; return whether it has changed."""
         topics, nodes, services = await asyncio.gather(self._api("topics"), self._api("nodes"), self._api("services"))
         if self._types is None:
             self._bridges(2 if any("/msg/" in one for one in topics["types"]) else 1)
@@ -149,7 +148,7 @@ class Rosbridge(Bridge):
         return told
 
     async def _ask(self, service: str, arguments: dict[str, Any]) -> Any:
-        """Return what a service answers, as it is; RobotError KG808 with its words where it fails."""
+        """Return the raw response of a service; RobotError KG808 with its message on failure."""
         number = f"call:{next(self._numbers)}"
         asking = self._tell("call_service", id=number, service=service, args=arguments)
         return await self._answered(number, asking)
@@ -176,7 +175,7 @@ class Rosbridge(Bridge):
         self.deliver(topic, value)
 
     def graph(self) -> ComputationGraph:
-        """Return the graph that rosapi told last."""
+        """Return the graph last reported by rosapi."""
         ends = [
             LiveEnd(node, role, name, (self._services if role is Role.SERVICES else self._topics).get(name) or None)
             for node, told in self._nodes.items()
@@ -203,7 +202,7 @@ class Rosbridge(Bridge):
         return found
 
     async def _learn(self) -> None:
-        """Ask for the definitions of all types of topics; a rosapi that knows them not leaves those that kg knows."""
+        """Request the definitions of all types of topics; for those missing in rosapi, kg's own remain."""
         try:
             told = await self._api("topics_and_raw_types")
         except RobotError:
@@ -214,7 +213,7 @@ class Rosbridge(Bridge):
             self._texts.setdefault(kind, "")
 
     async def listen(self, topic: str, kind: str) -> None:
-        """Subscribe; the bridge follows publishers that come and go."""
+        """Subscribe; the bridge follows changes of publishers."""
         self._listening[topic] = kind
         await self._tell("subscribe", id=f"subscribe:{topic}", topic=topic, type=self._full(kind))
 
@@ -229,12 +228,12 @@ class Rosbridge(Bridge):
         await self._tell("advertise", id=f"advertise:{topic}", topic=topic, type=self._full(kind), latch=latch)
 
     async def send(self, topic: str, kind: str, value: Value) -> None:
-        """Send a message."""
-        # Servers take a message that does not say so for another, unlatched publisher of the topic, and warn.
+        """Publish a message."""
+        # Without `latch`, servers treat the message as one of a second publisher of the topic, and warn.
         await self._tell("publish", topic=topic, msg=to_json(self.types, kind, value), latch=self._latched[topic])
 
     async def withdraw(self, topic: str) -> None:
-        """Offer a topic no more."""
+        """Stop publishing a topic."""
         await self._tell("unadvertise", id=f"advertise:{topic}", topic=topic)
 
     async def call(self, service: str, kind: str | None, request: Value) -> Value:
@@ -248,7 +247,7 @@ class Rosbridge(Bridge):
         return from_json(self.types, f"{told}_Response", answer or {})
 
     def lose(self, error: RobotError) -> None:
-        """Let calls fail that wait, and ask no more."""
+        """Fail pending calls, and stop polling."""
         if self._polling is not None:
             self._polling.cancel()
         super().lose(error)

@@ -1,9 +1,9 @@
-"""ROS 2 over Zenoh, without an installation of ROS 2: `zenoh://HOST:PORT`, as rmw_zenoh_cpp has it.
+"""ROS 2 over Zenoh, without an installation of ROS 2: `zenoh://HOST:PORT`, compatible with rmw_zenoh_cpp.
 
     connection = await connect("zenoh://localhost:7447", "/kg")
     connection = await connect("zenoh://robot.local?domain=5", "/kg")     # port 7447, ROS domain 5
 
-What listens there is a router (`rmw_zenohd`), or any peer.
+The address is that of a router (`rmw_zenohd`), or of any peer.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ __all__ = ["connect"]
 
 
 async def connect(address: str, name: str, types: Types | None = None) -> Ros2Connection:
-    """Become a node of the system that a router, or a peer, of Zenoh is part of.
+    """Join the system of a Zenoh router or peer as a node.
 
     Raises:
-        RobotError: KG801 for an address of another form, a name that is none, or when Zenoh is not installed; KG802
-            when nobody listens there; KG817 when no session can be opened.
+        RobotError: KG801 an invalid address or name, or Zenoh is not installed; KG802 nothing listens there; KG817 no
+            session can be opened.
     """
     read = Address.read(address)
     own = absolute(name)

@@ -1,8 +1,8 @@
-"""Ends of topics and services over Zenoh, and what is attached to their messages.
+"""Ends of topics and services over Zenoh, and the attachments of their messages.
 
-What the library's threads tell is passed on to the event loop. Attachments have the number of a message, the time and
-who sent it. Two forms are read: that since version 0.2.4 of rmw_zenoh_cpp, and the one before, which names each part.
-The numbers are little endian; lists and texts have their length before them (`zenoh-ext`).
+Callbacks of the library's threads are passed to the event loop. Attachments have the number of a message, the time and
+the sender. Two forms are read: that since version 0.2.4 of rmw_zenoh_cpp, and the earlier one, which names each part.
+Numbers are little endian; lists and texts are prefixed with their length (`zenoh-ext`).
 """
 
 from __future__ import annotations
@@ -11,17 +11,14 @@ import asyncio
 import hashlib
 import struct
 import time
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from collections.abc import Awaitable, Callable
+from typing import Any, Final, NamedTuple
 
 import zenoh
 from zenoh import CongestionControl, ConsolidationMode, Query, QueryTarget, Reply, Session
 
 from kg.errors import RobotError
 from kg.robot.tasks import Tasks, outcome
-
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
 
 _GID: Final = 16
 _FORM: Final = struct.Struct("<qqB16s")
@@ -36,12 +33,12 @@ class Attachment(NamedTuple):
     sender: bytes
 
     def write(self) -> bytes:
-        """Return it as it is attached."""
+        """Return the encoded attachment."""
         return _FORM.pack(self.number, self.time, _GID, self.sender)
 
     @classmethod
     def read(cls, content: bytes) -> Attachment:
-        """Return what is attached; ValueError when it is of neither form."""
+        """Return the decoded attachment; ValueError for neither form."""
         plain = content
         for label in _LABELS:
             plain = plain.replace(bytes([len(label)]) + label, b"", 1)
@@ -52,27 +49,27 @@ class Attachment(NamedTuple):
 
 
 _EVER: Final = 30 * 24 * 3600.0
-"""Seconds that a request may take: the caller has a deadline of its own, and the result of an action takes its time."""
+"""Timeout of a request in seconds: callers have their own, and results of actions take long."""
 
 
 def passing(loop: asyncio.AbstractEventLoop, call: Callable[[Any], None]) -> Callable[[Any], None]:
-    """Return a callback for a thread of the library that has `call` called in the loop."""
+    """Return a callback for a thread of the library that calls `call` in the event loop."""
 
     def told(what: object) -> None:
         try:
             loop.call_soon_threadsafe(call, what)
         except RuntimeError:
-            return  # the loop was closed without closing the connection
+            return  # the event loop was closed without closing the connection
 
     return told
 
 
 class End:
-    """What all ends have: a token that tells others of it, and who is at the other side.
+    """Base of all ends: a token that announces it, and the number of ends at the other side.
 
     Args:
-        token: the token that was declared; it is taken back when the end is closed.
-        others: counts the ends at the other side that are known now.
+        token: the declared token; it is undeclared when the end is closed.
+        others: counts the known ends at the other side.
     """
 
     def __init__(self, token: Any, others: Callable[[], int]) -> None:
@@ -83,11 +80,11 @@ class End:
 
     @property
     def peers(self) -> int:
-        """How many ends of others are known."""
+        """Number of known ends of others."""
         return 0 if self._closed else self._others()
 
     async def ready(self) -> None:
-        """Return at once: who tells of an end has declared it before."""
+        """Return at once: ends are declared before they are announced."""
 
     def close(self) -> None:
         """Undeclare it."""
@@ -99,14 +96,14 @@ class End:
 
 
 class _Sender:
-    """Numbers what an end sends."""
+    """Numbers the messages of an end."""
 
     def __init__(self, key: str) -> None:
         self.identity = hashlib.blake2b(key.encode(), digest_size=_GID).digest()
         self._number = 0
 
     def attachment(self) -> bytes:
-        """Return the attachment of the next message; the time is that of the wall, as ROS 2 has it there."""
+        """Return the attachment of the next message, with the wall-clock time, as in ROS 2."""
         self._number += 1
         return Attachment(self._number, time.time_ns(), self.identity).write()
 
@@ -115,7 +112,7 @@ class ZenohReader(End):
     """A subscriber."""
 
     def attach(self, subscriber: Any) -> None:
-        """Take the subscriber that it is."""
+        """Set its subscriber."""
         self._declared.append(subscriber)
 
 
@@ -123,13 +120,13 @@ class ZenohWriter(End):
     """A publisher."""
 
     def attach(self, publisher: Any, key: str) -> None:
-        """Take the publisher that it is."""
+        """Set its publisher."""
         self._publisher = publisher
         self._sender = _Sender(key)
         self._declared.append(publisher)
 
     def write(self, content: bytes) -> None:
-        """Send a message; RobotError KG803 when the session is closed."""
+        """Send a message; RobotError KG803 if the session is closed."""
         try:
             self._publisher.put(content, attachment=self._sender.attachment())
         except zenoh.ZError as error:
@@ -140,14 +137,14 @@ class ZenohCaller(End):
     """A client of a service."""
 
     def attach(self, session: Session, key: Callable[[], str]) -> None:
-        """Take the session, and what tells the key of the service."""
+        """Set the session, and the function that returns the key of the service."""
         self._session = session
         self._key = key
         self._sender = _Sender(str(id(self)))
         self._waiting: set[asyncio.Future[bytes]] = set()
 
     async def call(self, content: bytes) -> bytes:
-        """Return the first response; RobotError KG807 when no server has the request, KG808 when it failed."""
+        """Return the first response; RobotError KG807 if no server received the request, KG808 if it failed."""
         loop = asyncio.get_running_loop()
         answered: asyncio.Future[bytes] = loop.create_future()
         self._waiting.add(answered)
@@ -175,7 +172,7 @@ class ZenohCaller(End):
             self._waiting.discard(answered)
 
     def close(self) -> None:
-        """Stop being a client; who waits learns that it is lost."""
+        """Close the client; waiting calls get an error."""
         for answered in self._waiting:
             if not answered.done():
                 answered.set_exception(RobotError("KG803", "the connection was closed before the service answered"))
@@ -198,7 +195,7 @@ def _unanswered(answered: asyncio.Future[bytes]) -> None:
 
 
 class ZenohServer(End):
-    """A service that is answered; a failure is told to the client as an error of Zenoh."""
+    """A service server; failures are sent to the client as errors of Zenoh."""
 
     def __init__(
         self,
@@ -207,7 +204,7 @@ class ZenohServer(End):
         answer: Callable[[bytes], Awaitable[bytes]],
         tell: Callable[[], tuple[Any, Callable[[], int]]],
     ) -> None:
-        """Begin to answer, and then tell of it, which gives the token and what counts the others."""
+        """Start to serve, then announce it, which gives the token and the counter of clients."""
         self._key = key
         self._answer = answer
         self._sender = _Sender(key)
@@ -232,7 +229,7 @@ class ZenohServer(End):
                 query.reply(self._key, response, attachment=self._attached(query))
 
     def _attached(self, query: Query) -> bytes:
-        """Return the number and the sender of the request, with the time of now."""
+        """Return the attachment of a response: number and sender of the request, with the current time."""
         try:
             request = Attachment.read(query.attachment.to_bytes() if query.attachment is not None else b"")
         except ValueError:
@@ -240,6 +237,6 @@ class ZenohServer(End):
         return request._replace(time=time.time_ns()).write()
 
     def close(self) -> None:
-        """Stop answering."""
+        """Stop serving."""
         self._running.cancel()
         super().close()

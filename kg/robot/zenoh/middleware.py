@@ -1,4 +1,4 @@
-"""ROS 2 over Zenoh: a session that speaks as rmw_zenoh_cpp does."""
+"""ROS 2 over Zenoh: a session compatible with rmw_zenoh_cpp."""
 
 from __future__ import annotations
 
@@ -25,13 +25,12 @@ if TYPE_CHECKING:
     from kg.robot.ros2.graph import Watch
 
 _PORT: Final = 7447
-_OPENING: Final = 3000
-"""Milliseconds in which what the address names has to answer."""
+_OPENING: Final = 3000  # milliseconds for the router or peer to answer
 _MOST: Final = 100_000
 
 
 def configuration(place: str) -> zenoh.Config:
-    """Return the settings of a session that connects to `HOST:PORT`: as rmw_zenoh_cpp has them for a node."""
+    """Return the settings of a session connected to `HOST:PORT`, as those of rmw_zenoh_cpp for a node."""
     host, _, port = place.rpartition(":") if ":" in place.rpartition("]")[2] else (place, "", "")
     if not (port or str(_PORT)).isdecimal():
         raise RobotError(
@@ -98,7 +97,7 @@ class ZenohMiddleware:
         )
 
     def _differing(self, token: Token) -> GraphProblem | None:
-        """Return the problem that an end has another definition of a type than we have."""
+        """Return the problem of an end with another definition of a type than ours."""
         if token.role is None or token.kind is None or token.hash == NO_HASH:
             return None
         service = token.role.channel == "service"
@@ -128,7 +127,7 @@ class ZenohMiddleware:
         return data_key(self._domain, name, kind, self._hash(kind, service=service), service=service)
 
     def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> ZenohReader:
-        """Read a topic; of a type with another hash nothing comes, and the graph says so."""
+        """Open a reader of a topic; publishers with another hash are not received, and reported in the graph."""
         key = data_key(self._domain, topic, kind, "*")
         known = {self._hash(kind), NO_HASH}
 
@@ -147,7 +146,7 @@ class ZenohMiddleware:
         return reader
 
     def writer(self, topic: str, kind: str, qos: Qos) -> ZenohWriter:
-        """Write to a topic."""
+        """Open a writer of a topic."""
         key = self._key(topic, kind)
         control = CongestionControl.DROP if qos.reliability == "best_effort" else CongestionControl.BLOCK
         if qos.durability == "transient_local":
@@ -165,7 +164,7 @@ class ZenohMiddleware:
         return writer
 
     def caller(self, service: str, kind: str) -> ZenohCaller:
-        """Become a client of a service; its server says under which hash it is."""
+        """Open a client of a service, with the hash announced by its server."""
 
         def key() -> str:
             digests = [one.hash for one in self._found(Role.SERVICES, service)]
@@ -185,16 +184,16 @@ class ZenohMiddleware:
         return ZenohServer(self._session, key, answer, lambda: self._token(Role.SERVICES, service, kind, ANSWERS))
 
     def hashes(self, name: str) -> list[tuple[str, str]]:
-        """Return the nodes that have an end of a topic or service, each with the hash of its type."""
+        """Return the nodes with an end of a topic or service, each with the hash of its type."""
         others = (one for one in self._tokens.values() if one.session != self._own)
         return [(one.node, one.hash) for one in others if one.name == name and one.hash != NO_HASH]
 
     async def learn(self, kind: str, name: str) -> bool:
-        """Tell whether a type is known: Zenoh itself tells no more of it than its hash."""
+        """Return whether a type is known: Zenoh itself only announces hashes."""
         del name
         return self.types.knows(kind)
 
     def close(self) -> None:
-        """Leave; the session takes all that it declared with it."""
+        """Leave; closing the session undeclares everything."""
         if not self._session.is_closed():
             self._session.close()  # type: ignore[no-untyped-call]  # untyped in the library

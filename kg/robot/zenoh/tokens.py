@@ -1,4 +1,4 @@
-"""Liveliness tokens, by which the nodes and ends of rmw_zenoh_cpp know each other, and the keys of their data.
+"""Liveliness tokens, by which nodes and ends of rmw_zenoh_cpp discover each other, and the keys of their data.
 
 Source: docs/design.md of rmw_zenoh. A token is a key: `@ros2_lv`, domain, session, node, entity, sort (`NN` node, `MP`
 publisher, `MS` subscriber, `SS` service, `SC` client), enclave, namespace and name of the node; for an end then topic,
@@ -14,7 +14,7 @@ from kg.facts import Qos, Role
 from kg.robot.ros2.names import dds_type, is_name, ros_type
 
 NO_HASH: Final = "TypeHashNotSupported"
-"""What distributions before Iron have in place of a hash."""
+"""Placeholder for hashes before Iron."""
 _SPACE: Final = "@ros2_lv"
 _SORTS: Final = {"MP": Role.PUBLISHES, "MS": Role.SUBSCRIBES, "SS": Role.SERVICES, "SC": Role.CLIENTS}
 _NAMES: Final = {role: sort for sort, role in _SORTS.items()}
@@ -23,8 +23,7 @@ _RELIABILITY: Final = {"": "reliable", "0": "reliable", "1": "reliable", "2": "b
 _DURABILITY: Final = {"": "volatile", "0": "volatile", "1": "transient_local", "2": "volatile"}
 _HISTORY: Final = {"": "keep_last", "0": "keep_last", "1": "keep_last", "2": "keep_all"}
 _LIVELINESS: Final = {"": "automatic", "0": "automatic", "1": "automatic", "3": "manual_by_topic"}
-_DEPTH: Final = 42
-"""The depth that a part left empty means."""
+_DEPTH: Final = 42  # the depth of a history whose depth is empty
 _LONGEST: Final = 4096
 
 
@@ -44,7 +43,7 @@ class Token:
 
     @classmethod
     def read(cls, key: str) -> Token:
-        """Return what a token says; ValueError with what is wrong with it."""
+        """Return a parsed token; ValueError with the reason if it is invalid."""
         parts = key.split("/")
         if len(key) > _LONGEST or len(parts) not in {_NODE_PARTS, _END_PARTS} or parts[0] != _SPACE:
             raise ValueError(f"it has {len(parts)} parts, not {_NODE_PARTS} or {_END_PARTS}")
@@ -75,7 +74,7 @@ class Token:
 
     @property
     def key(self) -> str:
-        """The token as it is declared."""
+        """The token's key."""
         namespace, _, name = self.node.rpartition("/")
         sort = _NAMES[self.role] if self.role else "NN"
         parts = [_SPACE, str(self.domain), self.session, "0", str(self.number), sort, "%"]
@@ -105,9 +104,9 @@ def data_key(domain: int, name: str, kind: str, digest: str, *, service: bool = 
 
 
 def written_qos(qos: Qos) -> str:
-    """Return quality of service as a token has it.
+    """Return a quality of service in the notation of tokens.
 
-    All is written out: what a part left empty means has changed between versions.
+    Nothing is left empty, since defaults have changed between versions.
     """
     reliability = "2" if qos.reliability == "best_effort" else "1"
     durability = "1" if qos.durability == "transient_local" else "2"
@@ -116,7 +115,7 @@ def written_qos(qos: Qos) -> str:
 
 
 def read_qos(text: str) -> Qos:
-    """Return the quality of service that a token tells; ValueError for a text that is none."""
+    """Return the quality of service in a token; ValueError for an invalid text."""
     parts = [part.split(",") for part in text.split(":")]
     if [len(part) for part in parts[:6]] != [1, 1, 2, 2, 2, 3]:
         raise ValueError(f"`{text[:80]}` is not a quality of service")
@@ -145,7 +144,7 @@ def _digits(text: str) -> str:
 
 
 def _seconds(parts: list[str]) -> float | None:
-    """Return a duration; none at all is without end, and so is what rmw writes for infinity."""
+    """Return a duration; zero, and the largest value of rmw, are infinite."""
     seconds, nanoseconds = (int(_digits(part) or 0) for part in parts)
     found = seconds + nanoseconds / 1e9
     return found if 0 < found < (1 << 32) else None

@@ -9,8 +9,10 @@ The headings and fenced blocks of a Markdown page, with their lines: as much of 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from pyoxigraph import RdfFormat, Triple, parse
 
@@ -18,10 +20,6 @@ from kg.errors import Place, RuleError
 from kg.rules.authoring.spelling import spell_triple
 from kg.similar import did_you_mean
 from kg.syntax.names import PREFIXES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
 
 EXAMPLE_NAMESPACE: Final = "https://example.org/"
 """What the prefix `ex:` and the empty one stand for in examples."""

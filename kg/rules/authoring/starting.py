@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import re
 from importlib.resources import files
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from kg.errors import UsageError
 from kg.rules.files import NOTATIONS
 from kg.similar import did_you_mean
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 _NAME: Final = re.compile(r"[a-z0-9][a-z0-9_-]*(/[a-z0-9][a-z0-9_-]*)+")
 

@@ -36,8 +36,7 @@ _LIMITS: Final = Limits(deadline=30.0, max_triples=1_000_000)
 """An example is a few triples: a rule that does not end on it never ends."""
 _EMPTY_PREFIX: Final = re.compile(r"(?<![\w:]):(?=\w)")
 
-_WAYS: Final = 1000
-"""How many ways to read the blank nodes of a block are tried."""
+_WAYS: Final = 1000  # how many ways to read the blank nodes of a block are tried
 
 
 @dataclass(frozen=True, slots=True)

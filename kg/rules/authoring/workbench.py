@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _NOTHING: Final = Wanted(frozenset())
-_KEPT: Final = 3
-"""How many answers are kept: all rules, all but those that are being written, and one more."""
+_KEPT: Final = 3  # how many answers are kept: all rules, all but those that are being written, and one more
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,38 +16,7 @@ import msgspec
 from pyoxigraph import Literal, NamedNode
 
 from kg.errors import RuleError
-from kg.rules.blocks.tree import (
-    Absent,
-    Compare,
-    Conclusion,
-    Condition,
-    Either,
-    Fact,
-    Formula,
-    Is,
-    Join,
-    Known,
-    Let,
-    Logic,
-    Match,
-    Name,
-    Not,
-    Number,
-    Of,
-    Only,
-    Other,
-    Perhaps,
-    Present,
-    Reckon,
-    Rule,
-    Says,
-    Term,
-    Test,
-    Text,
-    Thing,
-    Truth,
-    Value,
-)
+from kg.rules.blocks import tree as blocks
 from kg.rules.blocks.write import SECTIONS, inferred, namespace
 from kg.rules.decompose.expressions import bare
 from kg.rules.form import Variable
@@ -74,25 +43,25 @@ _NUMBERS: Final = {
 _LEVELS: Final = (("||",), ("&&",), ("=", "!=", "<", "<=", ">", ">="), ("+", "-"), ("*", "/"))
 """Operators, from those that bind least."""
 _WORDS: Final = {"||": "or", "&&": "and"}
-_TESTS: Final = (Compare, Match, Known, Logic, Not, Says)
-_MATCHES: Final = frozenset(get_args(get_type_hints(Match)["how"]))
-_FUNCTIONS: Final = frozenset(get_args(get_type_hints(Of)["function"]))
+_TESTS: Final = (blocks.Compare, blocks.Match, blocks.Known, blocks.Logic, blocks.Not, blocks.Says)
+_MATCHES: Final = frozenset(get_args(get_type_hints(blocks.Match)["how"]))
+_FUNCTIONS: Final = frozenset(get_args(get_type_hints(blocks.Of)["function"]))
 
 
 class _NoBlock(Exception):  # noqa: N818 - no error: there is only no block for it
     """No block exists for an expression."""
 
 
-def test_of(text: str) -> Test | None:
+def test_of(text: str) -> blocks.Test | None:
     """Return the test of an expression; None if a part of it has no block."""
     found = _parsed(text)
     return found if isinstance(found, _TESTS) else None
 
 
-def value_of(text: str) -> Value:
+def value_of(text: str) -> blocks.Value:
     """Return the value of an expression, as SPARQL if a part of it has no block."""
     found = _parsed(text)
-    return Formula(text=formula(text)) if found is None or isinstance(found, _TESTS) else found
+    return blocks.Formula(text=formula(text)) if found is None or isinstance(found, _TESTS) else found
 
 
 def formula(text: str) -> str:
@@ -102,7 +71,7 @@ def formula(text: str) -> str:
     return "".join((" " if one and one.end < other.start else "") + other.text for one, other in spaced)
 
 
-def _parsed(text: str) -> Test | Value | None:
+def _parsed(text: str) -> blocks.Test | blocks.Value | None:
     parser = _Parser(text)
     try:
         found = parser.level(0)
@@ -116,7 +85,7 @@ class _Parser:
         self.text = text
         self.token = token_at(text, 0)
 
-    def level(self, level: int) -> Test | Value:
+    def level(self, level: int) -> blocks.Test | blocks.Value:
         """Read operands and the operators between them that bind at least as much as those of a level."""
         if level == len(_LEVELS):
             return self._operand()
@@ -145,9 +114,9 @@ class _Parser:
         if not self._accept(sign):
             raise _NoBlock
 
-    def _operand(self) -> Test | Value:
+    def _operand(self) -> blocks.Test | blocks.Value:
         if self._accept("!"):
-            return Not(of=_test(self._operand()))
+            return blocks.Not(of=_test(self._operand()))
         if self.token.text in {"-", "+"}:
             sign = self._advance().text
             if self.token.kind is not Kind.NUMBER:
@@ -159,7 +128,7 @@ class _Parser:
             return found
         return self._primary()
 
-    def _primary(self) -> Test | Value:
+    def _primary(self) -> blocks.Test | blocks.Value:
         token = self.token
         if token.kind is Kind.NUMBER:
             return self._number("")
@@ -167,45 +136,45 @@ class _Parser:
             return self._called(self._advance().text.upper())
         self._advance()
         if token.kind is Kind.VARIABLE:
-            return Thing(name=token.text[1:])
+            return blocks.Thing(name=token.text[1:])
         if token.kind is Kind.STRING:
             return self._string(token)
         if token.kind in {Kind.IRI, Kind.NAME} and self.token.text != "(":
-            return Name(name=token.text)
+            return blocks.Name(name=token.text)
         raise _NoBlock
 
-    def _number(self, sign: str) -> Number:
+    def _number(self, sign: str) -> blocks.Number:
         digits = self._advance().text
         if digits.endswith("."):
             raise _NoBlock
-        return Number(value=sign + digits)
+        return blocks.Number(value=sign + digits)
 
-    def _string(self, token: Token) -> Text:
+    def _string(self, token: Token) -> blocks.Text:
         content = unescape(quoted(token)[1])
         if self.token.kind is Kind.TAG:
-            return Text(value=content, language=self._advance().text[1:])
+            return blocks.Text(value=content, language=self._advance().text[1:])
         if self._accept("^^"):
-            return Text(value=content, datatype=self._advance().text)
-        return Text(value=content)
+            return blocks.Text(value=content, datatype=self._advance().text)
+        return blocks.Text(value=content)
 
-    def _called(self, word: str) -> Test | Value:
+    def _called(self, word: str) -> blocks.Test | blocks.Value:
         if word in {"TRUE", "FALSE"}:
-            return Truth(value=word == "TRUE")
+            return blocks.Truth(value=word == "TRUE")
         arguments = self._arguments()
         if word == "CONCAT" and arguments:
-            return Join(parts=tuple(map(_value, arguments)))
+            return blocks.Join(parts=tuple(map(_value, arguments)))
         if word in _FUNCTIONS and len(arguments) == 1:
-            return Of(function=word, of=_value(arguments[0]))  # type: ignore[arg-type]  # one of them, as was just seen
+            return blocks.Of(function=word, of=_value(arguments[0]))  # type: ignore[arg-type]  # one of them, as was just seen
         if word in _MATCHES and len(arguments) == 2:  # noqa: PLR2004 - the value and the text
             value, text = map(_value, arguments)
-            return Match(how=word, value=value, text=text)  # type: ignore[arg-type]  # as above
-        if word == "BOUND" and len(arguments) == 1 and isinstance(arguments[0], Thing):
-            return Known(name=arguments[0].name)
+            return blocks.Match(how=word, value=value, text=text)  # type: ignore[arg-type]  # as above
+        if word == "BOUND" and len(arguments) == 1 and isinstance(arguments[0], blocks.Thing):
+            return blocks.Known(name=arguments[0].name)
         raise _NoBlock
 
-    def _arguments(self) -> list[Test | Value]:
+    def _arguments(self) -> list[blocks.Test | blocks.Value]:
         self._expect("(")
-        found: list[Test | Value] = []
+        found: list[blocks.Test | blocks.Value] = []
         while not self._accept(")"):
             if found:
                 self._expect(",")
@@ -213,27 +182,29 @@ class _Parser:
         return found
 
 
-def _test(found: Test | Value) -> Test:
+def _test(found: blocks.Test | blocks.Value) -> blocks.Test:
     if not isinstance(found, _TESTS):
         raise _NoBlock
     return found
 
 
-def _value(found: Test | Value) -> Value:
+def _value(found: blocks.Test | blocks.Value) -> blocks.Value:
     if isinstance(found, _TESTS):
         raise _NoBlock
     return found
 
 
-def _joined(operator: str, left: Test | Value, right: Test | Value) -> Test | Value:
+def _joined(
+    operator: str, left: blocks.Test | blocks.Value, right: blocks.Test | blocks.Value
+) -> blocks.Test | blocks.Value:
     if operator in _WORDS:
-        return Logic(operator=_WORDS[operator], left=_test(left), right=_test(right))  # type: ignore[arg-type]  # a word
+        return blocks.Logic(operator=_WORDS[operator], left=_test(left), right=_test(right))  # type: ignore[arg-type]  # a word
     if operator in _LEVELS[2]:
-        return Compare(operator=operator, left=_value(left), right=_value(right))  # type: ignore[arg-type]  # one of them
-    return Reckon(operator=operator, left=_value(left), right=_value(right))  # type: ignore[arg-type]  # one of them
+        return blocks.Compare(operator=operator, left=_value(left), right=_value(right))  # type: ignore[arg-type]  # one of them
+    return blocks.Reckon(operator=operator, left=_value(left), right=_value(right))  # type: ignore[arg-type]  # one of them
 
 
-def read(text: str, name: str, path: str = "") -> Rule:
+def read(text: str, name: str, path: str = "") -> blocks.Rule:
     """Return the blocks of a rule's text; `name` is `family/name`, `path` the path in errors.
 
     Parts without a block stay SPARQL inside one; comments inside the rule are dropped. RuleError: KG201 and KG209
@@ -246,13 +217,13 @@ def read(text: str, name: str, path: str = "") -> Rule:
     text = _unmarked(text)
     unit = parse_rq(text, path)
     (rule,) = unit.rules
-    blank = Rule(name=name)
+    blank = blocks.Rule(name=name)
     own = {"my": namespace(blank), **PREFIXES}
     prefixes = {prefix: iri for prefix, iri in unit.prefixes.items() if own.get(prefix) != iri}
     reader = _Reader(text, path, {**own, **prefixes})
     sections = header.sections
     said = {member: sections.get(heading, "") for member, heading in SECTIONS.items()}
-    found = Rule(
+    found = blocks.Rule(
         name=name,
         title=header.title,
         since=header.since or "0.1",
@@ -264,7 +235,7 @@ def read(text: str, name: str, path: str = "") -> Rule:
     if said["infers"] == inferred(found):
         said["infers"] = ""  # the default texts of the writer
     try:
-        return msgspec.convert(msgspec.to_builtins(msgspec.structs.replace(found, **said)), Rule)
+        return msgspec.convert(msgspec.to_builtins(msgspec.structs.replace(found, **said)), blocks.Rule)
     except msgspec.ValidationError as error:
         message = f"blocks cannot show this rule: {error}"
         raise RuleError("KG209", message, hint="It can be changed as text.") from error
@@ -286,33 +257,33 @@ class _Reader:
         self._prefixes = prefixes
         self._named: dict[str, str] = {}
 
-    def conditions(self, nodes: Iterable[tree.Node]) -> tuple[Condition, ...]:
+    def conditions(self, nodes: Iterable[tree.Node]) -> tuple[blocks.Condition, ...]:
         """Return the blocks of the parts of a group."""
         return tuple(self._condition(node) for node in nodes)
 
-    def conclusion(self, pattern: tree.TriplePattern) -> Conclusion:
+    def conclusion(self, pattern: tree.TriplePattern) -> blocks.Conclusion:
         """Return the block of a triple of a head."""
         if any(not isinstance(one, Variable | NamedNode | Literal) for one in (pattern.subject, pattern.object)):
             hint = "It can be changed as text; its file is not touched."
             raise RuleError("KG209", "blocks cannot make new things without a name", hint=hint)
         return self._fact(pattern)
 
-    def _condition(self, node: tree.Node) -> Condition:
+    def _condition(self, node: tree.Node) -> blocks.Condition:
         if isinstance(node, tree.TriplePattern) and self._is_plain(node):
             return self._fact(node)
         if isinstance(node, tree.Filter):
             text = self._source(node.expression.span)
-            return Only(test=test_of(text) or Says(text=formula(text)))
+            return blocks.Only(test=test_of(text) or blocks.Says(text=formula(text)))
         if isinstance(node, tree.Bind):
-            return Let(name=self._name(node.variable), value=value_of(self._source(node.expression.span)))
+            return blocks.Let(name=self._name(node.variable), value=value_of(self._source(node.expression.span)))
         if isinstance(node, tree.Exists):
-            return (Absent if node.negated else Present)(when=self.conditions(node.group.nodes))
+            return (blocks.Absent if node.negated else blocks.Present)(when=self.conditions(node.group.nodes))
         if isinstance(node, tree.Optional):
-            return Perhaps(when=self.conditions(node.group.nodes))
+            return blocks.Perhaps(when=self.conditions(node.group.nodes))
         if isinstance(node, tree.Union) and len(node.groups) > 1:
-            return Either(branches=tuple(self.conditions(group.nodes) for group in node.groups))
+            return blocks.Either(branches=tuple(self.conditions(group.nodes) for group in node.groups))
         text = self._source(node.span)
-        return Other(text=f"{{ {text} }}" if isinstance(node, tree.SubSelect) and text[0] != "{" else text)
+        return blocks.Other(text=f"{{ {text} }}" if isinstance(node, tree.SubSelect) and text[0] != "{" else text)
 
     def _is_plain(self, node: tree.TriplePattern) -> bool:
         return all(isinstance(one, Variable | NamedNode | Literal) for one in (node.subject, node.object))
@@ -322,36 +293,36 @@ class _Reader:
         line = self._text.rfind("\n", 0, span.start) + 1
         return dedent(" " * (span.start - line) + self._text[span.start : span.end]).strip()
 
-    def _fact(self, node: tree.TriplePattern) -> Fact | Is:
+    def _fact(self, node: tree.TriplePattern) -> blocks.Fact | blocks.Is:
         subject = self._term(node.subject)
         if node.predicate == _TYPE and isinstance(node.object, NamedNode):
-            return Is(subject=subject, kind=shorten(node.object.value, self._prefixes))
-        return Fact(
+            return blocks.Is(subject=subject, kind=shorten(node.object.value, self._prefixes))
+        return blocks.Fact(
             subject=subject, property=path_text(node.predicate, self._predicate), object=self._term(node.object)
         )
 
     def _predicate(self, one: NamedNode | Variable) -> str:
         return f"?{self._name(one)}" if isinstance(one, Variable) else shorten(one.value, self._prefixes)
 
-    def _term(self, term: object) -> Term:
+    def _term(self, term: object) -> blocks.Term:
         if isinstance(term, Variable):
-            return Thing(name=self._name(term))
+            return blocks.Thing(name=self._name(term))
         if isinstance(term, NamedNode):
-            return Name(name=shorten(term.value, self._prefixes))
+            return blocks.Name(name=shorten(term.value, self._prefixes))
         assert isinstance(term, Literal)  # noqa: S101 - callers let nothing else through
         return self._literal(term)
 
-    def _literal(self, literal: Literal) -> Term:
+    def _literal(self, literal: Literal) -> blocks.Term:
         kind = literal.datatype.value
         if literal.language:
-            return Text(value=literal.value, language=literal.language)
+            return blocks.Text(value=literal.value, language=literal.language)
         if kind == _XSD + "string":
-            return Text(value=literal.value)
+            return blocks.Text(value=literal.value)
         if kind == _XSD + "boolean" and literal.value in {"true", "false"}:
-            return Truth(value=literal.value == "true")
+            return blocks.Truth(value=literal.value == "true")
         if kind in _NUMBERS and re.fullmatch(_NUMBERS[kind], literal.value):
-            return Number(value=literal.value)
-        return Text(value=literal.value, datatype=shorten(kind, self._prefixes))
+            return blocks.Number(value=literal.value)
+        return blocks.Text(value=literal.value, datatype=shorten(kind, self._prefixes))
 
     def _name(self, variable: Variable) -> str:
         """Return the name of a variable; `[ ]` gets one that the text does not have."""

@@ -11,7 +11,7 @@ from typing import Annotated, Final, Literal, TypeAlias
 
 import msgspec
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 
 FAMILY: Final = "mine"
 """The family of a rule whose name says none."""

@@ -9,34 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal
 
-from kg.rules.blocks.tree import (
-    Absent,
-    Compare,
-    Condition,
-    Either,
-    Fact,
-    Is,
-    Join,
-    Known,
-    Let,
-    Logic,
-    Match,
-    Name,
-    Not,
-    Number,
-    Of,
-    Only,
-    Other,
-    Perhaps,
-    Present,
-    Reckon,
-    Rule,
-    Test,
-    Text,
-    Thing,
-    Truth,
-    Value,
-)
+from kg.rules.blocks import tree
 from kg.rules.files import HEADINGS
 from kg.syntax.lexer import Kind, tokens_of
 from kg.syntax.names import PREFIXES
@@ -49,7 +22,7 @@ if TYPE_CHECKING:
 SECTIONS: Final = dict(zip(("infers", "why", "mend", "limits", "references"), HEADINGS, strict=True))
 """The member of a rule to the heading of its documentation."""
 
-OPENING: Final = {Absent: "FILTER NOT EXISTS", Present: "FILTER EXISTS", Perhaps: "OPTIONAL"}
+OPENING: Final = {tree.Absent: "FILTER NOT EXISTS", tree.Present: "FILTER EXISTS", tree.Perhaps: "OPTIONAL"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,18 +45,18 @@ class _Writer:
             if owner:
                 self.owners[len(self.lines)] = owner
 
-    def conditions(self, conditions: Iterable[Condition], depth: int) -> None:
+    def conditions(self, conditions: Iterable[tree.Condition], depth: int) -> None:
         """Add conditions, one a line."""
         for one in conditions:
             self.condition(one, depth)
 
-    def condition(self, one: Condition, depth: int) -> None:
+    def condition(self, one: tree.Condition, depth: int) -> None:
         """Add a condition and its content."""
-        if isinstance(one, Absent | Present | Perhaps):
+        if isinstance(one, tree.Absent | tree.Present | tree.Perhaps):
             self.line(f"{OPENING[type(one)]} {{", depth, one.id)
             self.conditions(one.when, depth + 1)
             self.line("}", depth, one.id)
-        elif isinstance(one, Either):
+        elif isinstance(one, tree.Either):
             for index, branch in enumerate(one.branches):
                 self.line("} UNION {" if index else "{", depth, one.id)
                 self.conditions(branch, depth + 1)
@@ -92,7 +65,7 @@ class _Writer:
             self.line(_plain(one), depth, one.id)
 
 
-def write(rule: Rule) -> Written:
+def write(rule: tree.Rule) -> Written:
     """Return the text of a rule, documented as `kg rules new` documents one."""
     writer = _Writer()
     for line in _header(rule):
@@ -112,7 +85,7 @@ def write(rule: Rule) -> Written:
     return Written("\n".join(writer.lines) + "\n", writer.owners)
 
 
-def _header(rule: Rule) -> Iterator[str]:
+def _header(rule: tree.Rule) -> Iterator[str]:
     if title := " ".join(rule.title.split()):
         yield title.lstrip("#").strip() or "-"
         yield ""
@@ -138,13 +111,13 @@ def _prose(text: str) -> Iterator[str]:
         yield f" {line}" if _MARKUP.match(line) else line
 
 
-def inferred(rule: Rule) -> str:
+def inferred(rule: tree.Rule) -> str:
     """Return a sentence about what a rule infers, for a rule whose author gives none."""
     facts = [f"`{_plain(one).removesuffix(' .')}`" for one in rule.then]
     return f"{' and '.join(facts)}, for all that the pattern below finds." if facts else ""
 
 
-def _body(rule: Rule, writer: _Writer) -> None:
+def _body(rule: tree.Rule, writer: _Writer) -> None:
     if len(rule.then) == 1:
         (fact,) = rule.then
         writer.line(f"CONSTRUCT {{ {_plain(fact).removesuffix(' .')} }}", 0, fact.id)
@@ -166,34 +139,34 @@ def _marked(body: str) -> str:
     return renamed(body, once)
 
 
-def namespace(rule: Rule) -> str:
+def namespace(rule: tree.Rule) -> str:
     """Return the namespace of `my:`: the terms of the rule's family, as `kg rules new` names them."""
     return f"https://example.org/{rule.name.rpartition('/')[0]}#"
 
 
-def known_prefixes(rule: Rule) -> dict[str, str]:
+def known_prefixes(rule: tree.Rule) -> dict[str, str]:
     """Return the prefixes that names in the rule may have."""
     return {**PREFIXES, "my": namespace(rule), **rule.prefixes}
 
 
-def _declarations(rule: Rule, body: str) -> list[str]:
+def _declarations(rule: tree.Rule, body: str) -> list[str]:
     used = {token.text.partition(":")[0] for token in tokens_of(body) if token.kind is Kind.NAME}
     return [
         f"PREFIX {prefix}: <{iri}>" for prefix, iri in sorted(known_prefixes(rule).items()) if prefix in used - {"_"}
     ]
 
 
-def _plain(one: Condition) -> str:
+def _plain(one: tree.Condition) -> str:
     """Return a condition that has no others in it."""
-    if isinstance(one, Fact):
+    if isinstance(one, tree.Fact):
         return f"{value(one.subject)} {one.property} {value(one.object)} ."
-    if isinstance(one, Is):
+    if isinstance(one, tree.Is):
         return f"{value(one.subject)} a {one.kind} ."
-    if isinstance(one, Only):
+    if isinstance(one, tree.Only):
         return f"FILTER({_bare(test(one.test))})"
-    if isinstance(one, Let):
+    if isinstance(one, tree.Let):
         return f"BIND({_bare(value(one.value))} AS ?{one.name})"
-    assert isinstance(one, Other)  # noqa: S101 - what has others in it is written by its caller
+    assert isinstance(one, tree.Other)  # noqa: S101 - what has others in it is written by its caller
     return one.text
 
 
@@ -202,28 +175,28 @@ def _bare(text: str) -> str:
     return text[1:-1] if text.startswith("(") and text.endswith(")") else text
 
 
-def value(one: Value) -> str:
+def value(one: tree.Value) -> str:
     """Return a value as SPARQL writes it, in brackets where it is made of others."""
-    if isinstance(one, Thing):
+    if isinstance(one, tree.Thing):
         return f"?{one.name}"
-    if isinstance(one, Name):
+    if isinstance(one, tree.Name):
         return one.name
-    if isinstance(one, Number):
+    if isinstance(one, tree.Number):
         return one.value
-    if isinstance(one, Truth):
+    if isinstance(one, tree.Truth):
         return "true" if one.value else "false"
-    if isinstance(one, Text):
+    if isinstance(one, tree.Text):
         return _text(one)
-    if isinstance(one, Join):
+    if isinstance(one, tree.Join):
         return f"CONCAT({', '.join(map(value, one.parts))})"
-    if isinstance(one, Of):
+    if isinstance(one, tree.Of):
         return f"{one.function}({value(one.of)})"
-    if isinstance(one, Reckon):
+    if isinstance(one, tree.Reckon):
         return f"({value(one.left)} {one.operator} {value(one.right)})"
     return f"({one.text})"
 
 
-def _text(one: Text) -> str:
+def _text(one: tree.Text) -> str:
     plain = str(Literal(one.value))
     if one.language:
         return f"{plain}@{one.language}"
@@ -233,16 +206,16 @@ def _text(one: Text) -> str:
 _OPERATORS: Final = {"and": "&&", "or": "||"}
 
 
-def test(one: Test) -> str:
+def test(one: tree.Test) -> str:
     """Return a test as SPARQL writes it, in brackets where it is made of others."""
-    if isinstance(one, Compare):
+    if isinstance(one, tree.Compare):
         return f"({value(one.left)} {one.operator} {value(one.right)})"
-    if isinstance(one, Match):
+    if isinstance(one, tree.Match):
         return f"{one.how}({value(one.value)}, {value(one.text)})"
-    if isinstance(one, Known):
+    if isinstance(one, tree.Known):
         return f"BOUND(?{one.name})"
-    if isinstance(one, Logic):
+    if isinstance(one, tree.Logic):
         return f"({test(one.left)} {_OPERATORS[one.operator]} {test(one.right)})"
-    if isinstance(one, Not):
+    if isinstance(one, tree.Not):
         return f"!{test(one.of)}"
     return f"({one.text})"

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from kg.codes.severities import SEVERITIES
+from kg.codes import SEVERITIES
 from kg.errors import Place, RuleError
 from kg.rules.checks.documents import documentation_missing, examples_malformed, examples_missing, no_rule, orphan
 from kg.rules.checks.finding import Context, Finding, from_error

@@ -161,9 +161,6 @@ def head_never_read(file: RuleFile, context: Context) -> Iterator[Finding]:
 
 def _read_by_rules(head: Atom, file: RuleFile, context: Context) -> bool:
     others = (rule for rule in context.cut or context.rules.rules if rule.name != file.name)
-    return any(depends(read.atom, head) for rule in others for read in reads(rule) if _chooses(read.atom))
-
-
-def _chooses(atom: Atom) -> bool:
-    """Return whether an atom reads some triples only, not all, as a copy under another name does."""
-    return any(not isinstance(position, Variable) for position in atom.positions)
+    read = (read.atom for rule in others for read in reads(rule))
+    # An atom of variables alone reads all triples, as a copy under another name does.
+    return any(depends(atom, head) for atom in read if not all(isinstance(one, Variable) for one in atom.positions))

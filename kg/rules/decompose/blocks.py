@@ -10,27 +10,8 @@ from kg.rules import sparql
 from kg.rules.decompose.paths import normal
 from kg.rules.decompose.uses import certain, possible
 from kg.rules.form import EngineBlock, Variable
+from kg.syntax import tree
 from kg.syntax.printer import path_text
-from kg.syntax.tree import (
-    Alternative,
-    Bind,
-    Exists,
-    Expression,
-    Filter,
-    GraphBlock,
-    Inverse,
-    Minus,
-    Node,
-    Optional,
-    Path,
-    Repeat,
-    Sequence,
-    SubSelect,
-    TriplePattern,
-    Union,
-    ValuesBlock,
-    groups_of,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -41,7 +22,7 @@ _ANY: Final = None
 """Stands among predicates for all of them."""
 
 
-def block(text: str, nodes: tuple[Node, ...], place: Place | None = None) -> EngineBlock:
+def block(text: str, nodes: tuple[tree.Node, ...], place: Place | None = None) -> EngineBlock:
     """Return the block of a group; `text` is it without braces, its names IRIs in brackets."""
     always, ever = certain(nodes), possible(nodes)
     return EngineBlock(
@@ -54,81 +35,69 @@ def block(text: str, nodes: tuple[Node, ...], place: Place | None = None) -> Eng
     )
 
 
-def reads(nodes: Iterable[Node]) -> frozenset[NamedNode] | None:
+def reads(nodes: Iterable[tree.Node]) -> frozenset[NamedNode] | None:
     """Return the predicates that nodes read, None where they may read any."""
     found = set(_read(nodes))
     return None if _ANY in found else frozenset(predicate for predicate in found if predicate is not None)
 
 
-def _read(nodes: Iterable[Node]) -> Iterator[NamedNode | None]:
+def _read(nodes: Iterable[tree.Node]) -> Iterator[NamedNode | None]:
     nodes = tuple(nodes)
     for node in nodes:
-        if isinstance(node, TriplePattern):
+        if isinstance(node, tree.TriplePattern):
             yield from _path_reads(node.predicate)
             if normal(node.predicate).zero and not _is_anchored(node, nodes):
                 # Of length zero it holds for all terms of the graph, whatever predicate they are with.
                 yield _ANY
-        elif isinstance(node, Filter | Bind):
-            yield from _expression_reads(node.expression)
-        elif isinstance(node, SubSelect):
-            yield from _read(node.group.nodes)
-            for expression in (*node.having, *(column.expression for column in (*node.projections, *node.keys))):
-                if expression:
-                    yield from _expression_reads(expression)
-        elif not isinstance(node, ValuesBlock):
-            for group in groups_of(node):
-                yield from _read(group.nodes)
+        inner = [exists.group for expression in tree.expressions_of(node) for exists in expression.exists]
+        for group in (*tree.groups_of(node), *inner):
+            yield from _read(group.nodes)
 
 
-def _is_anchored(pattern: TriplePattern, nodes: tuple[Node, ...]) -> bool:
+def _is_anchored(pattern: tree.TriplePattern, nodes: tuple[tree.Node, ...]) -> bool:
     """Return whether an end of a path is an end of a triple next to it that has its own predicate.
 
     A constant is not enough: the store's engine finds no path of length zero at a term that its graph does not have.
     """
     ends = {pattern.subject, pattern.object}
-    beside = [n for n in nodes if isinstance(n, TriplePattern) and isinstance(n.predicate, NamedNode)]
+    beside = [n for n in nodes if isinstance(n, tree.TriplePattern) and isinstance(n.predicate, NamedNode)]
     known = {end for triple in beside for end in (triple.subject, triple.object)}
     return any(isinstance(end, Variable) for end in ends & known)
 
 
-def _expression_reads(expression: Expression) -> Iterator[NamedNode | None]:
-    for exists in expression.exists:
-        yield from _read(exists.group.nodes)
-
-
-def _path_reads(path: Path) -> Iterator[NamedNode | None]:
+def _path_reads(path: tree.Path) -> Iterator[NamedNode | None]:
     if isinstance(path, NamedNode):
         yield path
-    elif isinstance(path, Sequence | Alternative):
+    elif isinstance(path, tree.Sequence | tree.Alternative):
         for part in path.parts:
             yield from _path_reads(part)
-    elif isinstance(path, Inverse | Repeat):
+    elif isinstance(path, tree.Inverse | tree.Repeat):
         yield from _path_reads(path.path)
     else:
         yield _ANY
 
 
-def is_monotone(nodes: Iterable[Node]) -> bool:
+def is_monotone(nodes: Iterable[tree.Node]) -> bool:
     """Return whether more triples never take a solution away; False when in doubt."""
     return all(map(_grows, nodes))
 
 
-def _grows(node: Node) -> bool:
-    if isinstance(node, Optional | Minus):
+def _grows(node: tree.Node) -> bool:
+    if isinstance(node, tree.Optional | tree.Minus):
         return False
-    if isinstance(node, Exists):
+    if isinstance(node, tree.Exists):
         return not node.negated and is_monotone(node.group.nodes)
-    if isinstance(node, Filter | Bind):
+    if isinstance(node, tree.Filter | tree.Bind):
         return not node.expression.exists
-    if isinstance(node, SubSelect):
+    if isinstance(node, tree.SubSelect):
         grouped = node.keys or node.having or any(c.expression and c.expression.aggregates for c in node.projections)
         plain = not any(c.expression and c.expression.exists for c in node.projections)
         return not node.sliced and not grouped and plain and is_monotone(node.group.nodes)
-    if isinstance(node, Union | GraphBlock):
-        return all(is_monotone(group.nodes) for group in groups_of(node))
+    if isinstance(node, tree.Union | tree.GraphBlock):
+        return all(is_monotone(group.nodes) for group in tree.groups_of(node))
     return True
 
 
-def pattern_text(pattern: TriplePattern) -> str:
+def pattern_text(pattern: tree.TriplePattern) -> str:
     """Return a triple pattern as SPARQL text."""
     return f"{sparql.term(pattern.subject)} {path_text(pattern.predicate, sparql.term)} {sparql.term(pattern.object)} ."

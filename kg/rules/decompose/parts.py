@@ -5,20 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.rules import sparql
+from kg.rules import form, sparql
 from kg.rules.decompose import expressions
-from kg.rules.form import (
-    Aggregate,
-    Assignment,
-    Atom,
-    Element,
-    EngineBlock,
-    Expression,
-    Filter,
-    Variable,
-    binds,
-    bound_in,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -39,41 +27,41 @@ class Part:
     value from what is before the part, in which they are the end of a path of length zero.
     """
 
-    elements: tuple[Element, ...] = ()
-    nodes: frozenset[Variable] = frozenset()
-    subjects: frozenset[Variable] = frozenset()
-    given: frozenset[Variable] = frozenset()
-    bound: frozenset[Variable] = field(default=frozenset(), compare=False)
+    elements: tuple[form.Element, ...] = ()
+    nodes: frozenset[form.Variable] = frozenset()
+    subjects: frozenset[form.Variable] = frozenset()
+    given: frozenset[form.Variable] = frozenset()
+    bound: frozenset[form.Variable] = field(default=frozenset(), compare=False)
     """The variables that solutions bind: those of the elements, and `given`. Cached, since each step reads it."""
 
     @classmethod
     def of(
         cls,
-        elements: Iterable[Element],
-        nodes: frozenset[Variable] = frozenset(),
-        subjects: frozenset[Variable] = frozenset(),
-        given: frozenset[Variable] = frozenset(),
+        elements: Iterable[form.Element],
+        nodes: frozenset[form.Variable] = frozenset(),
+        subjects: frozenset[form.Variable] = frozenset(),
+        given: frozenset[form.Variable] = frozenset(),
     ) -> Part:
         """Return a part with other elements and the same properties."""
         elements = tuple(elements)
-        return cls(elements, nodes, subjects, given, bound_in(elements) | given)
+        return cls(elements, nodes, subjects, given, form.bound_in(elements) | given)
 
     @property
-    def always(self) -> frozenset[Variable]:
+    def always(self) -> frozenset[form.Variable]:
         """The variables that each solution binds: all but those that a block may leave open."""
-        open_ends = [element.optional for element in self.elements if isinstance(element, EngineBlock)]
+        open_ends = [element.optional for element in self.elements if isinstance(element, form.EngineBlock)]
         return self.bound.difference(*open_ends)
 
-    def then(self, *elements: Element) -> Part:
+    def then(self, *elements: form.Element) -> Part:
         """Return the part with more elements at its end."""
-        atoms = [element for element in elements if isinstance(element, Atom)]
-        subjects = frozenset(atom.subject for atom in atoms if isinstance(atom.subject, Variable))
-        objects = frozenset(atom.object for atom in atoms if isinstance(atom.object, Variable))
+        atoms = [element for element in elements if isinstance(element, form.Atom)]
+        subjects = frozenset(atom.subject for atom in atoms if isinstance(atom.subject, form.Variable))
+        objects = frozenset(atom.object for atom in atoms if isinstance(atom.object, form.Variable))
         nodes = self.nodes | subjects | objects
-        bound = self.bound.union(*map(binds, elements))
+        bound = self.bound.union(*map(form.binds, elements))
         return Part((*self.elements, *elements), nodes, self.subjects | subjects, self.given, bound)
 
-    def same_node(self, variable: Variable, other: Variable) -> Part:
+    def same_node(self, variable: form.Variable, other: form.Variable) -> Part:
         """Return the part, given that two variables have the same value."""
         nodes = self.nodes | ({variable} if other in self.nodes else set())
         subjects = self.subjects | ({variable} if other in self.subjects else set())
@@ -95,10 +83,10 @@ class Scope:
     whether the number of equal solutions matters.
     """
 
-    outer: frozenset[Variable] = frozenset()
-    seen: frozenset[Variable] = frozenset()
-    near: frozenset[Variable] = frozenset()
-    subjects: frozenset[Variable] = frozenset()
+    outer: frozenset[form.Variable] = frozenset()
+    seen: frozenset[form.Variable] = frozenset()
+    near: frozenset[form.Variable] = frozenset()
+    subjects: frozenset[form.Variable] = frozenset()
     required: frozenset[str] = frozenset()
     single: bool = False
 
@@ -121,7 +109,7 @@ class Scope:
         kept = self._kept(part, self.outer | part.bound)
         return Scope(self.outer, near=kept.near, subjects=kept.subjects)
 
-    def _kept(self, part: Part, shared: frozenset[Variable]) -> Scope:
+    def _kept(self, part: Part, shared: frozenset[form.Variable]) -> Scope:
         """Return the scope of a negation after `part`, limited to the variables shared with its surroundings."""
         behind = self.behind(part)
         return replace(behind, near=behind.near & shared, subjects=behind.subjects & shared)
@@ -136,46 +124,46 @@ def joined(left: Part, right: Part, names: Names) -> Part:
     return Part.of(elements, left.nodes | right.nodes, left.subjects | right.subjects, left.given | right.given)
 
 
-def attached(elements: Iterable[Element], bound: frozenset[Variable], names: Names) -> Iterator[Element]:
+def attached(elements: Iterable[form.Element], bound: frozenset[form.Variable], names: Names) -> Iterator[form.Element]:
     """Yield elements for a position where `bound` is bound: an assignment to a bound variable becomes a comparison.
 
     SPARQL joins solutions whose terms are the same, so `sameTerm` is the comparison. The expression compared is in
     error where the assignment is, and both take the solution away.
     """
     for element in elements:
-        if isinstance(element, Assignment) and element.variable in bound:
-            yield Filter(same(element.variable, element.expression))
-        elif isinstance(element, Aggregate):
+        if isinstance(element, form.Assignment) and element.variable in bound:
+            yield form.Filter(same(element.variable, element.expression))
+        elif isinstance(element, form.Aggregate):
             yield from _grouped(element, bound, names)
         else:
             yield element
-        bound |= binds(element)
+        bound |= form.binds(element)
 
 
-def _grouped(element: Aggregate, bound: frozenset[Variable], names: Names) -> Iterator[Element]:
+def _grouped(element: form.Aggregate, bound: frozenset[form.Variable], names: Names) -> Iterator[form.Element]:
     new = {column.variable: names.like(column.variable) for column in element.columns if column.variable in bound}
     columns = tuple(replace(column, variable=new.get(column.variable, column.variable)) for column in element.columns)
     yield replace(element, columns=columns)
     for old, fresh in new.items():
-        yield Filter(same(old, expressions.expression(sparql.spelling(fresh))))
+        yield form.Filter(same(old, expressions.expression(sparql.spelling(fresh))))
 
 
-def same(variable: Variable, expression: Expression) -> Expression:
+def same(variable: form.Variable, expression: form.Expression) -> form.Expression:
     """Return the test that a variable equals the value of an expression."""
     text = f"sameTerm({sparql.spelling(variable)}, {expression.text})"
     return expressions.expression(text, expression.place)
 
 
-def placed(part: Part, element: Filter, known: frozenset[Variable]) -> Part:
+def placed(part: Part, element: form.Filter, known: frozenset[form.Variable]) -> Part:
     """Insert a filter as soon as its variables are bound; `known` are bound before the part.
 
     Elements join, bind or drop solutions one by one, so a filter has the same effect anywhere after that.
     """
-    needed = frozenset(map(Variable, element.expression.variables)) - known
+    needed = frozenset(map(form.Variable, element.expression.variables)) - known
     elements = part.elements
     if needed and not element.expression.volatile:
         for index, before in enumerate(elements[:-1], 1):
-            needed -= binds(before)
+            needed -= form.binds(before)
             if not needed:
                 return replace(part, elements=(*elements[:index], element, *elements[index:]))
     return replace(part, elements=(*elements, element))

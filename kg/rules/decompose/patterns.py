@@ -22,32 +22,20 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode, Triple
 
-from kg.rules import sparql
+from kg.rules import form, sparql
 from kg.rules.decompose import expressions
 from kg.rules.decompose.blocks import pattern_text, reads
 from kg.rules.decompose.parts import EMPTY, IndivisibleError, Part, Scope, same
 from kg.rules.decompose.paths import Avoid, Closure, Link, Step, Steps, inverse, is_plain, key, normal
 from kg.rules.decompose.work import AuxiliaryRules, Names, Work
-from kg.rules.form import (
-    AUXILIARY,
-    Assignment,
-    Atom,
-    EngineBlock,
-    Filter,
-    Pattern,
-    TripleTerm,
-    Values,
-    Variable,
-    variables_of,
-)
 from kg.syntax.tree import Repeat, Sequence, TriplePattern
 
 if TYPE_CHECKING:
     from kg.errors import Place
 
-_START: Final = Variable(".from")
-_MIDDLE: Final = Variable(".between")
-_END: Final = Variable(".to")
+_START: Final = form.Variable(".from")
+_MIDDLE: Final = form.Variable(".between")
+_END: Final = form.Variable(".to")
 _WORD: Final = re.compile(r"[^A-Za-z0-9]+")
 
 
@@ -59,7 +47,7 @@ class Walk:
         self._names = names
         self._place = place
 
-    def along(self, part: Part, start: Pattern, steps: Steps, end: Pattern) -> Part | None:
+    def along(self, part: Part, start: form.Pattern, steps: Steps, end: form.Pattern) -> Part | None:
         """Return a part followed by steps from one term to another; None if atoms cannot express them.
 
         `part.subjects` are the variables that are not literals, those bound before the part among them.
@@ -73,25 +61,27 @@ class Walk:
             part, here = stepped, there
         return part
 
-    def _step(self, part: Part, start: Pattern, step: Step, end: Pattern) -> Part | None:
+    def _step(self, part: Part, start: form.Pattern, step: Step, end: form.Pattern) -> Part | None:
         if isinstance(step, Closure):
             return self._closure(part, start, step, end)
         if step.inverse:
             start, end = end, start
         if isinstance(step, Link):
-            return part.then(Atom(start, step.predicate, end, place=self._place))
+            return part.then(form.Atom(start, step.predicate, end, place=self._place))
         return self._avoid(part, start, step, end)
 
-    def _avoid(self, part: Part, start: Pattern, step: Avoid, end: Pattern) -> Part:
+    def _avoid(self, part: Part, start: form.Pattern, step: Avoid, end: form.Pattern) -> Part:
         """Add a triple with a predicate that is none of those named: a predicate is an IRI, so the test never fails."""
-        predicate = self._names.like(Variable("predicate"))
-        part = part.then(Atom(start, predicate, end, place=self._place))
+        predicate = self._names.like(form.Variable("predicate"))
+        part = part.then(form.Atom(start, predicate, end, place=self._place))
         if not step.predicates:
             return part
         listed = ", ".join(map(str, step.predicates))
-        return part.then(Filter(expressions.expression(f"{sparql.spelling(predicate)} NOT IN ({listed})", self._place)))
+        return part.then(
+            form.Filter(expressions.expression(f"{sparql.spelling(predicate)} NOT IN ({listed})", self._place))
+        )
 
-    def _closure(self, part: Part, start: Pattern, step: Closure, end: Pattern) -> Part | None:
+    def _closure(self, part: Part, start: form.Pattern, step: Closure, end: form.Pattern) -> Part | None:
         """Add an atom with the auxiliary predicate.
 
         A triple has no literal as subject. Where a step may begin at a literal (`^:p`), the closure is told from the
@@ -100,10 +90,10 @@ class Walk:
         back = inverse(step)
         forth_exact = not _may_begin_at_literal(step) or _is_resource(start, part)
         if forth_exact and (predicate := self._predicate(step)):
-            return part.then(Atom(start, predicate, end, place=self._place))
+            return part.then(form.Atom(start, predicate, end, place=self._place))
         back_exact = not _may_begin_at_literal(back) or _is_resource(end, part)
         if back_exact and isinstance(back, Closure) and (predicate := self._predicate(back)):
-            return part.then(Atom(end, predicate, start, place=self._place))
+            return part.then(form.Atom(end, predicate, start, place=self._place))
         return None
 
     def _predicate(self, step: Closure) -> NamedNode | None:
@@ -115,10 +105,12 @@ class Walk:
         for steps in step.alternatives:
             walk = Walk(self._auxiliary, Names(()), self._place)
             first = walk.along(EMPTY, _START, steps, _END)
-            more = walk.along(EMPTY.then(Atom(_START, predicate, _MIDDLE, place=self._place)), _MIDDLE, steps, _END)
+            more = walk.along(
+                EMPTY.then(form.Atom(_START, predicate, _MIDDLE, place=self._place)), _MIDDLE, steps, _END
+            )
             if first is None or more is None:
                 return None
-            head = Atom(_START, predicate, _END, place=self._place)
+            head = form.Atom(_START, predicate, _END, place=self._place)
             rules += [((head,), first.elements), ((head,), more.elements)]
         self._auxiliary[predicate.value] = rules
         return predicate
@@ -129,7 +121,7 @@ def _name(step: Closure) -> NamedNode:
     text = key((step,))
     words = [_WORD.sub("-", re.split(r"[/#:]", iri)[-1]).strip("-") for iri in re.findall(r"<([^>]*)>", text)]
     readable = "-or-".join(dict.fromkeys(word for word in words if word))[:60] or "any"
-    return NamedNode(f"{AUXILIARY}{readable}-{sha256(text.encode()).hexdigest()[:12]}")
+    return NamedNode(f"{form.AUXILIARY}{readable}-{sha256(text.encode()).hexdigest()[:12]}")
 
 
 def _may_begin_at_literal(step: Step) -> bool:
@@ -138,11 +130,11 @@ def _may_begin_at_literal(step: Step) -> bool:
     return step.inverse
 
 
-def _is_resource(end: Pattern, part: Part) -> bool:
+def _is_resource(end: form.Pattern, part: Part) -> bool:
     """Return whether what is at an end is certainly no literal and no triple term."""
-    if isinstance(end, Variable):
+    if isinstance(end, form.Variable):
         return end in part.subjects
-    return not isinstance(end, Literal | Triple | TripleTerm)
+    return not isinstance(end, Literal | Triple | form.TripleTerm)
 
 
 def basic(work: Work, patterns: list[TriplePattern], part: Part, scope: Scope) -> list[Part]:
@@ -199,9 +191,9 @@ def _ends_equal(pattern: TriplePattern, part: Part) -> list[Part] | None:
     """Return the parts in which both ends of a pattern are one term, bound or constant; None if neither is."""
     subject, obj = pattern.subject, pattern.object
     for end, other in ((subject, obj), (obj, subject)):
-        if isinstance(end, TripleTerm) or isinstance(other, TripleTerm):
+        if isinstance(end, form.TripleTerm) or isinstance(other, form.TripleTerm):
             return None
-        if isinstance(end, Variable):
+        if isinstance(end, form.Variable):
             if end in part.nodes:
                 return [_equal(part, end, other)]
         elif not isinstance(pattern.predicate, Sequence):
@@ -210,29 +202,31 @@ def _ends_equal(pattern: TriplePattern, part: Part) -> list[Part] | None:
     return None
 
 
-def _constant(part: Part, end: Pattern, other: Pattern) -> list[Part]:
-    if isinstance(other, Variable):
-        return [part.then(Values((other,), ((end,),)))]  # type: ignore[arg-type]  # no variable and no triple term
+def _constant(part: Part, end: form.Pattern, other: form.Pattern) -> list[Part]:
+    if isinstance(other, form.Variable):
+        return [part.then(form.Values((other,), ((end,),)))]  # type: ignore[arg-type]  # no variable and no triple term
     return [part] if end == other else []
 
 
-def _equal(part: Part, bound: Variable, other: Pattern) -> Part:
+def _equal(part: Part, bound: form.Variable, other: form.Pattern) -> Part:
     """Return the part in which a bound variable and another end are one term."""
-    if not isinstance(other, Variable):
-        return part.then(Values((bound,), ((other,),)))  # type: ignore[arg-type]  # no triple term
+    if not isinstance(other, form.Variable):
+        return part.then(form.Values((bound,), ((other,),)))  # type: ignore[arg-type]  # no triple term
     if other == bound:
         return part.same_node(bound, bound)
     value = expressions.expression(sparql.spelling(bound))
     known = other in part.bound
-    return part.then(Filter(same(other, value)) if known else Assignment(other, value)).same_node(other, bound)
+    return part.then(form.Filter(same(other, value)) if known else form.Assignment(other, value)).same_node(
+        other, bound
+    )
 
 
-def _block(work: Work, pattern: TriplePattern) -> EngineBlock:
+def _block(work: Work, pattern: TriplePattern) -> form.EngineBlock:
     """Return a pattern that the store's engine evaluates by itself, which is how SPARQL joins it."""
     place = work.place(pattern.span)
-    ends = [variable for end in (pattern.subject, pattern.object) for variable in variables_of(end)]
+    ends = [variable for end in (pattern.subject, pattern.object) for variable in form.variables_of(end)]
     unique = tuple(dict.fromkeys(ends))
-    return EngineBlock(pattern_text(pattern), unique, (), reads([pattern]), monotone=True, place=place)
+    return form.EngineBlock(pattern_text(pattern), unique, (), reads([pattern]), monotone=True, place=place)
 
 
 def known(part: Part, scope: Scope) -> Part:

@@ -5,56 +5,43 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from kg.rules import sparql
+from kg.rules import form, sparql
 from kg.rules.decompose import expressions
-from kg.rules.form import (
-    Aggregate,
-    Assignment,
-    Atom,
-    Element,
-    EngineBlock,
-    Exists,
-    Expression,
-    Filter,
-    Values,
-    Variable,
-    mentions,
-)
 from kg.syntax import printer
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
 
-def renamed(body: Iterable[Element], names: Mapping[Variable, Variable]) -> tuple[Element, ...]:
+def renamed(body: Iterable[form.Element], names: Mapping[form.Variable, form.Variable]) -> tuple[form.Element, ...]:
     """Return elements with other variables, those inside EXISTS, aggregates and text too."""
     return tuple(_renamed(element, names) for element in body) if names else tuple(body)
 
 
-def everywhere(body: Iterable[Element]) -> frozenset[Variable]:
+def everywhere(body: Iterable[form.Element]) -> frozenset[form.Variable]:
     """Return the variables at any depth, in aggregates too."""
     body = tuple(body)
-    inner = [everywhere(element.body) for element in body if isinstance(element, Exists | Aggregate)]
-    return frozenset().union(*inner, *map(mentions, body))
+    inner = [everywhere(element.body) for element in body if isinstance(element, form.Exists | form.Aggregate)]
+    return frozenset().union(*inner, *map(form.mentions, body))
 
 
-def _renamed(element: Element, names: Mapping[Variable, Variable]) -> Element:
-    if isinstance(element, Atom):
+def _renamed(element: form.Element, names: Mapping[form.Variable, form.Variable]) -> form.Element:
+    if isinstance(element, form.Atom):
         return element.replaced(names)
-    if isinstance(element, Filter):
-        return Filter(renamed_expression(element.expression, names))
-    if isinstance(element, Assignment):
-        return Assignment(_of(element.variable, names), renamed_expression(element.expression, names))
-    if isinstance(element, Exists):
-        return Exists(renamed(element.body, names), element.negated)
-    if isinstance(element, Values):
-        return Values(_all(element.variables, names), element.rows)
-    if isinstance(element, EngineBlock):
+    if isinstance(element, form.Filter):
+        return form.Filter(renamed_expression(element.expression, names))
+    if isinstance(element, form.Assignment):
+        return form.Assignment(_of(element.variable, names), renamed_expression(element.expression, names))
+    if isinstance(element, form.Exists):
+        return form.Exists(renamed(element.body, names), element.negated)
+    if isinstance(element, form.Values):
+        return form.Values(_all(element.variables, names), element.rows)
+    if isinstance(element, form.EngineBlock):
         return _block(element, names)
     return _aggregate(element, names)
 
 
-def renamed_expression(expression: Expression, names: Mapping[Variable, Variable]) -> Expression:
+def renamed_expression(expression: form.Expression, names: Mapping[form.Variable, form.Variable]) -> form.Expression:
     """Return an expression with other variables."""
     spelt = _spelt(names)
     if spelt.keys().isdisjoint(expression.variables):
@@ -63,7 +50,7 @@ def renamed_expression(expression: Expression, names: Mapping[Variable, Variable
     return replace(expression, text=text, variables=expressions.variables(text))
 
 
-def _block(element: EngineBlock, names: Mapping[Variable, Variable]) -> EngineBlock:
+def _block(element: form.EngineBlock, names: Mapping[form.Variable, form.Variable]) -> form.EngineBlock:
     return replace(
         element,
         text=printer.renamed(element.text, _spelt(names)),
@@ -72,7 +59,7 @@ def _block(element: EngineBlock, names: Mapping[Variable, Variable]) -> EngineBl
     )
 
 
-def _aggregate(element: Aggregate, names: Mapping[Variable, Variable]) -> Aggregate:
+def _aggregate(element: form.Aggregate, names: Mapping[form.Variable, form.Variable]) -> form.Aggregate:
     columns = tuple(
         replace(
             column,
@@ -81,16 +68,18 @@ def _aggregate(element: Aggregate, names: Mapping[Variable, Variable]) -> Aggreg
         )
         for column in element.columns
     )
-    return Aggregate(_all(element.keys, names), columns, renamed(element.body, names))
+    return form.Aggregate(_all(element.keys, names), columns, renamed(element.body, names))
 
 
-def _spelt(names: Mapping[Variable, Variable]) -> dict[str, str]:
+def _spelt(names: Mapping[form.Variable, form.Variable]) -> dict[str, str]:
     return {sparql.spelling(old)[1:]: sparql.spelling(new)[1:] for old, new in names.items()}
 
 
-def _of(variable: Variable, names: Mapping[Variable, Variable]) -> Variable:
+def _of(variable: form.Variable, names: Mapping[form.Variable, form.Variable]) -> form.Variable:
     return names.get(variable, variable)
 
 
-def _all(variables: tuple[Variable, ...], names: Mapping[Variable, Variable]) -> tuple[Variable, ...]:
+def _all(
+    variables: tuple[form.Variable, ...], names: Mapping[form.Variable, form.Variable]
+) -> tuple[form.Variable, ...]:
     return tuple(_of(variable, names) for variable in variables)

@@ -7,39 +7,24 @@ from typing import TYPE_CHECKING
 from pyoxigraph import NamedNode
 
 from kg.errors import RuleError
-from kg.rules import sparql
+from kg.rules import form, sparql
 from kg.rules.decompose.blocks import block
 from kg.rules.decompose.groups import Groups
 from kg.rules.decompose.parts import IndivisibleError, Scope
 from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.uses import possible
 from kg.rules.decompose.work import Names, Work, head_variables
-from kg.rules.form import (
-    Aggregate,
-    Assignment,
-    Atom,
-    Element,
-    EngineBlock,
-    Exists,
-    Filter,
-    Rule,
-    Variable,
-    atoms_of,
-    binds,
-    bound_in,
-    mentions,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kg.syntax.tree import RuleText, TriplePattern
 
-Statement = tuple[tuple[Atom, ...], tuple["Element", ...]]
+Statement = tuple[tuple[form.Atom, ...], tuple["form.Element", ...]]
 """A head and a body."""
 
 
-def finished(head: tuple[Atom, ...], body: tuple[Element, ...], names: Names) -> Statement | None:
+def finished(head: tuple[form.Atom, ...], body: tuple[form.Element, ...], names: Names) -> Statement | None:
     """Return a rule's head and body as they stay; None if nothing comes of the part.
 
     IndivisibleError where a block may leave a variable unbound that another element mentions.
@@ -47,23 +32,23 @@ def finished(head: tuple[Atom, ...], body: tuple[Element, ...], names: Names) ->
     body = _printable(body, names)
     head, body = _without_copies(head, body)
     _check_blocks(body)
-    bound = bound_in(body)
-    kept = tuple(atom for atom in head if binds(atom) <= bound)
+    bound = form.bound_in(body)
+    kept = tuple(atom for atom in head if form.binds(atom) <= bound)
     return (kept, body) if kept else None
 
 
-def _expressions(body: Sequence[Element]) -> Iterator[str]:
+def _expressions(body: Sequence[form.Element]) -> Iterator[str]:
     """Yield the names in expressions and blocks at any depth, as they are spelt there."""
     for element in body:
-        if isinstance(element, Filter | Assignment):
+        if isinstance(element, form.Filter | form.Assignment):
             yield from element.expression.variables
-        elif isinstance(element, EngineBlock):
+        elif isinstance(element, form.EngineBlock):
             yield from (sparql.spelling(variable)[1:] for variable in element.variables)
-        elif isinstance(element, Exists | Aggregate):
+        elif isinstance(element, form.Exists | form.Aggregate):
             yield from _expressions(element.body)
 
 
-def _printable(body: tuple[Element, ...], names: Names) -> tuple[Element, ...]:
+def _printable(body: tuple[form.Element, ...], names: Names) -> tuple[form.Element, ...]:
     """Give SPARQL names to variables of blank nodes that are used in expressions or blocks."""
     written = set(_expressions(body))
     hidden = {variable for variable in everywhere(body) if variable.name.startswith(".")}
@@ -71,42 +56,49 @@ def _printable(body: tuple[Element, ...], names: Names) -> tuple[Element, ...]:
     return renamed(body, {variable: names.like(variable) for variable in chosen})
 
 
-def _without_copies(head: tuple[Atom, ...], body: tuple[Element, ...]) -> Statement:
+def _without_copies(head: tuple[form.Atom, ...], body: tuple[form.Element, ...]) -> Statement:
     """Use a variable in the place of one that is assigned its value: a solution has the same term for both."""
     index = 0
     while index < len(body):
         element = body[index]
         source = _copied(element, body[index + 1 :])
-        if source is None or not isinstance(element, Assignment):
+        if source is None or not isinstance(element, form.Assignment):
             index += 1
             continue
         names = {element.variable: source}
         head = tuple(atom.replaced(names) for atom in head)
         # Only where the variable is meant: text may have another of that name inside.
-        rest = (renamed([e], names)[0] if element.variable in mentions(e) else e for e in body[index + 1 :])
+        rest = (renamed([e], names)[0] if element.variable in form.mentions(e) else e for e in body[index + 1 :])
         body = (*body[:index], *rest)
     return head, body
 
 
-def _copied(element: Element, rest: tuple[Element, ...]) -> Variable | None:
+def _copied(element: form.Element, rest: tuple[form.Element, ...]) -> form.Variable | None:
     """Return the variable whose value an element assigns to another that may be replaced in the `rest`."""
-    if not isinstance(element, Assignment) or element.expression.text != f"?{''.join(element.expression.variables)}":
+    if (
+        not isinstance(element, form.Assignment)
+        or element.expression.text != f"?{''.join(element.expression.variables)}"
+    ):
         return None
-    simple = all(isinstance(other, Atom | Filter | Assignment) for other in rest if element.variable in mentions(other))
-    return Variable(element.expression.variables[0]) if simple else None
+    simple = all(
+        isinstance(other, form.Atom | form.Filter | form.Assignment)
+        for other in rest
+        if element.variable in form.mentions(other)
+    )
+    return form.Variable(element.expression.variables[0]) if simple else None
 
 
-def _check_blocks(body: tuple[Element, ...]) -> None:
+def _check_blocks(body: tuple[form.Element, ...]) -> None:
     for index, element in enumerate(body):
-        if isinstance(element, Exists | Aggregate):
+        if isinstance(element, form.Exists | form.Aggregate):
             _check_blocks(element.body)
-        inner = element.body if isinstance(element, Exists) else (element,)
-        open_ends = {variable for one in inner if isinstance(one, EngineBlock) for variable in one.optional}
-        if open_ends and any(open_ends & mentions(one) for one in (*body[:index], *body[index + 1 :])):
+        inner = element.body if isinstance(element, form.Exists) else (element,)
+        open_ends = {variable for one in inner if isinstance(one, form.EngineBlock) for variable in one.optional}
+        if open_ends and any(open_ends & form.mentions(one) for one in (*body[:index], *body[index + 1 :])):
             raise IndivisibleError
 
 
-def decompose(rule: RuleText, name: str, path: str, text: str) -> tuple[Rule, ...]:
+def decompose(rule: RuleText, name: str, path: str, text: str) -> tuple[form.Rule, ...]:
     """Return the rules that together derive what a rule as written derives, and those of its auxiliary predicates.
 
     `text` is the file's, which spans count in, and `path` what places name. The parts count from one; none at all come
@@ -122,7 +114,7 @@ def decompose(rule: RuleText, name: str, path: str, text: str) -> tuple[Rule, ..
         statements = [_whole(work)]
     place = work.place(rule.span)
     every = dict.fromkeys([*statements, *_auxiliary(work, statements)])
-    return tuple(Rule(name, head, body, place, part) for part, (head, body) in enumerate(every, 1))
+    return tuple(form.Rule(name, head, body, place, part) for part, (head, body) in enumerate(every, 1))
 
 
 def _auxiliary(work: Work, statements: list[Statement]) -> Iterator[Statement]:
@@ -130,7 +122,7 @@ def _auxiliary(work: Work, statements: list[Statement]) -> Iterator[Statement]:
     reached: dict[str, None] = {}
     waiting = [body for _, body in statements]
     while waiting:
-        for atom, _ in atoms_of(waiting.pop()):
+        for atom, _ in form.atoms_of(waiting.pop()):
             name = atom.predicate.value if isinstance(atom.predicate, NamedNode) else ""
             if name in work.auxiliary and name not in reached:
                 reached[name] = None
@@ -161,9 +153,9 @@ def _statements(work: Work) -> list[Statement]:
     return [statement for statement in found if statement is not None]
 
 
-def _atom(work: Work, triple: TriplePattern) -> Atom:
+def _atom(work: Work, triple: TriplePattern) -> form.Atom:
     subject, predicate, obj = triple.subject, triple.predicate, triple.object
-    return Atom(subject, predicate, obj, place=work.place(triple.span))  # type: ignore[arg-type]  # a template has no paths
+    return form.Atom(subject, predicate, obj, place=work.place(triple.span))  # type: ignore[arg-type]  # a template has no paths
 
 
 def _whole(work: Work) -> Statement:

@@ -33,39 +33,24 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
 from kg.errors import Place
+from kg.rules import form
 from kg.rules.dependencies import Read, mints, reads, volatile
-from kg.rules.form import (
-    AUXILIARY,
-    Aggregate,
-    Atom,
-    Element,
-    EngineBlock,
-    Exists,
-    Pattern,
-    Rule,
-    TripleTerm,
-    Values,
-    Variable,
-    binds,
-    bound_in,
-    variables_of,
-)
 from kg.rules.stratify import Heads, edges
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
 
-Goal: TypeAlias = tuple[Atom | Values, ...]
+Goal: TypeAlias = tuple[form.Atom | form.Values, ...]
 """Patterns and rows that a query joins: each pattern is asked for as far as the others bind it."""
 
-_ANY: Final = NamedNode(f"{AUXILIARY}any")
+_ANY: Final = NamedNode(f"{form.AUXILIARY}any")
 """Fills the free positions of a demand."""
 _TYPE: Final = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
 _QUERY: Final = "query"
-_X, _Y, _Z, _KEPT = (Variable(name) for name in (".x", ".y", ".z", ".kept"))
+_X, _Y, _Z, _KEPT = (form.Variable(name) for name in (".x", ".y", ".z", ".kept"))
 _Demand: TypeAlias = tuple[NamedNode, str]
-_Conjunct: TypeAlias = Atom | Values
+_Conjunct: TypeAlias = form.Atom | form.Values
 
 _DOUBLE: Final = 2
 """How many atoms a double rule has."""
@@ -75,10 +60,10 @@ _DOUBLE: Final = 2
 class Step:
     """A rule of the left or the right form: its head, the atom of the same predicate, and the atoms next to it."""
 
-    rule: Rule
-    head: Atom
-    recursive: Atom
-    beside: tuple[Atom, ...]
+    rule: form.Rule
+    head: form.Atom
+    recursive: form.Atom
+    beside: tuple[form.Atom, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +71,7 @@ class Recursion:
     """The rules of a predicate, where each has one of the forms above; a double rule goes with exits alone."""
 
     predicate: NamedNode
-    exits: tuple[tuple[Rule, Atom], ...]
+    exits: tuple[tuple[form.Rule, form.Atom], ...]
     right: tuple[Step, ...]
     left: tuple[Step, ...]
     double: bool
@@ -94,27 +79,27 @@ class Recursion:
 
 def exit_of(predicate: NamedNode) -> NamedNode:
     """Return the predicate of the stored triples of a predicate and of the triples of its exits."""
-    return NamedNode(f"{AUXILIARY}exit/{predicate.value}")
+    return NamedNode(f"{form.AUXILIARY}exit/{predicate.value}")
 
 
 def stored_of(predicate: NamedNode) -> NamedNode:
     """Return the predicate of the stored triples of a predicate."""
-    return NamedNode(f"{AUXILIARY}stored/{predicate.value}")
+    return NamedNode(f"{form.AUXILIARY}stored/{predicate.value}")
 
 
 def via_of(predicate: NamedNode, adornment: str) -> NamedNode:
     """Return the predicate that relates an end asked for to the nodes that its steps reach."""
-    return NamedNode(f"{AUXILIARY}via/{adornment}/{predicate.value}")
+    return NamedNode(f"{form.AUXILIARY}via/{adornment}/{predicate.value}")
 
 
 def recursion_of(
-    predicate: NamedNode, rules: Sequence[Rule], recurs: Callable[[Sequence[Element]], bool]
+    predicate: NamedNode, rules: Sequence[form.Rule], recurs: Callable[[Sequence[form.Element]], bool]
 ) -> Recursion | None:
     """Return the rules of a predicate by their forms; None where one has another form, or none is recursive.
 
     `recurs` returns whether elements of a body read, directly or through other rules, what `rules` derive.
     """
-    exits: list[tuple[Rule, Atom]] = []
+    exits: list[tuple[form.Rule, form.Atom]] = []
     right: list[Step] = []
     left: list[Step] = []
     double = False
@@ -135,22 +120,22 @@ def recursion_of(
     return Recursion(predicate, tuple(exits), tuple(right), tuple(left), double)
 
 
-def _is_double(head: Atom, body: Sequence[Element]) -> bool:
+def _is_double(head: form.Atom, body: Sequence[form.Element]) -> bool:
     if len(body) != _DOUBLE:
         return False
     first, second = body
-    if not (isinstance(first, Atom) and isinstance(second, Atom)) or first.asserted or second.asserted:
+    if not (isinstance(first, form.Atom) and isinstance(second, form.Atom)) or first.asserted or second.asserted:
         return False
     if first.predicate != head.predicate or second.predicate != head.predicate:
         return False
     ends = {first.subject, first.object, second.object}
     chained = first.object == second.subject and (first.subject, second.object) == (head.subject, head.object)
-    return chained and len(ends) == _DOUBLE + 1 and all(isinstance(end, Variable) for end in ends)
+    return chained and len(ends) == _DOUBLE + 1 and all(isinstance(end, form.Variable) for end in ends)
 
 
-def _step(rule: Rule, head: Atom, recurs: Callable[[Sequence[Element]], bool]) -> Step | None:
+def _step(rule: form.Rule, head: form.Atom, recurs: Callable[[Sequence[form.Element]], bool]) -> Step | None:
     """Return a rule as one of the left or the right form."""
-    atoms = [element for element in rule.body if isinstance(element, Atom)]
+    atoms = [element for element in rule.body if isinstance(element, form.Atom)]
     recursive = [atom for atom in atoms if atom.predicate == head.predicate and not atom.asserted]
     if len(atoms) < len(rule.body) or len(recursive) != 1:
         return None
@@ -164,9 +149,9 @@ def _step(rule: Rule, head: Atom, recurs: Callable[[Sequence[Element]], bool]) -
         kept, others = head.subject, (head.object, atom.object)
     else:
         return None
-    used = {variable for other in beside for position in other.positions for variable in variables_of(position)}
-    moved = {end for end in others if isinstance(end, Variable)}
-    if not isinstance(kept, Variable) or kept in used or kept in moved or not moved <= used:
+    used = {variable for other in beside for position in other.positions for variable in form.variables_of(position)}
+    moved = {end for end in others if isinstance(end, form.Variable)}
+    if not isinstance(kept, form.Variable) or kept in used or kept in moved or not moved <= used:
         return None
     # What is carried becomes a subject, which a literal cannot be.
     if kept == head.subject and atom.object not in {other.subject for other in beside}:
@@ -178,11 +163,11 @@ def _step(rule: Rule, head: Atom, recurs: Callable[[Sequence[Element]], bool]) -
 class Rewritten:
     """Rules for some goals; `copies` are auxiliary predicates with the one whose stored triples each has to have."""
 
-    rules: tuple[Rule, ...]
+    rules: tuple[form.Rule, ...]
     copies: tuple[tuple[NamedNode, NamedNode], ...]
 
 
-def demanded(rules: Iterable[Rule], goals: Iterable[Goal]) -> Rewritten:
+def demanded(rules: Iterable[form.Rule], goals: Iterable[Goal]) -> Rewritten:
     """Return rules that derive every triple that `rules` derive and that matches a pattern of `goals` within its goal.
 
     They may derive other triples that `rules` derive, and triples of auxiliary predicates. None where no rule is
@@ -194,15 +179,15 @@ def demanded(rules: Iterable[Rule], goals: Iterable[Goal]) -> Rewritten:
 class _Rewriting:
     """One set of rules, rewritten for some goals."""
 
-    def __init__(self, rules: Sequence[Rule], goals: Sequence[Goal]) -> None:
+    def __init__(self, rules: Sequence[form.Rule], goals: Sequence[Goal]) -> None:
         self._rules = rules
         self._goals = goals
         self._heads = Heads(rules)
         self._needs = needs = [set(need) for need in edges(rules)]
-        asked = [atom for goal in goals for atom in goal if isinstance(atom, Atom)]
+        asked = [atom for goal in goals for atom in goal if isinstance(atom, form.Atom)]
         self._reached = _closed((number for atom in asked for number in self._feeding(atom)), needs)
         self._whole = _closed(self._unrestricted(asked), needs)
-        self._found: dict[tuple[str, int, Atom, tuple[Element, ...]], Rule] = {}
+        self._found: dict[tuple[str, int, form.Atom, tuple[form.Element, ...]], form.Rule] = {}
         self._demands: dict[_Demand, None] = {}
         self._recursions: dict[NamedNode, Recursion | None] = {}
         self._copies: dict[NamedNode, NamedNode] = {}
@@ -219,10 +204,10 @@ class _Rewriting:
         whole = (self._rules[number] for number in sorted(self._whole))
         return Rewritten((*whole, *self._found.values()), tuple(self._copies.items()))
 
-    def _feeding(self, atom: Atom) -> Iterator[int]:
+    def _feeding(self, atom: form.Atom) -> Iterator[int]:
         return iter(()) if atom.asserted else self._heads.matching(Read(atom, negated=False))
 
-    def _unrestricted(self, asked: Iterable[Atom]) -> Iterator[int]:
+    def _unrestricted(self, asked: Iterable[form.Atom]) -> Iterator[int]:
         """Yield the rules that are evaluated whole for a reason of their own."""
         for atom in asked:
             if not isinstance(atom.predicate, NamedNode):
@@ -248,11 +233,11 @@ class _Rewriting:
                     if head.predicate == predicate:
                         self._adorn_rule(rule, head, adornment)
 
-    def _deriving(self, predicate: NamedNode) -> list[Rule]:
+    def _deriving(self, predicate: NamedNode) -> list[form.Rule]:
         every = (self._rules[number] for number in sorted(self._reached - self._whole))
         return [rule for rule in every if any(head.predicate == predicate for head in rule.head)]
 
-    def _adorn_rule(self, rule: Rule, head: Atom, adornment: str) -> None:
+    def _adorn_rule(self, rule: form.Rule, head: form.Atom, adornment: str) -> None:
         demand = _demand(head, adornment)
         self._add(replace(rule, head=(head,), body=(*rule.body, demand)))
         self._pass_on(_conjuncts(rule.body), demand)
@@ -263,8 +248,8 @@ class _Rewriting:
             rules = self._deriving(predicate)
             own = {number for number, rule in enumerate(self._rules) if rule in rules}
 
-            def recurs(body: Sequence[Element]) -> bool:
-                read = (read for read in reads(Rule(_QUERY, (), tuple(body), Place(_QUERY))))
+            def recurs(body: Sequence[form.Element]) -> bool:
+                read = (read for read in reads(form.Rule(_QUERY, (), tuple(body), Place(_QUERY))))
                 feeding = (number for one in read for number in self._heads.matching(one))
                 return not own.isdisjoint(_closed(feeding, self._needs))
 
@@ -280,20 +265,20 @@ class _Rewriting:
         """Rewrite the exits of a recursion: stored triples, and rules that do not recur."""
         exits, copy = exit_of(recursion.predicate), stored_of(recursion.predicate)
         self._copies[copy] = recursion.predicate
-        head = Atom(_X, exits, _Z)
-        self._add(Rule(_QUERY, (head,), (Atom(_X, copy, _Z), _demand(head, adornment)), Place(_QUERY)))
+        head = form.Atom(_X, exits, _Z)
+        self._add(form.Rule(_QUERY, (head,), (form.Atom(_X, copy, _Z), _demand(head, adornment)), Place(_QUERY)))
         for rule, derived in recursion.exits:
             self._adorn_rule(rule, replace(derived, predicate=exits), adornment)
 
     def _adorn_recursion(self, recursion: Recursion, adornment: str) -> None:
         """Rewrite a recursion for demand of one end: steps at that end carry it, others add to what is derived."""
         forward = adornment == "bf"
-        head, end = Atom(_X, recursion.predicate, _Z), exit_of(recursion.predicate)
+        head, end = form.Atom(_X, recursion.predicate, _Z), exit_of(recursion.predicate)
         demand = _demand(head, adornment)
-        self._answer(head, (), Atom(_X, end, _Z), demand, adornment)
+        self._answer(head, (), form.Atom(_X, end, _Z), demand, adornment)
         if recursion.double:
-            first = Atom(_X, recursion.predicate, _Y) if forward else Atom(_Y, recursion.predicate, _Z)
-            last = Atom(_Y, end, _Z) if forward else Atom(_X, end, _Y)
+            first = form.Atom(_X, recursion.predicate, _Y) if forward else form.Atom(_Y, recursion.predicate, _Z)
+            last = form.Atom(_Y, end, _Z) if forward else form.Atom(_X, end, _Y)
             self._answer(head, (first,), last, demand, adornment)
         near, far = (recursion.right, recursion.left) if forward else (recursion.left, recursion.right)
         for step in far:
@@ -303,23 +288,28 @@ class _Rewriting:
             here, there = (
                 (step.head.subject, step.recursive.subject) if forward else (step.head.object, step.recursive.object)
             )
-            for start in (_demand(step.head, adornment), Atom(_KEPT, via, here) if forward else Atom(here, via, _KEPT)):
+            for start in (
+                _demand(step.head, adornment),
+                form.Atom(_KEPT, via, here) if forward else form.Atom(here, via, _KEPT),
+            ):
                 kept = _KEPT if start.predicate == via else here
-                reached = Atom(kept, via, there) if forward else Atom(there, via, kept)
+                reached = form.Atom(kept, via, there) if forward else form.Atom(there, via, kept)
                 self._add(replace(step.rule, head=(reached,), body=(*step.beside, start)))
                 self._pass_on(step.beside, start)
         if near:
-            passed = Atom(_X, via, _Y) if forward else Atom(_Y, via, _Z)
-            self._answer(head, (), Atom(_Y, end, _Z) if forward else Atom(_X, end, _Y), passed, adornment)
+            passed = form.Atom(_X, via, _Y) if forward else form.Atom(_Y, via, _Z)
+            self._answer(head, (), form.Atom(_Y, end, _Z) if forward else form.Atom(_X, end, _Y), passed, adornment)
 
-    def _answer(self, head: Atom, before: tuple[Atom, ...], last: Atom, start: Atom, adornment: str) -> None:
+    def _answer(
+        self, head: form.Atom, before: tuple[form.Atom, ...], last: form.Atom, start: form.Atom, adornment: str
+    ) -> None:
         """Add the rule that derives `head` from atoms of which the last one is asked for as far as they bind it."""
-        self._add(Rule(_QUERY, (head,), (*before, last, start), Place(_QUERY)))
+        self._add(form.Rule(_QUERY, (head,), (*before, last, start), Place(_QUERY)))
         if isinstance(last.predicate, NamedNode):
             self._demands[last.predicate, adornment] = None
-        self._add(Rule(_QUERY, (_demand(last, adornment),), (*before, start), Place(_QUERY)))
+        self._add(form.Rule(_QUERY, (_demand(last, adornment),), (*before, start), Place(_QUERY)))
 
-    def _pass_on(self, conjuncts: Sequence[_Conjunct], start: Atom | None) -> None:
+    def _pass_on(self, conjuncts: Sequence[_Conjunct], start: form.Atom | None) -> None:
         """Demand what each atom of a body can add, where the demand `start` and other atoms bind variables of it."""
         remaining = list(conjuncts)
         known = set(_variables(start)) if start else set()
@@ -327,37 +317,39 @@ class _Rewriting:
         while remaining:
             number = min(range(len(remaining)), key=lambda index: self._rank(remaining[index], known))
             chosen = remaining.pop(number)
-            if isinstance(chosen, Atom) and self._derived(chosen):
+            if isinstance(chosen, form.Atom) and self._derived(chosen):
                 self._ask(chosen, known, before, start)
             before.append(chosen)
             known |= set(_variables(chosen))
 
-    def _ask(self, atom: Atom, known: set[Variable], before: Sequence[_Conjunct], start: Atom | None) -> None:
+    def _ask(
+        self, atom: form.Atom, known: set[form.Variable], before: Sequence[_Conjunct], start: form.Atom | None
+    ) -> None:
         """Add the rule that passes demand on to an atom."""
         if isinstance(atom.subject, Literal | Triple) or not isinstance(atom.predicate, NamedNode):
             return
         adornment = "".join("b" if _bound(end, known) else "f" for end in (atom.subject, atom.object))
         self._demands[atom.predicate, adornment] = None
         head = _demand(atom, adornment)
-        body: tuple[Element, ...] = _connected(head, before)
+        body: tuple[form.Element, ...] = _connected(head, before)
         body = (start, *body) if start else body
         if head not in body:
-            self._add(Rule(_QUERY, (head,), body, Place(_QUERY)))
+            self._add(form.Rule(_QUERY, (head,), body, Place(_QUERY)))
 
-    def _add(self, rule: Rule) -> None:
+    def _add(self, rule: form.Rule) -> None:
         self._found.setdefault((rule.name, rule.part, rule.head[0], rule.body), rule)
 
-    def _derived(self, atom: Atom) -> bool:
+    def _derived(self, atom: form.Atom) -> bool:
         return any(number not in self._whole for number in self._feeding(atom))
 
-    def _rank(self, element: _Conjunct, known: set[Variable]) -> tuple[int, int]:
+    def _rank(self, element: _Conjunct, known: set[form.Variable]) -> tuple[int, int]:
         """Return the place of an element in the order in which bindings are passed on; the least comes first.
 
         What is joined with variables known so far comes before what a constant restricts; of these two stored triples
         come before derived ones where they are joined, and after them where only a constant restricts them.
         """
         joined = len(known.intersection(_variables(element)))
-        if isinstance(element, Values):
+        if isinstance(element, form.Values):
             return (0 if joined else 3), -joined
         derived = self._derived(element)
         if joined:
@@ -379,47 +371,47 @@ def _closed(numbers: Iterable[int], needs: Sequence[set[int]]) -> set[int]:
     return found
 
 
-def _simple(head: Atom) -> bool:
+def _simple(head: form.Atom) -> bool:
     """Return whether demand can be stated for a head: for its predicate, and for terms and variables at its ends."""
     return isinstance(head.predicate, NamedNode) and not any(
-        isinstance(end, TripleTerm | BlankNode) for end in (head.subject, head.object)
+        isinstance(end, form.TripleTerm | BlankNode) for end in (head.subject, head.object)
     )
 
 
-def _perhaps_unbound(body: tuple[Element, ...]) -> bool:
+def _perhaps_unbound(body: tuple[form.Element, ...]) -> bool:
     """Return whether a solution may leave a variable unbound: a demand would bind it to what is asked for."""
-    return any(isinstance(one, Aggregate) or (isinstance(one, EngineBlock) and one.optional) for one in body)
+    return any(isinstance(one, form.Aggregate) or (isinstance(one, form.EngineBlock) and one.optional) for one in body)
 
 
-def _demand(atom: Atom, adornment: str) -> Atom:
+def _demand(atom: form.Atom, adornment: str) -> form.Atom:
     """Return the triple that states a demand for an atom."""
     subject, value = (
         end if letter == "b" else _ANY for end, letter in zip((atom.subject, atom.object), adornment, strict=True)
     )
     predicate = atom.predicate.value if isinstance(atom.predicate, NamedNode) else ""
-    return Atom(subject, NamedNode(f"{AUXILIARY}demand/{adornment}/{predicate}"), value)
+    return form.Atom(subject, NamedNode(f"{form.AUXILIARY}demand/{adornment}/{predicate}"), value)
 
 
-def _bound(end: Pattern, known: set[Variable]) -> bool:
+def _bound(end: form.Pattern, known: set[form.Variable]) -> bool:
     # In a head, a blank node would be a new one.
-    return end in known if isinstance(end, Variable) else not isinstance(end, TripleTerm | BlankNode)
+    return end in known if isinstance(end, form.Variable) else not isinstance(end, form.TripleTerm | BlankNode)
 
 
-def _constants(atom: Atom) -> int:
+def _constants(atom: form.Atom) -> int:
     """Count the ends that are terms; a class restricts little."""
     ends = (atom.subject,) if atom.predicate == _TYPE else (atom.subject, atom.object)
-    return sum(not isinstance(end, Variable | TripleTerm) for end in ends)
+    return sum(not isinstance(end, form.Variable | form.TripleTerm) for end in ends)
 
 
-def _variables(element: _Conjunct) -> Iterator[Variable]:
-    if isinstance(element, Values):
+def _variables(element: _Conjunct) -> Iterator[form.Variable]:
+    if isinstance(element, form.Values):
         yield from element.variables
         return
     for position in element.positions:
-        yield from variables_of(position)
+        yield from form.variables_of(position)
 
 
-def _connected(head: Atom, elements: Sequence[_Conjunct]) -> tuple[_Conjunct, ...]:
+def _connected(head: form.Atom, elements: Sequence[_Conjunct]) -> tuple[_Conjunct, ...]:
     """Return the elements that restrict the variables of a head, directly or through others, in their order."""
     reached = set(_variables(head))
     kept: set[int] = set()
@@ -434,23 +426,23 @@ def _connected(head: Atom, elements: Sequence[_Conjunct]) -> tuple[_Conjunct, ..
     return tuple(elements[index] for index in sorted(kept))
 
 
-def _conjuncts(body: tuple[Element, ...]) -> list[_Conjunct]:
+def _conjuncts(body: tuple[form.Element, ...]) -> list[_Conjunct]:
     """Return the elements of a body that bind variables: its atoms and rows, and the atoms of positive EXISTS."""
-    return [*(atom for _, atom in _atoms(body)), *(element for element in body if isinstance(element, Values))]
+    return [*(atom for _, atom in _atoms(body)), *(element for element in body if isinstance(element, form.Values))]
 
 
 def _atoms(
-    body: tuple[Element, ...], names: dict[Variable, Variable] | None = None, mark: str = ""
-) -> Iterator[tuple[Atom, Atom]]:
+    body: tuple[form.Element, ...], names: dict[form.Variable, form.Variable] | None = None, mark: str = ""
+) -> Iterator[tuple[form.Atom, form.Atom]]:
     """Yield the atoms that a body joins, each also with the variables that only an EXISTS has renamed apart."""
     names = dict(names or {})
     for index, element in enumerate(body):
-        if isinstance(element, Atom):
-            yield element, element.replaced({each: _name(each, names, mark) for each in binds(element)})
-        elif isinstance(element, Exists) and not element.negated:
-            outer = {variable: _name(variable, names, mark) for variable in {*names, *bound_in(body[:index])}}
+        if isinstance(element, form.Atom):
+            yield element, element.replaced({each: _name(each, names, mark) for each in form.binds(element)})
+        elif isinstance(element, form.Exists) and not element.negated:
+            outer = {variable: _name(variable, names, mark) for variable in {*names, *form.bound_in(body[:index])}}
             yield from _atoms(element.body, outer, f"{mark} {index}")
 
 
-def _name(variable: Variable, names: dict[Variable, Variable], mark: str) -> Variable:
-    return names.get(variable) or (Variable(f"{variable.name}{mark}") if mark else variable)
+def _name(variable: form.Variable, names: dict[form.Variable, form.Variable], mark: str) -> form.Variable:
+    return names.get(variable) or (form.Variable(f"{variable.name}{mark}") if mark else variable)

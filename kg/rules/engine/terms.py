@@ -9,6 +9,7 @@ from zlib import crc32
 import numpy as np
 from pyoxigraph import Triple
 
+from kg.rules.engine.facts import distinct
 from kg.store.terms import Term, of_spelling, spell
 
 if TYPE_CHECKING:
@@ -81,6 +82,12 @@ class Kept:
         """Return many spellings."""
         text, begins, ends = self.text, self.ends[places].tolist(), self.ends[places + 1].tolist()
         return [bytes(text[begin:end]) for begin, end in zip(begins, ends, strict=True)]
+
+    def beginnings(self, places: NDArray[np.int64]) -> NDArray[np.uint16]:
+        """Return the first two bytes of some spellings, as little-endian numbers, without the rest."""
+        text, begins = np.frombuffer(self.text, np.uint8), self.ends[places]
+        pairs = np.stack([text[begins], text[begins + 1]], axis=1)
+        return pairs.view("<u2").ravel()
 
     def find(self, spelling: bytes) -> int | None:
         """Return the place of a spelling."""
@@ -253,10 +260,23 @@ class Dictionary:
             self._kinds = grown
         found: NDArray[np.int8] = self._kinds[identifiers]
         if not found.all():
-            missing = np.unique(identifiers[found == 0])
-            beginnings = b"".join([spelling[:2] or b"\0\0" for spelling in self.spellings(missing)])
-            self._kinds[missing] = _KINDS[np.frombuffer(beginnings, "<u2")]
+            missing = distinct(identifiers[found == 0])
+            self._kinds[missing] = _KINDS[self._beginnings(missing)]
             found = self._kinds[identifiers]
+        return found
+
+    def _beginnings(self, identifiers: NDArray[np.int64]) -> NDArray[np.uint16]:
+        """Return the first two bytes of the spelling of each term, as a little-endian number."""
+        known = self._identifiers
+        found = np.zeros(identifiers.size, np.uint16)
+        for first, kept in known.kept:
+            places = np.flatnonzero((identifiers >= first) & (identifiers < first + len(kept)))
+            if places.size:
+                found[places] = kept.beginnings(identifiers[places] - first)
+        places = np.flatnonzero(identifiers >= known.first)
+        numbers = (identifiers[places] - known.first).tolist()
+        text = b"".join([known.recent[number][:2] or b"\0\0" for number in numbers])
+        found[places] = np.frombuffer(text, "<u2")
         return found
 
     def intern_triple(self, subject: int, predicate: int, value: int) -> int:

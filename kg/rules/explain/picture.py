@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 from xml.sax.saxutils import escape
 
+from kg.render.svg import stylesheet
 from kg.rules.explain.text import Line, proof_lines
 
 if TYPE_CHECKING:
@@ -17,15 +18,6 @@ _ROW: Final = 22
 _CHAR: Final = 7.9
 _STEP: Final = 22
 _MARGIN: Final = 16
-_STYLE: Final = """
-  text { font: 13px ui-monospace, monospace; fill: #1f2328; }
-  .rule { fill: #0550ae; } .bindings, .condition { fill: #57606a; } .place { fill: #116329; }
-  .fact { font-weight: 600; } line { stroke: #afb8c1; }
-  @media (prefers-color-scheme: dark) {
-    text { fill: #e6edf3; } .rule { fill: #79c0ff; } .bindings, .condition { fill: #9198a1; } .place { fill: #7ee787; }
-    line { stroke: #3d444d; }
-  }
-"""
 
 
 def picture(proofs: Sequence[Proof], view: View) -> str:
@@ -38,7 +30,7 @@ def picture(proofs: Sequence[Proof], view: View) -> str:
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height}" width="{width:.0f}" '
         f'height="{height}" role="img" aria-label="Proof of {escape(title, {chr(34): "&quot;"})}">\n'
-        f"<title>{title}</title>\n<style>{_STYLE}</style>\n{body}\n</svg>\n"
+        f"<title>{title}</title>\n<style>\n{stylesheet('proof')}\n</style>\n{body}\n</svg>\n"
     )
 
 

@@ -6,23 +6,10 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import TYPE_CHECKING, Final
 
+from kg.rules import form
 from kg.rules.explain.derivations import bound_by
 from kg.rules.explain.proof import Attempt, WhyNot
 from kg.rules.explain.unify import filled, heads, instance, instances
-from kg.rules.form import (
-    Aggregate,
-    Atom,
-    Element,
-    Exists,
-    Filter,
-    Pattern,
-    Rule,
-    Term,
-    Values,
-    Variable,
-    binds,
-    mentions,
-)
 from kg.similar import similar
 
 if TYPE_CHECKING:
@@ -39,7 +26,9 @@ _ALIKE: Final = 0.4
 """Names less alike than this are not worth mentioning."""
 
 
-def nearest(view: View, atom: Atom, solutions: Sequence[dict[str, Term]]) -> tuple[dict[str, Term], tuple[str, ...]]:
+def nearest(
+    view: View, atom: form.Atom, solutions: Sequence[dict[str, form.Term]]
+) -> tuple[dict[str, form.Term], tuple[str, ...]]:
     """Return the solution under which `atom` comes closest to something that is there, and sentences about that."""
     ranked = [
         (score, text, solution)
@@ -53,7 +42,7 @@ def nearest(view: View, atom: Atom, solutions: Sequence[dict[str, Term]]) -> tup
 
 
 def _alternatives(
-    view: View, subject: Term | None, predicate: Term | None, value: Term | None
+    view: View, subject: form.Term | None, predicate: form.Term | None, value: form.Term | None
 ) -> Iterator[tuple[float, str]]:
     """Yield existing alternatives to a missing triple, with their similarity (1: the same)."""
     if predicate is None:
@@ -76,7 +65,7 @@ def _alternatives(
             )
 
 
-def _likeness(view: View, wanted: Term | None, other: Term) -> float:
+def _likeness(view: View, wanted: form.Term | None, other: form.Term) -> float:
     """Compare the labels of both, and the last parts of their names; return the higher similarity."""
     if wanted is None:
         return 1.0
@@ -84,7 +73,7 @@ def _likeness(view: View, wanted: Term | None, other: Term) -> float:
     return max(SequenceMatcher(None, *pair).ratio() for pair in pairs)
 
 
-def _last(term: Term) -> str:
+def _last(term: form.Term) -> str:
     text = str(term).rstrip(">/#")
     return text[max(text.rfind("/"), text.rfind("#")) + 1 :]
 
@@ -111,7 +100,7 @@ _DEPTH: Final = 3
 _LATE: Final = 10
 
 
-def why_not(view: View, rules: tuple[Rule, ...], fact: Triple, *, depth: int = _DEPTH) -> WhyNot:
+def why_not(view: View, rules: tuple[form.Rule, ...], fact: Triple, *, depth: int = _DEPTH) -> WhyNot:
     """Return how far each rule comes that could derive `fact`; `depth` bounds how far missing premises are followed."""
     inquiry = _Inquiry(view, rules)
     return inquiry.about(fact, depth)
@@ -120,7 +109,7 @@ def why_not(view: View, rules: tuple[Rule, ...], fact: Triple, *, depth: int = _
 @dataclass(frozen=True, slots=True)
 class _Inquiry:
     view: View
-    rules: tuple[Rule, ...]
+    rules: tuple[form.Rule, ...]
 
     def about(self, fact: Triple, depth: int) -> WhyNot:
         attempts = [self._attempt(rule, bindings, depth) for rule, bindings in heads(self.rules, fact)]
@@ -128,10 +117,10 @@ class _Inquiry:
         ordered = sorted(unique.values(), key=lambda each: (-len(each.held), str(each.rule)))
         return WhyNot(fact, tuple(ordered), instead(self.view, fact))
 
-    def _attempt(self, rule: Rule, bindings: dict[str, Term], depth: int) -> Attempt:
+    def _attempt(self, rule: form.Rule, bindings: dict[str, form.Term], depth: int) -> Attempt:
         """Extend the matching part of the body element by element, until no solution is left."""
         order = _ordered(rule.body, bindings)
-        solutions: list[dict[str, Term]] = [dict(bindings)]
+        solutions: list[dict[str, form.Term]] = [dict(bindings)]
         for index, element in enumerate(order):
             so_far = order[: index + 1]
             following = self.view.solutions(so_far, bound_by(so_far), bindings, _SAMPLES)
@@ -142,11 +131,16 @@ class _Inquiry:
         return Attempt(rule, _named(solutions[0]), instances(order, solutions[0]), None, text)
 
     def _failure(
-        self, rule: Rule, before: Sequence[Element], element: Element, solutions: list[dict[str, Term]], depth: int
+        self,
+        rule: form.Rule,
+        before: Sequence[form.Element],
+        element: form.Element,
+        solutions: list[dict[str, form.Term]],
+        depth: int,
     ) -> Attempt:
         chosen, deeper = solutions[0], None
         others: tuple[str, ...] = ()
-        if isinstance(element, Atom):
+        if isinstance(element, form.Atom):
             chosen, others = nearest(self.view, element, solutions)
             missing = instance(element, chosen)
             if (
@@ -156,68 +150,68 @@ class _Inquiry:
                 and self._worth_following(rule, before, missing)
             ):
                 deeper = self.about(missing, depth - 1)
-        elif isinstance(element, Exists) and element.negated:
+        elif isinstance(element, form.Exists) and element.negated:
             others = tuple(self._blocking(element, chosen))
         text = self._missing(element, chosen)
         return Attempt(rule, _named(chosen), instances(before, chosen), element, text, others, deeper)
 
-    def _worth_following(self, rule: Rule, before: Sequence[Element], missing: Triple) -> bool:
+    def _worth_following(self, rule: form.Rule, before: Sequence[form.Element], missing: Triple) -> bool:
         """Return whether rules could derive a premise, and it is not the first of a rule that fits every property."""
-        general = any(isinstance(atom.predicate, Variable) for atom in rule.head)
+        general = any(isinstance(atom.predicate, form.Variable) for atom in rule.head)
         return (bool(before) or not general) and any(True for _ in heads(self.rules, missing))
 
-    def _blocking(self, element: Exists, solution: Mapping[str, Term]) -> Iterator[str]:
+    def _blocking(self, element: form.Exists, solution: Mapping[str, form.Term]) -> Iterator[str]:
         """Return which facts exist that must not."""
         for inner in self.view.solutions(element.body, bound_by(element.body), solution, 1):
             for fact in instances(element.body, inner):
                 yield f"there is {self.view.sentence(fact)}"
 
-    def _missing(self, element: Element, solution: Mapping[str, Term]) -> str:
-        if isinstance(element, Atom):
+    def _missing(self, element: form.Element, solution: Mapping[str, form.Term]) -> str:
+        if isinstance(element, form.Atom):
             subject, predicate, value = (self._shown(position, solution) for position in element.positions)
             return f"no {subject} {predicate} {value}"
-        known = [each for each in sorted(mentions(element), key=str) if each.name in solution]
+        known = [each for each in sorted(form.mentions(element), key=str) if each.name in solution]
         values = ", ".join(f"{each} = {self.view.label(solution[each.name])}" for each in known)
         suffix = f" where {values}" if values else ""
-        if isinstance(element, Filter):
+        if isinstance(element, form.Filter):
             return f"{self.view.brief(element)} is not true{suffix}"
         return f"{self.view.brief(element)} fails{suffix}"
 
-    def _shown(self, position: Pattern, solution: Mapping[str, Term]) -> str:
+    def _shown(self, position: form.Pattern, solution: Mapping[str, form.Term]) -> str:
         term = filled(position, solution)
         if term is None:
-            return str(position) if isinstance(position, Variable) and not position.name.startswith(".") else "[]"
-        return self.view.label(term) if isinstance(position, Variable) else self.view.spelt(term)
+            return str(position) if isinstance(position, form.Variable) and not position.name.startswith(".") else "[]"
+        return self.view.label(term) if isinstance(position, form.Variable) else self.view.spelt(term)
 
 
-def _named(solution: Mapping[str, Term]) -> dict[str, Term]:
+def _named(solution: Mapping[str, form.Term]) -> dict[str, form.Term]:
     return {name: term for name, term in solution.items() if not name.startswith(".")}
 
 
-def _ordered(body: Sequence[Element], bindings: Mapping[str, Term]) -> list[Element]:
+def _ordered(body: Sequence[form.Element], bindings: Mapping[str, form.Term]) -> list[form.Element]:
     """Return a body with the atoms first that have the most positions bound, as one would look at it by hand.
 
     Everything else keeps its place behind what binds its variables.
     """
-    waiting, known = list(body), {Variable(name) for name in bindings}
-    order: list[Element] = []
+    waiting, known = list(body), {form.Variable(name) for name in bindings}
+    order: list[form.Element] = []
     while waiting:
         ready = [element for element in waiting if _ready(element, waiting, known)]
         chosen = min(ready or waiting[:1], key=lambda element: _free(element, known))
         waiting.remove(chosen)
         order.append(chosen)
-        known |= binds(chosen)
+        known |= form.binds(chosen)
     return order
 
 
-def _ready(element: Element, waiting: Sequence[Element], known: set[Variable]) -> bool:
+def _ready(element: form.Element, waiting: Sequence[form.Element], known: set[form.Variable]) -> bool:
     """Return whether nothing that is before an element and is still waiting binds what it needs."""
-    if isinstance(element, Atom | Values | Aggregate):
+    if isinstance(element, form.Atom | form.Values | form.Aggregate):
         return True
     before = waiting[: waiting.index(element)]
-    later = {variable for other in before for variable in binds(other)} - known
-    return not later & mentions(element)
+    later = {variable for other in before for variable in form.binds(other)} - known
+    return not later & form.mentions(element)
 
 
-def _free(element: Element, known: set[Variable]) -> int:
-    return len(binds(element) - known) if isinstance(element, Atom) else _LATE
+def _free(element: form.Element, known: set[form.Variable]) -> int:
+    return len(form.binds(element) - known) if isinstance(element, form.Atom) else _LATE

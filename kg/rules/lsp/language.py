@@ -16,7 +16,6 @@ from kg.syntax.names import PREFIXES
 from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from kg.rules.lsp.symbols import DefinedTerm, Terms
@@ -74,8 +73,8 @@ def complete(text: str, offset: int, suffix: str, terms: Terms) -> list[Suggesti
     word = match.group() if match else ""
     start = offset - len(word)
     if word[:1] in {"?", "$"}:
-        others = sorted({each for each in _variables(text) if each[1:] != word[1:]})
-        return [Suggestion(each, "variable", start) for each in others]
+        names = {token.text for token in tokens(text) if token.kind is Kind.VARIABLE and token.text[1:] != word[1:]}
+        return [Suggestion(each, "variable", start) for each in sorted(names)]
     prefix, colon, _ = word.partition(":")
     if colon:
         namespace = prefixes_of(text).get(prefix)
@@ -91,10 +90,6 @@ def complete(text: str, offset: int, suffix: str, terms: Terms) -> list[Suggesti
 def _suggested(term: DefinedTerm, prefix: str, namespace: str, start: int) -> Suggestion:
     text = f"{prefix}:{term.iri.removeprefix(namespace)}"
     return Suggestion(text, "term", start, f"{term.kind} {term.label}".strip(), term.described())
-
-
-def _variables(text: str) -> Iterator[str]:
-    return (token.text for token in tokens(text) if token.kind is Kind.VARIABLE)
 
 
 def hover(text: str, offset: int, path: Path, name: str, terms: Terms) -> str | None:

@@ -40,13 +40,10 @@ def _lines(rule: Rule, strata: Sequence[int]) -> Iterator[str]:
 
 
 def _listed(title: str, atoms: Iterable[Atom]) -> Iterator[str]:
-    names = sorted({sparql.term(atom.predicate) if _is_name(atom) else "any" for atom in atoms})
+    terms = (sparql.term(atom.predicate) for atom in atoms)
+    names = sorted({term if term.startswith("<") else "any" for term in terms})
     if names:
         yield f"  {title:<13} {' '.join(names)}"
-
-
-def _is_name(atom: Atom) -> bool:
-    return sparql.term(atom.predicate).startswith("<")
 
 
 def _atom(atom: Atom) -> str:

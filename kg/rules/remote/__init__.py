@@ -1,4 +1,4 @@
-"""Rules on a SPARQL 1.1 server: the fixpoint is reached by updates that the server runs; no triple leaves it."""
+"""Rules on a SPARQL 1.1 server: updates on the server reach the fixpoint; no triple is transferred."""
 
 from __future__ import annotations
 

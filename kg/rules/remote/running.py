@@ -1,24 +1,21 @@
-"""Runs a rule set on a server, stratum by stratum, each to its fixpoint by rounds on what the last one added.
+"""Runs a rule set on a server by SPARQL updates, stratum by stratum, each to its fixpoint by semi-naive rounds.
 
-The graph of inferred triples changes in the last request only: whatever fails before leaves it as it was. Blank nodes
-in heads are made by the server: they differ from run to run, and from those of the embedded engine, in their labels.
+The graph of inferred triples changes only in the last request, so a failure before leaves it unchanged. Blank nodes in
+heads are created by the server, with labels that differ in each run.
 
-The asserted triples in one graph: the only one of the server, or a copy from several of what rules read.
+The asserted triples are in one graph: the server's only one, or a copy of the parts of several that rules read. A run
+has these temporary graphs:
 
-The temporary graphs of one run on a server.
-
-    <inferred>/delta-3f2a/asserted      what rules read as asserted, each triple once
-    <inferred>/delta-3f2a/derived       what was derived so far; becomes <inferred> at the end
-    <inferred>/delta-3f2a/new           what rules gave in this round, known or not
-    <inferred>/delta-3f2a/delta         what was new in the last round
+    <inferred>/delta-3f2a/asserted      asserted triples, without duplicates
+    <inferred>/delta-3f2a/derived       derived triples so far; becomes <inferred> at the end
+    <inferred>/delta-3f2a/new           results of rules in this round, known or not
+    <inferred>/delta-3f2a/delta         new triples of the last round
     <inferred>/delta-3f2a/auxiliary...  the last three for predicates that decomposition introduced
-    <inferred>/delta-3f2a/stated        triples that rule files state and nothing else asserts
+    <inferred>/delta-3f2a/stated        triples that only rule files state
 
-`asserted` and `derived` share nothing, so rules that read both meet each triple once: what a server makes of a triple
-that two graphs have differs, and aggregates would count it twice. Auxiliary triples have graphs of their own, for a
-variable in the place of a predicate must not match them.
-
-A rule as an update that adds its derivations to the graph of new triples, from all data or from a delta.
+`asserted` and `derived` are disjoint, so rules that read both see each triple once: servers differ on duplicates in two
+graphs, and aggregates would count them twice. Auxiliary triples have separate graphs, since a variable predicate must
+not match them.
 """
 
 from __future__ import annotations
@@ -61,7 +58,7 @@ if TYPE_CHECKING:
     from kg.store.remote import RemoteSnapshot, RemoteStore
 
 _GRACE_SECONDS: Final = 2.0
-"""How long a server has behind the deadline for the update that it is at, which else might come after the clean-up."""
+"""Seconds for a server to finish the current update after the deadline, before the clean-up."""
 
 _ANY: Final = "?s ?p ?o"
 _OF_VIRTUOSO: Final = (
@@ -69,12 +66,12 @@ _OF_VIRTUOSO: Final = (
     "<http://localuriqaserver/sparql>",
     "<http://www.w3.org/ns/ldp#>",
 )
-"""Graphs of each of its databases, where its settings and vocabularies stand."""
+"""System graphs of every Virtuoso database."""
 
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """Where triples of one kind go: all that were derived, those of this round, and the new ones of the last."""
+    """The graphs for one kind of triple: all derived ones, those of this round, and the new ones of the last."""
 
     derived: NamedNode
     new: NamedNode
@@ -83,7 +80,7 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class Graphs:
-    """The graphs of one run; `asserted` is one of the server's own where it has a single one."""
+    """The graphs of one run; `asserted` is one of the server's own if it has a single one."""
 
     prefix: str
     asserted: NamedNode
@@ -93,7 +90,7 @@ class Graphs:
 
     @classmethod
     def below(cls, inferred: NamedNode) -> Graphs:
-        """Return names that no other run has."""
+        """Return unused names of graphs."""
         prefix = f"{inferred.value}/delta-{uuid4().hex[:8]}/"
 
         def named(name: str) -> NamedNode:
@@ -106,16 +103,16 @@ class Graphs:
 
     @property
     def channels(self) -> tuple[Channel, Channel]:
-        """That of plain triples and that of auxiliary ones."""
+        """The channels of plain and of auxiliary triples."""
         return self.plain, self.auxiliary
 
     def channel(self, predicate: Pattern) -> Channel:
-        """Return where triples of a predicate go."""
+        """Return the channel for triples of a predicate."""
         return self.auxiliary if is_auxiliary(predicate) else self.plain
 
     @property
     def temporary(self) -> list[NamedNode]:
-        """All graphs that the run makes."""
+        """All temporary graphs of the run."""
         made = [graph for each in self.channels for graph in (each.derived, each.new, each.delta)]
         return [*made, self.stated, NamedNode(self.prefix + "asserted")]
 
@@ -126,10 +123,10 @@ def first_update(rule: Rule, graphs: Graphs) -> str:
 
 
 def next_update(rule: Rule, stratum: Stratum, graphs: Graphs) -> str | None:
-    """Return the update that applies a rule to what is new since the last round, None for one that reads none of it.
+    """Return the update that applies a rule to the delta of the last round, None if it does not read any.
 
-    For each atom that a rule of the stratum feeds there is one reading in which that atom is taken from the delta. A
-    block of SPARQL cannot be read so: a rule with one that the stratum feeds is applied to everything.
+    For each atom that a rule of the stratum feeds, one variant takes that atom from the delta. A block of SPARQL cannot
+    be split, so a rule with a fed block is applied to everything.
     """
     heads = [head for other in stratum.rules for head in writes(other)]
     if _fed_block(rule, heads):
@@ -143,7 +140,7 @@ def _insert(rule: Rule, bodies: Sequence[tuple[Element, ...]], graphs: Graphs) -
     groups = [group(body) for body in bodies]
     where = groups[0] if len(groups) == 1 else "\nUNION\n".join(f"{{\n{text}\n}}" for text in groups)
     if any(has_blank(position) for atom in rule.head for position in atom.positions):
-        # Each solution gives one blank node, however many of the readings find it.
+        # Each solution gives one blank node, however many variants find it.
         names = " ".join(sorted(map(spelling, bound_in(rule.body)))) or "*"
         where = f"{{ SELECT DISTINCT {names} WHERE {{\n{where}\n}} }}"
     read = (graphs.asserted, graphs.plain.derived)
@@ -179,12 +176,12 @@ def _fed_block(rule: Rule, heads: Sequence[Atom]) -> bool:
 
 
 def _variants(body: tuple[Element, ...], heads: Sequence[Atom], graphs: Graphs) -> Iterator[tuple[Element, ...]]:
-    """Yield a body once for each of its atoms that `heads` feed, with that atom read from the delta."""
+    """Yield a variant of a body for each of its atoms that `heads` feed, with that atom read from the delta."""
     for index, element in enumerate(body):
         before, behind = body[:index], body[index + 1 :]
         if isinstance(element, Atom) and not element.asserted and any(depends(element, head) for head in heads):
             atom = _at(element, graphs.channel(element.predicate).delta)
-            # The delta is small, and servers join from left to right where they know no better.
+            # The delta is small, and some servers join from left to right.
             moved = (atom, *before, *behind) if _may_lead(atom, before) else (*before, atom, *behind)
             yield _placed(moved, graphs)
         elif isinstance(element, Exists) and not element.negated:
@@ -193,7 +190,7 @@ def _variants(body: tuple[Element, ...], heads: Sequence[Atom], graphs: Graphs) 
 
 
 def _may_lead(atom: Atom, before: Sequence[Element]) -> bool:
-    """Return whether an atom means the same in front of what is before it, which then sees what it binds."""
+    """Return whether an atom may move before the elements in front of it, which then use its bindings."""
     bound = binds(atom)
     seen = frozenset[object]()
     for element in before:
@@ -207,7 +204,7 @@ def _may_lead(atom: Atom, before: Sequence[Element]) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Sources:
-    """The graphs of asserted triples: named ones, by a condition on `?g`, and perhaps the default graph."""
+    """The graphs of asserted triples: named ones, by a condition on `?g`, and possibly the default graph."""
 
     named: tuple[NamedNode, ...]
     condition: str
@@ -215,13 +212,13 @@ class Sources:
 
     @classmethod
     def chosen(cls, graphs: Sequence[NamedNode | DefaultGraph]) -> Sources:
-        """Return the graphs that somebody named."""
+        """Return the named graphs as sources."""
         named = tuple(graph for graph in graphs if isinstance(graph, NamedNode))
         return cls(named, f"?g IN ({', '.join(map(str, named))})", len(named) < len(graphs))
 
     @classmethod
     def all_but(cls, inferred: NamedNode, snapshot: RemoteSnapshot) -> Sources:
-        """Return all graphs but `inferred`, what is below it, its sibling `builds`, and those of the server's own."""
+        """Return all graphs but `inferred`, those below it, its sibling `builds`, and the server's system graphs."""
         builds = f"<{inferred.value.rpartition('/')[0]}/builds>"
         left = ", ".join([str(inferred), builds, *_OF_VIRTUOSO])
         condition = f'?g NOT IN ({left}) && !STRSTARTS(STR(?g), "{inferred.value}/")'
@@ -231,12 +228,12 @@ class Sources:
 
 
 def gather(store: RemoteStore, graphs: Graphs, sources: Sources, rule_set: RuleSet) -> Graphs:
-    """Make the asserted graph, with what rule files state, and return `graphs` with its name.
+    """Create the asserted graph, including triples that rule files state, and return `graphs` with its name.
 
-    A single named graph is read where it is. Otherwise the triples whose predicates rules read or write are copied.
+    A single named graph is read in place. Otherwise triples are copied whose predicates rules read or write.
 
     Raises:
-        StoreError: KG225 when the server fails.
+        StoreError: KG225 the server failed.
     """
     apart = _default_pattern(store, graphs) if sources.default else None
     if len(sources.named) == 1 and not apart and not rule_set.data:
@@ -257,10 +254,10 @@ def _copy(graphs: Graphs, shape: str, pattern: str) -> str:
 
 
 def _default_pattern(store: RemoteStore, graphs: Graphs) -> str | None:
-    """Return the pattern for what is in the default graph, None when it is empty.
+    """Return the pattern of the default graph, None if it is empty.
 
-    On some servers the default graph of a query is the union of all. A probe detects this; then only
-    triples that no named graph has are known to be in the default graph.
+    On some servers the default graph of a query is the union of all. A probe detects this; then only triples in no
+    named graph are known to be in the default graph.
     """
     probe = f"{graphs.stated} {graphs.stated} {graphs.stated}"
     store.update(f"INSERT DATA {{ GRAPH {graphs.stated} {{ {probe} }} }}")
@@ -272,12 +269,12 @@ def _default_pattern(store: RemoteStore, graphs: Graphs) -> str | None:
 
 
 def _some(snapshot: RemoteSnapshot, pattern: str) -> bool:
-    """Return whether a pattern has a solution; to ASK, Virtuoso answers with a row."""
+    """Return whether a pattern has a solution; Virtuoso answers ASK with a row."""
     return next(iter(snapshot.rows(f"SELECT * WHERE {{ {pattern} }} LIMIT 1")), None) is not None
 
 
 def _stated(graphs: Graphs, rule_set: RuleSet) -> Iterator[str]:
-    """Add what rule files state to the asserted graph, and keep what nothing else asserts in a graph of its own."""
+    """Add triples stated by rule files to the asserted graph; those not asserted elsewhere also to their own."""
     if not rule_set.data:
         return
     triples = (serialize(rule_set.data, format=RdfFormat.N_TRIPLES) or b"").decode()
@@ -288,7 +285,7 @@ def _stated(graphs: Graphs, rule_set: RuleSet) -> Iterator[str]:
 
 
 def predicates_of(rule_set: RuleSet) -> frozenset[NamedNode] | None:
-    """Return the predicates that rules read, write or state, None when they may be any."""
+    """Return the predicates that rules read, write or state, None if any is possible."""
     found: set[NamedNode] = set()
     heads = (atom for rule in rule_set.rules for atom in rule.head)
     for part in [*heads, *(part for rule in rule_set.rules for part, _ in readers_of(rule.body))]:
@@ -305,9 +302,9 @@ def predicates_of(rule_set: RuleSet) -> frozenset[NamedNode] | None:
 
 @dataclass(frozen=True, slots=True)
 class StratumReport:
-    """Results of rules of a stratum that run together: their names, rounds, the triples they added.
+    """The results of a stratum's rules that run together: their names, rounds, and added triples.
 
-    `derived` counts auxiliary triples too; `number` is that of the stratum, which may have several such groups.
+    `derived` includes auxiliary triples; `number` is that of the stratum, which may have several such groups.
     """
 
     number: int
@@ -319,7 +316,7 @@ class StratumReport:
 
 @dataclass(frozen=True, slots=True)
 class RemoteReport:
-    """Results of a run: the number of inferred triples in the graph, and the time it took."""
+    """The results of a run: the number of inferred triples in the graph, and the time."""
 
     inferred: int
     seconds: float
@@ -334,15 +331,15 @@ def run(
     asserted_graphs: Sequence[NamedNode | DefaultGraph] | None = None,
     limits: Limits | None = None,
 ) -> RemoteReport:
-    """Give `inferred_graph` on the server what the rules derive from the asserted graphs, and nothing else.
+    """Replace the content of `inferred_graph` on the server by the triples inferred from the asserted graphs.
 
-    Without `asserted_graphs` those are all but `inferred_graph`, graphs below it, and its sibling `builds`. One run
-    at a time: two that end at once leave the triples of the later one.
+    The default `asserted_graphs` are all but `inferred_graph`, graphs below it, and its sibling `builds`. Runs must not
+    overlap: the last one to finish determines the result.
 
     Raises:
-        RuleError: KG202 and KG204 as `stratify`, KG205 when a limit is reached, KG209 for a blank node of the data
-            in a body, which SPARQL cannot say.
-        StoreError: KG225 when the server fails.
+        RuleError: KG202 and KG204 as `stratify`, KG205 a limit is reached, KG209 a blank node of the data in a body,
+            which SPARQL cannot express.
+        StoreError: KG225 the server failed.
     """
     limits = limits or Limits()
     began = time.monotonic()
@@ -367,7 +364,7 @@ def _results(graphs: Graphs, inferred: NamedNode) -> tuple[NamedNode, NamedNode,
 
 @contextmanager
 def _dropped_at_the_end(store: RemoteStore, graphs: Graphs) -> Iterator[None]:
-    """Drop the temporary graphs after the body; a failure of the body is the one reported."""
+    """Drop the temporary graphs after the body; a failure of the body takes precedence."""
     drop = " ;\n".join(f"DROP SILENT GRAPH {graph}" for graph in graphs.temporary)
     try:
         yield
@@ -379,7 +376,7 @@ def _dropped_at_the_end(store: RemoteStore, graphs: Graphs) -> Iterator[None]:
 
 
 class _Run:
-    """The state of one run: its graphs are on the server, its count of triples is here."""
+    """The state of one run: its graphs are on the server, its counts of triples here."""
 
     def __init__(self, store: RemoteStore, graphs: Graphs, limits: Limits) -> None:
         self._store = store
@@ -406,7 +403,7 @@ class _Run:
         return StratumReport(stratum.level, names, rounds, derived, time.monotonic() - began)
 
     def _round(self, updates: dict[str, str], channels: Sequence[Channel], number: int) -> int:
-        """Apply rules and return how many triples are new; those are the delta now."""
+        """Apply rules and return the number of new triples, which are the next delta."""
         self._clock.round = number
         for self._clock.rule, update in updates.items():
             self._update(update)
@@ -417,7 +414,7 @@ class _Run:
         return sum(counts.values())
 
     def _update(self, text: str) -> None:
-        """Run an update in the time that is left, or a moment more; StoreError KG225 when the server is silent."""
+        """Run an update within the remaining time plus a grace period; StoreError KG225 without an answer."""
         self._clock.check(self._inferred)
         left = None if self._end is None else max(self._end - time.monotonic(), 0.0) + _GRACE_SECONDS
         try:
@@ -428,7 +425,7 @@ class _Run:
 
 
 def _advance(channel: Channel, graphs: Graphs) -> str:
-    """Return the operations that make the delta what is new in this round, and add it to what is derived."""
+    """Return the operations that make the new triples of this round the delta, and add them to the derived ones."""
     new, delta, derived, asserted = (
         f"GRAPH {graph} {{ ?s ?p ?o }}" for graph in (channel.new, channel.delta, channel.derived, graphs.asserted)
     )

@@ -8,16 +8,13 @@ queued chain is an index in a sorted list of next steps, so chains are only crea
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from itertools import count
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import Final, TypeAlias
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-_MOST_LOOKS: Final = 150_000
-"""Number of visited steps after which a search is cut off; some seconds."""
+_MOST_LOOKS: Final = 150_000  # how many steps are looked at before a search ends with what it has; some seconds
 
 
 @dataclass(frozen=True, slots=True)

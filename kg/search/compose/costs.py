@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
 _FILE: Final = "composing.toml"
 _SELDOM: Final = 3
-_OFTEN: Final = 10
-"""Number of launch files that start a node, from which it has no cost."""
+_OFTEN: Final = 10  # how many launch files start a node that is started often, or all the time
 
 
 class Costs(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

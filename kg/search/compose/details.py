@@ -23,8 +23,7 @@ SELECT ?n ?s ?p ?o {
   UNION
   { VALUES ?n { %s } GRAPH ?g { ?n rnkg:hasParameter ?s . ?s ?p ?o } }
 }"""
-_LIFECYCLE: Final = "publisher/~/transition_event"
-"""End of every ROS 2 lifecycle node."""
+_LIFECYCLE: Final = "publisher/~/transition_event"  # what every lifecycle node of ROS 2 has
 
 
 @dataclass(frozen=True, slots=True)

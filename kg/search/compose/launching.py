@@ -10,8 +10,7 @@ from kg.search.compose.results import Composed, Node, grouped
 if TYPE_CHECKING:
     from kg.search.compose.details import Unset
 
-_MOST: Final = 8
-"""Largest number of inputs of a node that are listed."""
+_MOST: Final = 8  # how many inputs of a node are named one by one
 
 
 def launch_text(chain: Composed) -> str:

@@ -15,8 +15,8 @@ from kg.graph.iris import UNKNOWN, is_source_graph
 from kg.holes import known_letters
 from kg.names import FRAMEWORK
 from kg.query.rows import rows
+from kg.search.cache import keep, kept
 from kg.search.compose.network import Network, Part, Port
-from kg.search.kept import keep, kept
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

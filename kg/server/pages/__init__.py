@@ -1,10 +1,10 @@
-"""The pages: one module each, with its `ROUTES`; templates stand in `kg/server/templates`."""
+"""The pages: modules with `ROUTES` of one page or two related ones; templates are in `kg/server/templates`."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.server.pages import channel, lists, node, query, resource, robot, rules, search, start, system, why
+from kg.server.pages import lists, node, query, robot, rules, search, system, why
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -12,13 +12,10 @@ if TYPE_CHECKING:
 __all__ = ["ROUTES"]
 
 ROUTES: Final[list[BaseRoute]] = [
-    *start.ROUTES,
     *search.ROUTES,
     *lists.ROUTES,
     *node.ROUTES,
     *system.ROUTES,
-    *channel.ROUTES,
-    *resource.ROUTES,
     *rules.ROUTES,
     *query.ROUTES,
     *robot.ROUTES,

@@ -1,7 +1,7 @@
-"""`/nodes`, `/topics`, ...: everything of one kind in the store, with facets, order, pages and exports.
+"""`/nodes`, `/topics`, ...: index pages for each kind of thing, with facets, sorting, paging and exports.
 
-One template shows all of them. `LISTS` has a line for each: what the view `list` calls it is the path. The parameters
-of an address are `q` (words), `sort`, `offset`, `limit`, those of the facets, and `format`: `json`, `jsonl` or `csv`.
+All use one template. `LISTS` has an entry for each, by its name in the view `list`, which is also its path. Query
+parameters are `q` (words), `sort`, `offset`, `limit`, one for each facet, and `format`: `json`, `jsonl` or `csv`.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ _OWN: Final = frozenset({"q", "sort", "offset", "limit", "format"})
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column: its title, the key of the rows, how a cell is shown, and where it leads.
+    """A column: its title, its key in the rows, the shape of its cells, and their link.
 
-    `shape` is `text`, `mono`, `number`, `tags` or `place`. `to` is a path with the parameters and the keys of the rows
-    that give their values.
+    `shape` is `text`, `mono`, `number`, `tags` or `place`. `to` is a path and its query parameters, each with the key
+    in the rows of its value.
     """
 
     title: str
@@ -54,7 +54,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Listed:
-    """A page: its title, what one thing on it is called, a sentence about it, and its columns."""
+    """An index page: its title, the singular name of its things, a sentence about it, and its columns."""
 
     title: str
     one: str
@@ -62,7 +62,7 @@ class Listed:
     columns: Sequence[Column]
 
     def called(self, number: int) -> str:
-        """Return what so many things are called."""
+        """Return the name for a number of things."""
         return self.one if number == 1 else self.title[0].lower() + self.title[1:]
 
 
@@ -220,9 +220,9 @@ LISTS: Final[Mapping[str, Listed]] = {
         ),
     ),
 }
-"""Name of the list to its page."""
+"""Index pages by the name of their list."""
 _LABELS: Final = {"ros": "ROS version", "worst": "Worst finding", "repository": "Source", "system": "Launch file"}
-"""What facets are called that are not called as their parameter."""
+"""Labels of facets that differ from their parameter."""
 
 
 async def _list(request: Request) -> Response:
@@ -269,10 +269,10 @@ def _is_whole(text: str) -> bool:
 
 
 def _format(request: Request, given: Mapping[str, str]) -> str:
-    """Return the format that an address names, or that the client prefers: html where it takes that or says nothing.
+    """Return the format that a request names or accepts, by default HTML.
 
     Raises:
-        RequestError: KG523 when there is no such format.
+        RequestError: KG523 unknown format.
     """
     names = [name for _, name in _FORMATS]
     if "format" in given:
@@ -308,12 +308,12 @@ def _cell(value: Any) -> Any:
 
 
 def _given(found: Mapping[str, Any], kept: Mapping[str, str]) -> list[tuple[str, str, str]]:
-    """Return the parameter, the label and the value of each facet that is given."""
+    """Return parameter, label and value of each active facet."""
     return [(key, _label(key), kept[key]) for key in found["facets"] if key in kept]
 
 
 def _facets(found: Mapping[str, Any], kept: Mapping[str, str]) -> list[dict[str, Any]]:
-    """Return the facets that there is something to choose of."""
+    """Return the facets that have more than one choice."""
     return [
         {"name": name, "label": _label(name), "given": kept.get(name, ""), "values": values}
         for name, values in found["facets"].items()
@@ -330,15 +330,15 @@ def _without(kept: Mapping[str, str], name: str) -> dict[str, str]:
 
 
 def _order(kept: Mapping[str, str], column: Column) -> str:
-    """Return which way the rows are sorted by a column, as `aria-sort` says it; empty where they are not."""
+    """Return the sort order of a column as `aria-sort` names it; empty if rows are not sorted by it."""
     sort = kept.get("sort", "")
     return {column.key: "ascending", f"-{column.key}": "descending"}.get(sort, "")
 
 
 def _turned(address: str, kept: Mapping[str, str], column: Column) -> str:
-    """Return the list sorted by a column, the other way where it is already; empty for places.
+    """Return the address of the list sorted by a column, reversed if it already is; empty for places.
 
-    Numbers begin with the greatest.
+    Numbers sort in descending order first.
     """
     if column.shape == "place":
         return ""
@@ -347,7 +347,7 @@ def _turned(address: str, kept: Mapping[str, str], column: Column) -> str:
 
 
 def _link(column: Column, row: Mapping[str, Any]) -> str:
-    """Return where a cell leads; empty where it has nothing to show."""
+    """Return the link of a cell; empty for an empty cell."""
     if column.to is None or row[column.key] in (None, "", 0):
         return ""
     path, parameters = column.to

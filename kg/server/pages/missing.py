@@ -1,4 +1,4 @@
-"""What a page says when there is nothing of the name asked for, or several things: what may have been meant."""
+"""The page for an unknown or ambiguous name, with suggestions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kg.errors import KgError
 
 ABSENT: Final = frozenset({"KG001", "KG226", "KG422"})
-"""Codes of errors about what is not there."""
+"""Codes of errors about missing things."""
 SEVERAL: Final = "KG003"
 _NAMED: Final = re.compile(r"`(?:kg node )?([^`]+)`(?:  \(([^)\n]*)\))?")
 _NOT_FOUND: Final = 404
@@ -25,9 +25,9 @@ _CHOICES: Final = 300
 
 
 def missing(request: Request, error: KgError, title: str, text: str, address: Callable[[str], str]) -> Response:
-    """Return the page for an error about a name: 404 where there is none, 300 where there are several.
+    """Return the page for an error about a name: 404 if it is unknown, 300 if it is ambiguous.
 
-    `text` is what the search is offered for; `address` makes that of the page of a name that may have been meant.
+    `text` is offered for a search; `address` returns the address of the page of a suggested name.
     """
     named = [(name, about, address(name)) for name, about in _NAMED.findall(error.hint or "")]
     several = error.code == SEVERAL

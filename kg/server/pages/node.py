@@ -1,4 +1,4 @@
-"""`/node?iri=`: all of one node with the line behind each fact."""
+"""`/node?iri=` and `/resource?iri=`: all of one node, and the facts about anything without an own page."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from starlette.requests import Request
 
+
 TAGS: Final = {
     "publishes": "publisher",
     "subscribes": "subscriber",
@@ -27,8 +28,7 @@ TAGS: Final = {
     "action_servers": "action",
     "action_clients": "action",
 }
-_MANY: Final = 14
-"""With more channels than that the picture has fewer neighbours of each."""
+_MANY: Final = 14  # above this number of channels, the picture shows fewer neighbours of each
 _NEAR: Final = (6, 2)
 _SEE_OTHER: Final = 303
 
@@ -63,7 +63,7 @@ async def _node(request: Request) -> Response:
 
 
 def _picture(found: Mapping[str, Any], explicit: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the node, its channels and its neighbours as graph.js takes them."""
+    """Return the node, its channels and its neighbours in the format of graph.js."""
     own = {"id": found["iri"], "label": found["name"], "kind": "node", "detail": "this node"}
     channels = {_channel(one): one for one in explicit if one["resolved"]}
     nodes = {own["id"]: own} | {key: _drawn(key, one) for key, one in channels.items()}
@@ -91,7 +91,7 @@ def _edge(node: str, channel: str, one: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _near(near: Mapping[str, Any], most: int) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-    """Yield some neighbours of a channel with their edges, and one thing that stands for all others."""
+    """Yield some neighbours of a channel with their edges, and one placeholder for all others."""
     channel = f"{near['kind']} {near['channel']}"
     drawn = [
         {"id": one["iri"], "label": one["name"], "kind": "node", "detail": one["package"],
@@ -109,9 +109,62 @@ def _near(near: Mapping[str, Any], most: int) -> Iterator[tuple[dict[str, Any], 
 
 
 async def _graph(request: Request) -> Response:
-    """Answer with the entities and relations of a node as a picture."""
+    """Respond with a picture of the entities and relations of a node."""
     found = await view(request, "node", iri=request.query_params.get("iri", ""))
     return Response(node_graph_svg(found["name"], node_relations(found)), media_type="image/svg+xml")
 
 
-ROUTES = [Route("/node", _node), Route("/node/graph.svg", _graph)]
+_PAGES: Final = {
+    "node": ("/node", "iri", "All of this node on one page"),
+    "configuration": ("/system", "name", "The nodes that it starts, as a graph"),
+    **dict.fromkeys(("topic", "service", "action"), ("/channel", "name", "Who uses it, in every launch file")),
+}
+"""Kinds of things with pages of their own: path, parameter, and text of the link."""
+_LIMIT: Final = "25"
+
+
+async def _resource(request: Request) -> Response:
+    names = ("iri", "predicate", "direction", "offset", "limit")
+    asked = {name: value for name in names if (value := request.query_params.get(name, ""))}
+    iri = asked.setdefault("iri", "")
+    asked.setdefault("limit", "100" if "predicate" in asked else _LIMIT)
+    try:
+        found = await view(request, "resource", **asked)
+    except KgError as error:
+        if error.code not in ABSENT:
+            raise
+        name = iri.rstrip("/>").rpartition("/")[2].rpartition("#")[2]
+        return missing(request, error, "No facts about this resource", name, lambda other: url("/search", q=other))
+    own = _PAGES.get(found["kind"]) if "#" not in found["iri"] else None
+    return page(
+        request,
+        "resource.html",
+        title=found["label"],
+        twin=url("/api/resource", **asked),
+        found=found,
+        own=(url(own[0], **{own[1]: found["iri"]}), own[2]) if own else None,
+        sides=(("out", "Facts about it", found["out"]), ("in", "Facts that mention it", found["in"])),
+        chosen=asked.get("predicate", ""),
+        pages=_pages(found, asked),
+        address=lambda thing: url("/node" if thing["kind"] == "node" else "/resource", iri=thing["iri"]),
+    )
+
+
+def _pages(found: dict[str, Any], asked: dict[str, str]) -> dict[str, str]:
+    """Return the addresses of the previous and the next page of one property."""
+    groups = [*found["out"], *found["in"]]
+    if "predicate" not in asked or len(groups) != 1:
+        return {}
+    (group,) = groups
+    limit = int(asked["limit"]) if asked["limit"].isdigit() else len(group["facts"])
+    kept = {name: asked[name] for name in ("iri", "predicate", "direction", "limit") if name in asked}
+    around: dict[str, str] = {}
+    if group["offset"] > 0:
+        around["before"] = url("/resource", **kept, offset=max(0, group["offset"] - limit) or "")
+    following = group["offset"] + len(group["facts"])
+    if group["facts"] and following < group["count"]:
+        around["after"] = url("/resource", **kept, offset=following)
+    return around
+
+
+ROUTES = [Route("/node", _node), Route("/node/graph.svg", _graph), Route("/resource", _resource)]

@@ -1,7 +1,7 @@
-"""`/query`: the page that queries are written on; the endpoint and the views that its script asks do the rest.
+"""`/query`: the query editor; its script uses the endpoint and the views.
 
-`query` is a text, or `name` the name of a stored one, for whose parameters the other parameters of the address are
-values. `snapshot` is the data that a shared link is about. With any of them the query runs at once.
+`query` is a text, or `name` the name of a stored query, whose parameters are the other parameters of the address.
+`snapshot` identifies the data of a shared link. With any of these, the query runs at once.
 """
 
 from __future__ import annotations
@@ -22,10 +22,9 @@ if TYPE_CHECKING:
 
 _OWN: Final = frozenset({"query", "name", "snapshot", "limit", "timeout"})
 _ROWS: Final = {"json": "JSON", "csv": "CSV", "tsv": "TSV", "xml": "XML", "markdown": "Markdown"}
-"""Format of the endpoint for rows to its name."""
+"""Names of the endpoint's formats for rows."""
 _GRAPHS: Final = {"turtle": "Turtle", "ntriples": "N-Triples", "jsonld": "JSON-LD", "rdfxml": "RDF/XML"}
-_LIMIT: Final = 1000
-"""How many rows the page asks for unless told otherwise."""
+_LIMIT: Final = 1000  # default limit of rows
 
 
 async def _query(request: Request) -> Response:

@@ -1,6 +1,6 @@
-"""`/robot`: what a robot can do, tried by hand and composed to programs (onto-ros, figure 4).
+"""`/robot`: a robot's capabilities, executed by hand or composed to programs (onto-ros, figure 4).
 
-The page shows; `kg.server.robot` knows the robot and the language.
+Connection and language are in `kg.server.robot`.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ async def _robot(request: Request) -> Response:
 
 
 def _units() -> list[dict[str, str]]:
-    """Return the units with what they measure."""
+    """Return the units with their dimensions."""
     return [{"unit": symbol, "dimension": described(unit.dimension)} for symbol, unit in UNITS.items()]
 
 
 @cache
 def _examples() -> list[dict[str, Any]]:
-    """Return the programs that come with kg, by name."""
+    """Return the example programs of kg by name."""
     found = []
     for path in sorted((folder("examples") / "programs").glob("**/*.kgp")):
         text = path.read_text("utf-8")

@@ -1,6 +1,6 @@
-"""`/rules`, `/rule?name=`: rules by family with their documentation, who feeds whom, what the last run did.
+"""`/rules`, `/rule?name=`: rules by family with their documentation, dependencies and last run.
 
-`/rule-blocks` composes rules of blocks.
+`/rule-blocks` is the editor that composes rules from blocks.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ async def _rule(request: Request) -> Response:
 
 
 async def _rule_blocks(request: Request) -> Response:
-    # The script of the page asks views for the rest; a rule of a shared link is behind the `#`, unseen by the server.
+    # The script requests the rest from views; a shared rule is in the fragment, which the server never sees.
     name = request.query_params.get("name", "")
     return page(request, "rule_blocks.html", title="Rule made of blocks", twin=url("/api/blocks"), rule=name)
 

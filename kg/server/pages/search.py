@@ -1,4 +1,4 @@
-"""`/search?q=`: nodes by what they do, need and are wired to, each with its reasons and the lines that show them."""
+"""`/` and `/search?q=`: what the store contains, and nodes by what they do, each with reasons and lines of code."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from kg.errors import KgError
 from kg.server.addresses import url
 from kg.server.errors import STATUS
 from kg.server.rendering import page, view
+from kg.server.state import state
 
 if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
+
 
 _FILTERS: Final = {
     "subscribes": "Subscribes to",
@@ -66,4 +68,10 @@ async def _search(request: Request) -> Response:
     )
 
 
-ROUTES = [Route("/search", _search)]
+async def _start(request: Request) -> Response:
+    empty = state(request).readers.layout.current() is None
+    overview = {"sources": []} if empty else await view(request, "overview")
+    return page(request, "start.html", title="Nodes, topics and systems", twin=url("/api/overview"), overview=overview)
+
+
+ROUTES = [Route("/search", _search), Route("/", _start)]

@@ -1,4 +1,4 @@
-"""`/system?name=`: what a launch file starts, wired, and what is wrong in it."""
+"""`/system?name=` and `/channel?kind=&name=`: a wired launch file, and a topic, service or action with all its ends."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 
     from starlette.requests import Request
 
+
 _SEE_OTHER: Final = 303
 _LONG: Final = 100
-"""A table of more rows has a page of its own, which that of the system loads where somebody opens it."""
+"""Tables with more rows have pages of their own, which the system's page loads on demand."""
 
 
 async def _system(request: Request) -> Response:
@@ -53,7 +54,7 @@ async def _system(request: Request) -> Response:
 
 
 def _parts(found: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return the tables below that of the nodes which have rows, by name, with the words for how many these are."""
+    """Return the non-empty tables below that of the nodes, by name, with the text for their number of rows."""
     rows: dict[str, list[Any]] = {
         name: [(one["key"], each) for one in found["instances"] for each in one[key]]
         for name, key in (("connections", "ends"), ("remappings", "remaps"), ("parameters", "parameters"))
@@ -67,14 +68,14 @@ def _parts(found: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _address(part: Mapping[str, Any], asked: Mapping[str, str]) -> str:
-    """Return the page of a part that is too long for that of the system; empty for others."""
+    """Return the address of a table that is too long for the page of the system; empty for others."""
     return url("/system", **asked, part=part["name"]) if len(part["rows"]) > _LONG else ""
 
 
 def _picture(found: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the graph as graph.js takes it: nodes lead to their pages, and what findings are about is marked.
+    """Return the graph in the format of graph.js: nodes link to their pages, and subjects of findings are marked.
 
-    What a node does not have is left out, for there are many.
+    Empty attributes are omitted, since large systems have many nodes.
     """
     nodes = [_drawn(one) for one in found["picture"]["nodes"]]
     marked = [f"{one.get('group', '')}/" for one in nodes if "marked" in one]
@@ -92,4 +93,20 @@ def _drawn(one: Mapping[str, Any]) -> dict[str, Any]:
     return {**node, "marked": True} if one["findings"] else node
 
 
-ROUTES = [Route("/system", _system)]
+async def _channel(request: Request) -> Response:
+    names = ("kind", "name", "system")
+    asked = {name: value for name in names if (value := request.query_params.get(name, ""))}
+    name, kind = asked.setdefault("name", ""), asked.setdefault("kind", "topic")
+    if not name:
+        return RedirectResponse(url("/search"), _SEE_OTHER)
+    try:
+        found = await view(request, "channel", **asked)
+    except KgError as error:
+        if error.code not in {*ABSENT, SEVERAL}:
+            raise
+        return missing(request, error, f"No such {kind}", name, lambda other: url("/channel", kind=kind, name=other))
+    twin = url("/api/channel", **asked)
+    return page(request, "channel.html", title=found["name"] or name, twin=twin, found=found, asked=asked, tags=TAGS)
+
+
+ROUTES = [Route("/system", _system), Route("/channel", _channel)]

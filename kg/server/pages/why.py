@@ -1,7 +1,7 @@
-"""`/why?subject=&predicate=&object=`: what a fact rests on; `/why?query=&row=`: what a row of an answer rests on.
+"""`/why?subject=&predicate=&object=`: the proof of a fact; `/why?query=&row=`: the proof of a row of a result.
 
-`row` is a JSON object of the variables of the row with their terms, as N-Triples writes them. Queries may be too long
-for an address, so that the parameters may also be a form that is posted.
+`row` is a JSON object from variables to terms in N-Triples. Queries may be too long for an address, so the parameters
+may also be a posted form.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ async def _of_fact(request: Request, asked: dict[str, str], every: str) -> Respo
 
 
 async def _of_row(request: Request, **asked: str) -> Response:
-    """Return the page about a row; with the reason, and the status of that, where it cannot be traced back to facts."""
+    """Return the page about a row; if it cannot be traced back to facts, with the reason and its status."""
     found, problem = None, None
     try:
         found = await view(request, "why_row", **asked)

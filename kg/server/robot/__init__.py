@@ -1,1 +1,1 @@
-"""The robot behind the page `/robot`: one connection for a server, what goes through it, and who looks on."""
+"""The robot behind the page `/robot`: one connection per server, its running work, and the open pages."""

@@ -1,4 +1,4 @@
-"""Programs as the page writes them: from blocks to text and back, with what is wrong and where."""
+"""Checking of programs for the page: conversion between blocks and text, and problems with their places."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kg.robot.connection import ComputationGraph
 
 LONGEST: Final = 1 << 18
-"""How many bytes a program may have, as text or as JSON."""
+"""Maximum size in bytes of a program, as text or as JSON."""
 
 
 _COMMANDS: Final = re.compile(r"`(kg|rosnode|ros2) |`-")
@@ -36,11 +36,11 @@ _HINTS: Final = {
     "KG829": "Stop the other node.",
     "KG836": "Give the place a name: click into the picture from above, or use “set” from the blocks of places.",
 }
-"""What the page has in place of commands, by the code of a problem."""
+"""The page's replacement for hints about commands, by code."""
 
 
 class Robot(NamedTuple):
-    """What programs are judged by: `places` stand for their names, and the graph tells who is there."""
+    """The context that programs are checked in: named places, the computation graph and the capabilities."""
 
     capabilities: Capabilities
     places: Places
@@ -50,11 +50,11 @@ class Robot(NamedTuple):
 def judged(program: Program | None, text: str | None, robot: Robot | None) -> dict[str, Any]:
     """Return a program as tree and as text, its problems, and the lines of its statements by their identities.
 
-    Without a robot it is only read. A text that cannot be read gives no program, and one problem with its place.
+    Without a robot it is only parsed. A text that does not parse gives no program, and one problem with its place.
 
     Raises:
-        RequestError: KG520 when both or neither are given, or the tree is too deep for the machine.
-        RobotError: KG830 when it is too deep for a text.
+        RequestError: KG520 both or neither are given, or the tree is too deep to process.
+        RobotError: KG830 the tree is too deep for a text.
     """
     if (program is None) == (text is None):
         raise RequestError("KG520", "the body needs either `program` or `text`")
@@ -87,7 +87,7 @@ def _judged(program: Program | None, text: str, robot: Robot | None) -> dict[str
 
 
 def told(problem: Problem) -> dict[str, Any]:
-    """Return a problem as pages show it."""
+    """Return a problem in the format of the page."""
     return {
         "id": problem.id,
         "code": problem.code,
@@ -99,13 +99,13 @@ def told(problem: Problem) -> dict[str, Any]:
 
 
 def hint_of(code: str, hint: str | None) -> str:
-    """Return a hint in the words of the page; one that names commands or options becomes what the page has for it."""
+    """Return a hint in the words of the page; hints with commands or options are replaced."""
     found = hint or CATALOGUE[code].way_out
     return _HINTS.get(code, _HINTS[""]) if _COMMANDS.search(found) else found
 
 
 def identified(program: Program) -> tuple[Program, dict[str, str]]:
-    """Return a program whose statements all have identities, no two the same, and these by their paths."""
+    """Return a program whose statements have unique identities, and the statements' paths by identity."""
     tree = msgspec.to_builtins(program)
     identities: dict[str, str] = {}
     taken: set[str] = set()

@@ -1,7 +1,7 @@
-"""The connection of a server to its robot: made, followed, and made again when it is lost.
+"""The connection of a server to its robot: opened, watched, and reopened when it is lost.
 
-Through it come the picture that a simulation publishes of itself, for as long as somebody looks, and proofs of what the
-robot can do, down to the node that was seen, or to the line.
+It provides the picture that a simulation publishes of itself, while somebody watches, and proofs of the robot's
+capabilities, down to the running node or the line of code.
 """
 
 from __future__ import annotations
@@ -32,23 +32,21 @@ if TYPE_CHECKING:
     from kg.settings import Settings
 
 TOPIC: Final = "/simulator/view"
-"""Where `kg.robot.simulation` publishes it, which is not imported here because it loads the physics."""
+"""The topic of `kg.robot.simulation`, which is not imported here because it loads the physics engine."""
 _KIND: Final = "std_msgs/String"
 LARGEST: Final = 1 << 20
-"""How many characters a picture may have."""
-_FIRST: Final = 5.0
-"""Seconds to wait for the first picture."""
-_UNSEEN: Final = 10.0
-"""Seconds after which nobody looks any more."""
+"""Maximum length of a picture in characters."""
+_FIRST: Final = 5.0  # seconds to wait for the first picture
+_UNSEEN: Final = 10.0  # seconds without a viewer after which the subscription is closed
 
 
 def has_picture(graph: ComputationGraph) -> bool:
-    """Tell whether a simulation shows itself in a graph."""
+    """Return whether a simulation in a graph publishes a picture of itself."""
     return any(one.role is Role.PUBLISHES and (one.name, one.type) == (TOPIC, _KIND) for one in graph.ends)
 
 
 class Picture:
-    """The newest picture; `aclose` before the connection is left."""
+    """The newest picture; call `aclose` before closing the connection."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
@@ -57,7 +55,7 @@ class Picture:
         self._seen = 0.0
 
     async def newest(self) -> str:
-        """Return the newest picture as SVG; RobotError KG803 when none comes."""
+        """Return the newest picture as SVG; RobotError KG803 if none arrives."""
         self._seen = asyncio.get_running_loop().time()
         if self._task is None or self._task.done() or self._newest is None:
             self._newest = asyncio.get_running_loop().create_future()
@@ -71,7 +69,7 @@ class Picture:
         raise RobotError("KG803", f"the simulation shows no picture{why}") from error
 
     async def aclose(self) -> None:
-        """Look no more."""
+        """Close the subscription."""
         if self._task is not None:
             await ended(self._task)
 
@@ -92,28 +90,28 @@ class Picture:
 
 
 class Proofs:
-    """Proofs about the computation graph that was seen last; what they rest on is inferred when somebody asks."""
+    """Proofs about the last computation graph; inference runs on demand."""
 
     def __init__(self, address: str, settings: Settings) -> None:
         self._address = address
         self._settings = settings
         self._graph: ComputationGraph | None = None
         self._subject: tuple[ComputationGraph, Subject] | None = None
-        """What was inferred last, of which graph."""
+        """The last inferred subject, with its graph."""
         self._nodes: dict[str, str] = {}
         self._turn = asyncio.Lock()
 
     def take(self, graph: ComputationGraph | None) -> None:
-        """Note what is seen from now; None when nothing is."""
+        """Set the current graph; None without a connection."""
         known, time = self._nodes, now()
         self._nodes = {node.name: known.get(node.name, time) for node in graph.nodes} if graph else {}
         self._graph = graph
 
     async def why(self, name: str) -> dict[str, Any]:
-        """Return `capability`, its name, and `proofs`, a tree as `kg.views.why.why` has it for each node that has it.
+        """Return `capability`, its name, and `proofs`, one tree for each node that has it, as in `kg.views.why.why`.
 
         Raises:
-            RobotError: KG818 for what the robot cannot do, KG846 while nothing is seen.
+            RobotError: KG818 the robot lacks the capability, KG846 no graph yet.
         """
         async with self._turn:
             return await asyncio.to_thread(self._why, name)
@@ -122,7 +120,7 @@ class Proofs:
         graph, nodes = self._graph, self._nodes
         if graph is None:
             raise RobotError("KG846", "no robot is connected, so its capabilities cannot be explained")
-        known = self._subject  # asked for once: meanwhile the loop may take another graph
+        known = self._subject  # read once: the loop may set another graph during inference
         subject = known[1] if known and known[0] is graph else running(graph, self._settings, self._address, nodes)
         self._subject = graph, subject
         rules = knowledge(self._settings).rules
@@ -131,18 +129,16 @@ class Proofs:
         return {"capability": one.name, "proofs": [telling.proof(proof) for proof in subject.why(one.iri)]}
 
 
-_PAUSE: Final = 2.0
-"""Seconds until a robot that does not answer is asked again."""
+_PAUSE: Final = 2.0  # seconds between attempts to reach a robot that does not answer
 
 
 class Link:
-    """What is known of the robot.
+    """The state of the connection to the robot.
 
-    `changed` is called when that changes, `warn` when another node drives the robot, too, `leave` before a driver is
-    given up. `state` is `connecting`, `connected` or
-    `lost`; `problem` says why it is not connected. `places` are those of the settings and those that the robot tells,
-    by name, `graph` who is there. `driver` is there while the robot can be driven, `picture` when a
-    simulation shows itself.
+    `changed` is called when the state changes, `warn` when another node drives the robot, and `leave` before a driver
+    is closed. `state` is `connecting`, `connected` or `lost`; `problem` is the reason if it is not connected. `places`
+    are those of the settings and those reported by the robot, by name. `graph` is the computation graph. `driver` is
+    set while the robot can be driven, `picture` while a simulation publishes one.
     """
 
     def __init__(
@@ -170,14 +166,14 @@ class Link:
         self._leave = leave
 
     def needed(self) -> Driver:
-        """Return what drives the robot; RobotError KG846 while it is not connected."""
+        """Return the driver; RobotError KG846 without a connection."""
         if self.driver is None:
             why = f": {self.problem.message}" if self.problem else ""
             raise RobotError("KG846", f"the robot at {self.address} is not connected{why}")
         return self.driver
 
     async def keep(self) -> None:
-        """Stay connected until cancelled, whatever goes wrong."""
+        """Stay connected until cancelled, despite any errors."""
         while True:
             trying = asyncio.create_task(self._connected())
             try:
@@ -188,7 +184,7 @@ class Link:
             await asyncio.sleep(_PAUSE)
 
     async def _connected(self) -> None:
-        """Be connected until the robot is lost: raises why."""
+        """Connect, and stay connected until the connection is lost; raises the reason."""
         async with AsyncExitStack() as stack:
             connection = await connect(self.address, name="/kg_page")
             stack.push_async_callback(connection.aclose)
@@ -203,7 +199,7 @@ class Link:
             raise RobotError("KG803", lost.result() if lost.done() else "the connection to the robot was lost")
 
     async def _follow(self, connection: Connection) -> None:
-        """Keep capabilities and driver in step with the computation graph."""
+        """Update capabilities and driver when the computation graph changes."""
         try:
             async for graph in connection.changes():
                 if self.driver is not None:
@@ -248,7 +244,7 @@ class Link:
         if (driver := self.driver) is not None:
             try:
                 await self._leave()
-            finally:  # it stops the robot also when what leads up to that fails, or is cancelled once more
+            finally:  # it stops the robot even if the steps before it fail or are cancelled
                 self.driver = None
                 await driver.__aexit__(None, None, None)
 

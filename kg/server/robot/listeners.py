@@ -1,32 +1,31 @@
-"""Who looks on: pages that are open, each with what waits to be told to it; and how work for them ended."""
+"""Open pages, each with its queue of events; and the errors of work for them."""
 
 from __future__ import annotations
 
 import asyncio
 import secrets
+from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg.errors import KgError
 from kg.robot.tasks import report
 from kg.server.errors import RequestError
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
 MOST: Final = 64
-"""How many pages may look on at a time."""
+"""Maximum number of open pages."""
 _WAITING: Final = 2000
-"""How many events may wait for a page; one that takes less is ended, and asks for everything anew when it is back."""
-_ALIVE: Final = 15.0
-"""Seconds after which something is sent, so that a page that has gone is noticed."""
+"""Maximum number of queued events per page; a slower page is disconnected, and reloads everything when it
+reconnects.
+"""
+_ALIVE: Final = 15.0  # seconds of silence after which a keep-alive is sent, to detect closed pages
 
 
 @dataclass(eq=False)
 class Listener:
-    """An open page; whoever knows its identity speaks for it.
+    """An open page; its identity authorises requests for it.
 
-    `reads` are the capabilities that it follows, `seen` is the picture that it was told.
+    `reads` are the capabilities that it follows, `seen` is the last picture sent to it.
     """
 
     identity: str = field(default_factory=lambda: secrets.token_urlsafe(18))
@@ -36,7 +35,7 @@ class Listener:
     waiting: asyncio.Queue[dict[str, Any] | None] = field(default_factory=lambda: asyncio.Queue(_WAITING))
 
     def tell(self, event: dict[str, Any]) -> bool:
-        """Let an event wait; False when there are too many already."""
+        """Queue an event; return False if the queue is full."""
         try:
             self.waiting.put_nowait(event)
         except asyncio.QueueFull:
@@ -44,13 +43,13 @@ class Listener:
         return True
 
     def end(self) -> None:
-        """End the stream, whatever waits."""
+        """End the stream at once, discarding queued events."""
         while self.waiting.full():
             self.waiting.get_nowait()
         self.waiting.put_nowait(None)
 
     async def events(self) -> AsyncIterator[dict[str, Any] | None]:
-        """Yield events as they come, None when nothing has come for a while; it ends with `end`."""
+        """Yield events as they arrive, and None after a period without any, until `end` is called."""
         while True:
             try:
                 event = await asyncio.wait_for(self.waiting.get(), _ALIVE)
@@ -63,7 +62,7 @@ class Listener:
 
 
 class Listeners:
-    """All open pages, by their identities."""
+    """All open pages by identity."""
 
     def __init__(self) -> None:
         self._all: dict[str, Listener] = {}
@@ -73,11 +72,11 @@ class Listeners:
         return len(self._all)
 
     def get(self, identity: str) -> Listener | None:
-        """Return the page of an identity, None when it has gone."""
+        """Return the page of an identity, None if it is closed."""
         return self._all.get(identity)
 
     def add(self) -> Listener:
-        """Return a new page; when the server stops it is told nothing more."""
+        """Return a new page; it receives no events once the server is stopping."""
         made = Listener()
         self._all[made.identity] = made
         made.tell({"event": "hello", "listener": made.identity})
@@ -86,24 +85,24 @@ class Listeners:
         return made
 
     def remove(self, listener: Listener) -> None:
-        """Forget a page that has gone."""
+        """Remove a closed page."""
         self._all.pop(listener.identity, None)
 
     def tell(self, event: dict[str, Any], *, of: str | None = None, but: Listener | None = None) -> None:
-        """Tell an event to all, or to those who follow the capability `of`; never to `but`."""
+        """Send an event to all pages, or to those that follow the capability `of`; never to `but`."""
         for listener in tuple(self._all.values()):
             if listener is not but and (of is None or of in listener.reads) and not listener.tell(event):
                 listener.end()
 
     def show(self, picture: str) -> None:
-        """Tell a picture to those who have not seen it, and took what was told before: they never heap up."""
+        """Send a picture to pages that have not seen it and have an empty queue, since pictures must not accumulate."""
         for listener in tuple(self._all.values()):
             if listener.seen != picture and listener.waiting.empty():
                 listener.seen = picture
                 listener.tell({"event": "view", "picture": picture})
 
     def reads(self) -> frozenset[str]:
-        """Return the capabilities that anybody follows."""
+        """Return the capabilities that any page follows."""
         return frozenset().union(*(one.reads for one in self._all.values()))
 
     def close(self) -> None:
@@ -114,7 +113,7 @@ class Listeners:
 
 
 def failure(task: asyncio.Task[Any], what: str) -> KgError | None:
-    """Return the error that ended a task, None where none did; a defect is reported as that of `what`."""
+    """Return the error that ended a task, None if it succeeded; a defect is reported as one of `what`."""
     error = None if task.cancelled() else task.exception()
     if error is None or isinstance(error, KgError):
         return error

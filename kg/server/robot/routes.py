@@ -1,6 +1,6 @@
-"""`/api/robot`, `/robot/...`: what pages ask of the robot. Whatever moves it needs the token (`kg.server.safety`).
+"""`/api/robot`, `/robot/...`: the pages' requests about the robot. Moving it needs the token (`kg.server.safety`).
 
-Stopping needs none: who may look on may stop.
+Stopping does not: every viewer may stop it.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ if TYPE_CHECKING:
 
 _Body = TypeVar("_Body")
 _PICTURE: Final = "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'"
-"""The policy of a picture that comes from the robot: it may have colours, and do nothing."""
+"""Content-Security-Policy of a picture from the robot: inline styles only, no scripts, no requests."""
 
 
-class _Check(msgspec.Struct, forbid_unknown_fields=True):
+class _Given(msgspec.Struct, forbid_unknown_fields=True):
     program: Program | None = None
     text: str | None = None
 
@@ -48,11 +48,6 @@ class _Convert(msgspec.Struct, forbid_unknown_fields=True):
     program: Program | None = None
     bt: str | None = None
     to: Literal["text", "rospy", "rclpy", "bt"] = "text"
-
-
-class _Run(msgspec.Struct, forbid_unknown_fields=True):
-    program: Program | None = None
-    text: str | None = None
 
 
 class _Here(msgspec.Struct, forbid_unknown_fields=True):
@@ -72,7 +67,7 @@ class _Do(msgspec.Struct, forbid_unknown_fields=True):
 
 
 async def _read(request: Request, kind: type[_Body]) -> _Body:
-    """Return the body of a request; KG520 for what is not of that kind, KG524 for another type than JSON."""
+    """Return the decoded body of a request; KG520 if it is invalid, KG524 if it is not JSON."""
     if media_type(request) != "application/json":
         raise RequestError("KG524", "the body is not application/json")
     body = await request.body()
@@ -99,7 +94,7 @@ def _json(content: object) -> Response:
 
 
 async def _robot(request: Request) -> Response:
-    """Return the robot: whether it is connected, what it can do, what runs."""
+    """Respond with the state of the robot: connection, capabilities, running work."""
     session = state(request).robot
     if session is None:
         return _json({"address": None, "state": "none", "may_move": False, "capabilities": []})
@@ -112,7 +107,7 @@ async def _events(request: Request) -> Response:
 
 
 class _Events(StreamingResponse):
-    """The events of a page, which is forgotten when it goes away, also before it was told anything."""
+    """The events of a page, which is removed when its client disconnects, even before the first event."""
 
     def __init__(self, session: Session, listener: Listener) -> None:
         super().__init__(_stream(listener), media_type="text/event-stream", headers={"Cache-Control": "no-store"})
@@ -120,7 +115,7 @@ class _Events(StreamingResponse):
         self._listener = listener
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Tell events until there are no more, or nobody reads them."""
+        """Send events until the stream ends or the client disconnects."""
         try:
             await super().__call__(scope, receive, send)
         finally:
@@ -134,14 +129,14 @@ async def _stream(listener: Listener) -> AsyncIterator[bytes]:
 
 
 async def _view(request: Request) -> Response:
-    """Return the robot from above: drawn by whoever publishes it, and therefore with a policy of its own."""
+    """Respond with the robot's view from above. Its publisher is untrusted, hence the policy of its own."""
     picture = await _session(request).view()
     headers = {"Cache-Control": "no-store", "Content-Security-Policy": _PICTURE}
     return Response(picture, media_type="image/svg+xml", headers=headers)
 
 
 async def _judged(session: Session | None, program: Program | None, text: str | None = None) -> dict[str, Any]:
-    """Judge a program for a robot, beside the loop, which may be renewing a movement meanwhile."""
+    """Check a program in a thread, since the event loop may be repeating a velocity at the same time."""
     return await asyncio.to_thread(judged, program, text, session.robot if session else None)
 
 
@@ -154,7 +149,7 @@ async def _why(request: Request) -> Response:
 
 
 async def _check(request: Request) -> Response:
-    asked = await _read(request, _Check)
+    asked = await _read(request, _Given)
     return _json(await _judged(state(request).robot, asked.program, asked.text))
 
 
@@ -174,7 +169,7 @@ async def _convert(request: Request) -> Response:
 
 
 def _connected(request: Request) -> Robot:
-    """Return the robot; RobotError KG846 when none is connected."""
+    """Return the robot; RobotError KG846 without a connection."""
     robot = _session(request).robot
     if robot is None:
         raise RobotError("KG846", "no robot is connected, so its capabilities are unknown")
@@ -183,7 +178,7 @@ def _connected(request: Request) -> Robot:
 
 async def _run(request: Request) -> Response:
     session = _session(request)
-    asked = await _read(request, _Run)
+    asked = await _read(request, _Given)
     found = await _judged(session, asked.program, asked.text)
     for problem in found["problems"]:
         if problem["severity"] == "error":
@@ -200,28 +195,21 @@ def _place(text: str, problem: dict[str, Any]) -> Place:
     return Place("text", line, problem.get("column") or 1, lines[line - 1] if line <= len(lines) else "")
 
 
-async def _do(request: Request) -> Response:
-    session = _session(request)
-    asked = await _read(request, _Do)
-    session.do(asked.listener, asked.capability, asked.arguments, asked.seconds)
-    return Response(status_code=204)
+def _posted(
+    kind: type[msgspec.Struct], act: Callable[[Session], Callable[..., None]]
+) -> Callable[[Request], Awaitable[Response]]:
+    """Return the endpoint that calls a method of the session with the members of a body of that kind."""
 
+    async def endpoint(request: Request) -> Response:
+        session = _session(request)
+        act(session)(*msgspec.structs.astuple(await _read(request, kind)))
+        return Response(status_code=204)
 
-async def _follow(request: Request) -> Response:
-    session = _session(request)
-    asked = await _read(request, _Read)
-    session.follow(asked.listener, asked.capabilities)
-    return Response(status_code=204)
-
-
-async def _here(request: Request) -> Response:
-    session = _session(request)
-    session.here((await _read(request, _Here)).listener)
-    return Response(status_code=204)
+    return endpoint
 
 
 def _simply(act: Callable[[Session], Awaitable[Any]]) -> Callable[[Request], Awaitable[Response]]:
-    """Return the endpoint of what needs no more than being asked."""
+    """Return the endpoint of an operation without arguments."""
 
     async def endpoint(request: Request) -> Response:
         await act(_session(request))
@@ -241,7 +229,7 @@ ROUTES = [
     route("/robot/pause", POST=_simply(lambda session: session.pause())),
     route("/robot/resume", POST=_simply(lambda session: session.resume())),
     route("/robot/stop", POST=_simply(lambda session: session.stop())),
-    route("/robot/do", POST=_do),
-    route("/robot/read", POST=_follow),
-    route("/robot/here", POST=_here),
+    route("/robot/do", POST=_posted(_Do, lambda session: session.do)),
+    route("/robot/read", POST=_posted(_Read, lambda session: session.follow)),
+    route("/robot/here", POST=_posted(_Here, lambda session: session.here)),
 ]

@@ -1,4 +1,4 @@
-"""Why a robot can do something, in words: which of its parts take or give the messages for it."""
+"""One robot for all open pages: its capabilities with reasons, programs, driving by hand, and stopping."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from kg.server.robot.work import Hands, Readings, Running
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
-    from types import TracebackType
 
     from kg.robot.capability import Capabilities, Capability, Way
     from kg.robot.connection import GraphProblem
@@ -39,7 +38,7 @@ _WORDS: Final = {
 
 
 def described(capability: Capability) -> dict[str, Any]:
-    """Return a capability as pages show it: its members, and `because`, the reasons."""
+    """Return a capability in the format of the page: its members, and `because`, the reasons."""
     members: dict[str, Any] = msgspec.to_builtins(capability)
     empty: dict[str, Any] = {"comment": "", "kinds": (), "parameters": (), "ways": ()}
     reasons = dict.fromkeys(_reason(way, capability.modality) for way in capability.ways)
@@ -50,14 +49,12 @@ def _reason(way: Way, modality: str) -> str:
     return _WORDS[way.kind, modality].format(node=way.node, name=way.name, type=way.type)
 
 
-_FRAME: Final = 0.25
-"""Seconds between two pictures from above."""
-_LAST: Final = 3.0
-"""Seconds that stopping the robot may take before the server ends all the same."""
+_FRAME: Final = 0.25  # seconds between two pictures from above
+_LAST: Final = 3.0  # seconds allowed for stopping the robot before the server exits anyway
 
 
 class Session:
-    """One robot, for all who look on; `async with` connects and, at the end, stops the robot."""
+    """One robot for all viewers; `async with` connects and finally stops the robot."""
 
     def __init__(self, address: str, settings: Settings) -> None:
         self.listeners = Listeners()
@@ -68,7 +65,7 @@ class Session:
         self._tasks: list[asyncio.Task[None]] = []
 
     async def __aenter__(self) -> Self:
-        """Begin to connect; that it takes a while, or does not succeed, keeps nobody waiting."""
+        """Begin to connect, without waiting for the connection."""
         self._tasks = [
             spawn(self._link.keep(), "staying connected to the robot"),
             spawn(self._hands.watch(), "watching who drives by hand"),
@@ -76,31 +73,29 @@ class Session:
         ]
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Stop the robot and leave it."""
+    async def __aexit__(self, *_: object) -> None:
+        """Stop the robot and disconnect."""
         await self.leave()
         await ended(*self._tasks)
 
     @property
     def address(self) -> str:
-        """Where the robot is."""
+        """The address of the robot."""
         return self._link.address
 
     @property
     def capabilities(self) -> Capabilities | None:
-        """What the robot can do; None while that is not known."""
+        """The capabilities of the robot; None while unknown."""
         return self._link.capabilities if self._link.state == "connected" else None
 
     @property
     def robot(self) -> Robot | None:
-        """What programs are judged by; None while it is not known."""
+        """The context for checking programs; None while unknown."""
         capabilities, graph = self.capabilities, self._link.graph
         return None if capabilities is None or graph is None else Robot(capabilities, self._link.places, graph)
 
     def told(self) -> dict[str, Any]:
-        """Return what pages show of the robot."""
+        """Return the state of the robot in the format of the page."""
         link = self._link
         return {
             "address": link.address,
@@ -114,7 +109,7 @@ class Session:
         }
 
     async def view(self) -> str:
-        """Return the robot from above as SVG; RobotError KG846 where no simulation shows itself."""
+        """Return the robot from above as SVG; RobotError KG846 without a simulation that publishes it."""
         if self._link.picture is None:
             raise RobotError("KG846", "no simulation shows itself", hint="Only `kg robot simulate` does.")
         return await self._link.picture.newest()
@@ -124,25 +119,25 @@ class Session:
         return await self._link.proofs.why(name)
 
     async def run(self, program: Program) -> None:
-        """Run a program; RobotError KG846 without a robot, KG847 while something is done."""
+        """Run a program; RobotError KG846 without a robot, KG847 while something else runs."""
         driver = self._link.needed()
         self._idle()
         self._running.start(driver, placed(program, self._link.places))
 
     async def pause(self) -> None:
-        """Let the program pause, if one runs."""
+        """Pause the program, if one runs."""
         self._running.pause()
 
     async def resume(self) -> None:
-        """Let the program go on, if one pauses."""
+        """Resume the program, if one is paused."""
         self._running.resume()
 
     def do(self, identity: str, name: str, arguments: Mapping[str, Any], seconds: float | None) -> None:
-        """Do something by hand, for an open page.
+        """Execute a capability by hand, for an open page.
 
         Raises:
-            RobotError: KG821 and KG822 for what the robot cannot do, KG846 without a robot, KG847 while a program
-                runs, KG848 for a time that is too long, KG849 for a page that is not open.
+            RobotError: KG821 and KG822 the robot lacks the capability, KG846 no robot, KG847 a program runs, KG848 the
+                duration is too long, KG849 the page is not open.
         """
         listener, driver = self.listener(identity), self._link.needed()
         if self._running.active:
@@ -150,23 +145,23 @@ class Session:
         self._hands.do(driver, listener, find(self._link.capabilities, name, "write"), arguments, seconds)
 
     def here(self, identity: str) -> None:
-        """Note that somebody is at a page; RobotError KG849 for one that is not open."""
+        """Record a sign of life of a page; RobotError KG849 if it is not open."""
         self.listener(identity).heard = asyncio.get_running_loop().time()
 
     def follow(self, identity: str, names: Iterable[str]) -> None:
-        """Let a page follow values; RobotError KG821 for what cannot be read, KG849 for a page that is not open."""
+        """Set the values that a page follows; RobotError KG821 if one is unreadable, KG849 if the page is not open."""
         listener = self.listener(identity)
         listener.reads = frozenset(find(self._link.capabilities, name, "read").name for name in names)
         self._readings.follow(self._link.needed())
 
     async def stop(self) -> None:
-        """Stop whatever moves, whoever began it."""
+        """Stop all movements, whoever started them."""
         await self._still()
         if self._link.driver is not None:
             await self._link.driver.stop()
 
     async def suspend(self) -> None:
-        """End with KG828 whatever moves, within a few seconds, before the process is suspended."""
+        """Stop all movements with KG828, within a few seconds, before the process is suspended."""
         if (driver := self._link.driver) is not None:
             driver.interrupt(RobotError("KG828", "Ctrl-Z suspended the server, and the robot was stopped"))
             with suppress(TimeoutError):
@@ -174,34 +169,34 @@ class Session:
                     await driver.stop()
 
     def listen(self) -> Listener:
-        """Return a page that looks on from now; RobotError KG847 when there are too many."""
+        """Return a new open page; RobotError KG847 if there are too many."""
         if len(self.listeners) >= MOST:
             raise RobotError("KG847", f"{MOST} pages look on already", hint="Close one of them.")
         return self.listeners.add()
 
     async def gone(self, listener: Listener) -> None:
-        """Forget a page; what it did by hand ends."""
+        """Remove a closed page and stop its movements."""
         self.listeners.remove(listener)
         self._readings.follow(self._link.driver)
         await self._hands.stop({listener})
 
     def listener(self, identity: str) -> Listener:
-        """Return an open page; RobotError KG849 for one that is not."""
+        """Return an open page; RobotError KG849 if it is not open."""
         found = self.listeners.get(identity)
         if found is None:
             raise RobotError("KG849", "the page that asks this is not listening to the robot")
         return found
 
     async def leave(self) -> None:
-        """Stop the robot and end the streams of pages, in any case within a few seconds."""
+        """Stop the robot and end the streams of pages, within a few seconds in any case."""
         self.listeners.close()
-        with suppress(TimeoutError):  # what is left of stopping goes on while the connection is closed
+        with suppress(TimeoutError):  # the rest of stopping continues while the connection is closed
             async with asyncio.timeout(_LAST):
                 await self.stop()
                 await self._readings.aclose()
 
     async def _show(self) -> None:
-        """Tell pages how the robot looks from above, as often as that changes and people see it."""
+        """Send the view from above to pages when it changes, while pages are visible."""
         while True:
             await asyncio.sleep(_FRAME)
             if not self.listeners or self._link.picture is None:
@@ -225,6 +220,6 @@ class Session:
         self.listeners.tell({"event": "step", "log": told})
 
     async def _still(self) -> None:
-        """End what moves."""
+        """Stop all movements."""
         await self._running.stop()
         await self._hands.stop()

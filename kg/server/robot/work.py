@@ -1,7 +1,7 @@
-"""What goes through a robot for pages: values that they follow, driving by hand, and the program that runs.
+"""Running work on a robot for pages: values that they follow, driving by hand, and the program.
 
-Each capability is read once, however many look, and told at a pace for people. Somebody drives by hand while their page
-is open and says so. One program runs at a time, told to all who look on.
+Each capability is read once for all pages, at a rate for people. Driving by hand needs an open page that sends signs of
+life. One program runs at a time, and all pages see its progress.
 """
 
 from __future__ import annotations
@@ -27,15 +27,13 @@ if TYPE_CHECKING:
     from kg.robot.programs.events import Ended
     from kg.robot.programs.tree import Program
 
-_VALUES_EVERY: Final = 0.1
-"""Seconds between two values of a capability that are told; the newest is never left out."""
+_VALUES_EVERY: Final = 0.1  # seconds between two values of a capability sent to pages; the newest value is always sent
 
-_ELEMENTS: Final = 50
-"""How many elements of a list are told."""
+_ELEMENTS: Final = 50  # how many elements of a list are sent
 
 
 class Readings:
-    """What is read for those who look on."""
+    """The subscriptions for the values that pages follow."""
 
     def __init__(self, listeners: Listeners) -> None:
         self._listeners = listeners
@@ -46,21 +44,21 @@ class Readings:
         self._failed: set[str] = set()
 
     def follow(self, driver: Driver | None) -> None:
-        """Read what is followed now, and nothing else, and again what could not be; without a driver nothing."""
+        """Subscribe to the followed capabilities only, and retry failed ones; without a driver to none."""
         wanted = self._listeners.reads() if driver is not None else frozenset()
         kept = wanted - self._failed if driver is self._driver else frozenset()
         self._driver = driver
         self._failed.clear()
         for name in self._tasks.keys() - kept:
             self._tasks.pop(name).cancel()
-            self._newest.pop(name, None)  # what waits to be told is of a robot, or for pages, that have gone
+            self._newest.pop(name, None)  # queued values are of another robot, or for closed pages
         if driver is not None:
             for name in wanted - self._tasks.keys():
                 self._tasks[name] = asyncio.create_task(self._read(driver, name))
                 self._tasks[name].add_done_callback(partial(self._over, name))
 
     async def aclose(self) -> None:
-        """Read nothing more."""
+        """Close all subscriptions."""
         tasks = tuple(self._tasks.values())
         self.follow(None)
         await asyncio.gather(*tasks, return_exceptions=True)
@@ -78,7 +76,7 @@ class Readings:
             self._listeners.tell({"event": "value", "capability": name, "problem": problem(error)}, of=name)
 
     def _tell(self, name: str) -> None:
-        """Tell the newest value, and after a while the one that has come by then."""
+        """Send the newest value, and after the interval the one that has arrived by then."""
         self._waiting.pop(name, None)
         if (value := self._newest.pop(name, None)) is not None:
             self._listeners.tell({"event": "value", "capability": name, "value": plain(value)}, of=name)
@@ -86,7 +84,7 @@ class Readings:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON has it, which knows neither infinity nor what is not a number."""
+    """Return a value as JSON, which lacks infinity and NaN."""
     if isinstance(value, float) and not isfinite(value):
         return None if isnan(value) else "∞" if value > 0 else "-∞"
     if isinstance(value, dict):
@@ -97,17 +95,15 @@ def plain(value: Any) -> Any:
 
 
 SILENT: Final = 4.0
-"""Seconds that a page may say nothing while it drives; then nobody is thought to be there."""
+"""Seconds without a sign of life after which a driving page is considered abandoned."""
 _LONGEST: Final = 60.0
-"""Seconds that one movement by hand takes at most; what ends by itself, as a goal, may take ten times as long."""
-_USUAL: Final = 1.0
-"""Seconds of a movement for which none are said."""
-_MOST: Final = 16
-"""How many things are done by hand at a time."""
+"""Maximum seconds of one movement by hand; a goal, which ends by itself, may take ten times as long."""
+_USUAL: Final = 1.0  # default seconds of a movement
+_MOST: Final = 16  # maximum number of movements by hand at a time
 
 
 class Hands:
-    """What is done by hand, each a task that belongs to a page."""
+    """Movements by hand, each a task that belongs to a page."""
 
     def __init__(self, listeners: Listeners) -> None:
         self._listeners = listeners
@@ -115,7 +111,7 @@ class Hands:
 
     @property
     def busy(self) -> bool:
-        """Whether anything is done by hand."""
+        """Whether any movement runs."""
         return bool(self._tasks)
 
     def do(
@@ -126,10 +122,10 @@ class Hands:
         arguments: Mapping[str, Any],
         seconds: float | None,
     ) -> None:
-        """Begin to do something; how it goes is told to all pages.
+        """Start a movement; all pages receive its progress.
 
         Raises:
-            RobotError: KG847 when too much is done already, KG848 for a time that is too long.
+            RobotError: KG847 too many movements, KG848 the duration is too long.
         """
         if len(self._tasks) >= _MOST:
             raise RobotError("KG847", f"{_MOST} things are done by hand already")
@@ -163,23 +159,23 @@ class Hands:
         listener.tell({**event, "own": True})
 
     async def watch(self) -> None:
-        """Stop what belongs to pages that say nothing any more, until cancelled."""
+        """Stop the movements of abandoned pages, until cancelled."""
         while True:
             await asyncio.sleep(SILENT / 4)
             latest = asyncio.get_running_loop().time() - SILENT
             await self.stop({one for one in self._tasks.values() if one.heard < latest})
 
     async def stop(self, whose: set[Listener] | None = None) -> None:
-        """Stop what is done by hand, by certain pages or by all."""
+        """Stop the movements of certain pages, or all."""
         await ended(*(task for task, listener in self._tasks.items() if whose is None or listener in whose))
 
 
 _STEPS_EVERY: Final = 0.05
-"""Seconds between two tellings of the statements that run: people see no more, and a program may do thousands."""
+"""Seconds between two updates on the running statements: a program may run thousands in that time."""
 
 
 class Running:
-    """What runs, and how far it is."""
+    """The running program and its progress."""
 
     def __init__(self, listeners: Listeners) -> None:
         self._listeners = listeners
@@ -192,15 +188,15 @@ class Running:
 
     @property
     def active(self) -> bool:
-        """Whether a program runs or pauses."""
+        """Whether a program runs or is paused."""
         return self._task is not None and not self._task.done()
 
     def told(self) -> dict[str, Any]:
-        """Return what is told of the program: its name, whether it runs, and the statements that do."""
+        """Return the state of the program for pages: its name, whether it runs, and its running statements."""
         return {"state": self._state, "name": self._name, "running": list(+self._at)}
 
     def start(self, driver: Driver, program: Program) -> None:
-        """Run a program; how it goes is told."""
+        """Run a program, and send its progress to pages."""
         self._name = program.name
         self._at.clear()
         self._runner = Runner(driver, program, on_event=self._step)
@@ -209,7 +205,7 @@ class Running:
         self._task.add_done_callback(self._ended)
 
     def _step(self, event: dict[str, Any]) -> None:
-        """Tell what the program does: which statements run, what it reads, sets and says."""
+        """Send the progress of the program: running statements, values read and set, and texts."""
         kind, identity = event["event"], event["id"]
         if kind in {"enter", "leave"}:
             self._at[identity] += 1 if kind == "enter" else -1
@@ -231,24 +227,24 @@ class Running:
             self._listeners.tell({"event": "step", "running": list(+self._at)})
 
     def pause(self) -> None:
-        """Pause, if it runs."""
+        """Pause the program, if it runs."""
         if self.active and self._runner is not None and self._state == "running":
             self._runner.pause()
             self._be("paused")
 
     def resume(self) -> None:
-        """Go on, if it pauses."""
+        """Resume the program, if it is paused."""
         if self.active and self._runner is not None and self._state == "paused":
             self._runner.resume()
             self._be("running")
 
     async def stop(self) -> None:
-        """End it, if it runs."""
+        """Stop the program, if it runs."""
         if self._task is not None and self.active:
             await ended(self._task)
 
     def _ended(self, task: asyncio.Task[Ended]) -> None:
-        """Tell how a program ended, if none was begun in that moment."""
+        """Send the result of a program, unless another one has started."""
         error = failure(task, "running a program")
         if task is not self._task:
             return

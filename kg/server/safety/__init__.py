@@ -1,4 +1,4 @@
-"""What stands between a client and the routes: plain ASGI middlewares, and what guards each connection below them."""
+"""Protection of the server: ASGI middlewares, and limits on connections below them."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from starlette.middleware import Middleware
 
 from kg.server.safety.bodies import Bodies, announced
-from kg.server.safety.floods import Floods
-from kg.server.safety.gate import Gate
+from kg.server.safety.floods import Floods, Gate
 from kg.server.safety.hosts import Hosts
 from kg.server.safety.observing import Observed
 from kg.server.safety.sites import CrossOrigin, Sites

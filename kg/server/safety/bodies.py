@@ -1,4 +1,4 @@
-"""Sizes: addresses, headers and bodies are bounded before they are read, and while they are."""
+"""Limits on the size of addresses, headers and bodies, checked before and while they are read."""
 
 from __future__ import annotations
 
@@ -13,26 +13,25 @@ if TYPE_CHECKING:
     from starlette.requests import HTTPConnection
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-    from kg.server.safety.gate import Check
+    from kg.server.safety.floods import Check
 
 ADDRESS_BYTES: Final = 8192
-"""How long path and query of an address may be together."""
+"""Maximum length in bytes of path and query of an address."""
 HEADERS: Final = 100
-"""How many headers a request may have."""
+"""Maximum number of headers of a request."""
 HEADER_BYTES: Final = 32 << 10
-"""How many bytes names and values of its headers may have together."""
+"""Maximum size in bytes of all header names and values."""
 QUERY_BYTES: Final = 16 << 20
-"""How large a body may be where nothing is changed: a query, the arguments of a view. It is held in memory, several
-times over, for whoever may read."""
+"""Maximum size in bytes of the body of a reading request: a query, or arguments of a view. It is held in memory,
+several times over, for any client that may read.
+"""
 
-_PAUSE: Final = 10.0
-"""Seconds that a body may keep us waiting for its next part."""
-_PACE: Final = 1024
-"""Bytes a second that a body comes with at least, once it has had a pause."""
+_PAUSE: Final = 10.0  # maximum seconds between two parts of a body
+_PACE: Final = 1024  # minimum rate in bytes per second of a body, after its first pause
 
 
 def announced(most: int) -> Check:
-    """Return the check of what a request announces: address, headers, encoding and length of its body."""
+    """Return the check of the declared address, headers, encoding and length of the body of a request."""
 
     def check(request: HTTPConnection) -> RequestError | None:
         scope = request.scope
@@ -65,14 +64,14 @@ def _too_large(most: int) -> RequestError:
 
 
 class Bodies:
-    """Count a body while it is read: KG525 when it is too large, KG532 when it comes too slowly."""
+    """Limit the body of a request while it is read: KG525 if it is too large, KG532 if it is too slow."""
 
     def __init__(self, app: ASGIApp, most: int) -> None:
         self._app = app
         self._most = most
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass on with a `receive` that counts, where there is a body."""
+        """Pass on a request, with a `receive` that counts if it has a body."""
         if scope["type"] != "http" or not _has_body(scope):
             await self._app(scope, receive, send)
             return
@@ -84,7 +83,7 @@ def _has_body(scope: Scope) -> bool:
 
 
 def _counting(receive: Receive, most: int) -> Receive:
-    """Return `receive`, bounded in bytes and time until the body is whole."""
+    """Return `receive`, limited in bytes and time until the body is complete."""
     size, whole, began = 0, False, time.monotonic()
 
     async def counting() -> Message:

@@ -1,11 +1,11 @@
-"""What guards a connection below the application: how many there are, how slowly they may speak, how much at once.
+"""Limits on connections below the application: their number, the time of a request, and its size.
 
-The application sees a request when its headers are whole, so what never gets that far has to be ended here.
+The application sees a request when its headers are complete, so incomplete requests have to be ended here.
 
-A connection is *waiting* until a request on it is whole, and *answering* from then until the end of the answer. Each
-kind has a limit of its own, so that connections without a request use up no capacity for requests. Above the first
-limit the oldest waiting connection is closed, of the address that has the most of them: a new connection is never
-refused. Above the second limit a request is refused (KG533), but not one for `/health` or `/metrics`.
+A connection is *waiting* until its request is complete, and *answering* from then to the end of the response. Each
+state has a limit of its own, so idle connections take no capacity from requests. Above the first limit, the oldest
+waiting connection of the address with the most of them is closed: a new connection is never refused. Above the second
+limit, a request is refused (KG533), except for `/health` and `/metrics`.
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ if TYPE_CHECKING:
     import asyncio
 
 HEAD_SECONDS: Final = 10.0
-"""How long the first line and the headers of a request may take."""
+"""Maximum seconds for the request line and the headers."""
 HEAD_BYTES: Final = 64 << 10
-"""How long they may be, before the application looks at them more closely."""
+"""Maximum size in bytes of the headers, before the application checks them."""
 REST_SECONDS: Final = 10.0
-"""How long a client may go on sending the body of a request that was answered already."""
+"""Maximum seconds for a client to finish sending the body of a request after its response."""
 STALLED_SECONDS: Final = 60.0
-"""How long a client may take nothing of its answer."""
+"""Maximum seconds for a client to read none of its response."""
 LINGER_SECONDS: Final = 2.0
-"""How long we listen, and throw away, after we have said no: closing at once would take our answer from the client."""
+"""Seconds during which input is discarded after a refusal: closing at once could drop the response."""
 JOINED_BYTES: Final = 4096
-"""A piece of an answer that is larger is sent at once."""
+"""A larger part of a response is sent at once."""
 LINGER_BYTES: Final = 1 << 20
-"""How much we throw away meanwhile."""
+"""Maximum bytes discarded after a refusal."""
 
 
 @dataclass(slots=True)
 class Crowd:
-    """The connections of a server at a root path; `most` of them may wait, and as many be answered."""
+    """The connections of a server at a root path; at most `most` are waiting, and at most `most` are answering."""
 
     most: int
     root: str
@@ -51,7 +51,7 @@ class Crowd:
     answering: set[Guarded] = field(default_factory=set)
 
     def wait(self, connection: Guarded, address: str) -> None:
-        """Count a connection as waiting, and close the oldest one where that is too many."""
+        """Count a connection as waiting, and close the oldest one above the limit."""
         self.answering.discard(connection)
         self.waiting.setdefault(address, {})[connection] = None
         if sum(map(len, self.waiting.values())) > self.most:
@@ -61,12 +61,12 @@ class Crowd:
             oldest.make_room()
 
     def answer(self, connection: Guarded, address: str) -> None:
-        """Count a connection as one that is answered."""
+        """Count a connection as answering."""
         self.forget(connection, address)
         self.answering.add(connection)
 
     def forget(self, connection: Guarded, address: str) -> None:
-        """Count a connection no more."""
+        """Remove a connection."""
         self.answering.discard(connection)
         connections = self.waiting.get(address, {})
         connections.pop(connection, None)
@@ -75,9 +75,9 @@ class Crowd:
 
 
 class _Joined:
-    """A transport that sends head and body of an answer as one piece: each piece wakes the client.
+    """A transport that sends head and body of a response in one piece, since each piece wakes the client.
 
-    Pieces are held until `flush`, the next turn of the event loop, or until they are many bytes.
+    Parts are buffered until `flush`, the next turn of the event loop, or a maximum size.
     """
 
     def __init__(self, transport: asyncio.Transport, loop: asyncio.AbstractEventLoop) -> None:
@@ -89,7 +89,7 @@ class _Joined:
         return getattr(self._transport, name)
 
     def write(self, data: bytes) -> None:
-        """Send soon; what is written behind goes along."""
+        """Buffer data to send together with what follows."""
         if self._held:
             self._held.append(data)
             self.flush()
@@ -100,25 +100,25 @@ class _Joined:
             self._transport.write(data)
 
     def flush(self) -> None:
-        """Send what is held."""
+        """Send the buffer."""
         if self._held:
             data = b"".join(self._held)
             self._held.clear()
             self._transport.write(data)
 
     def write_eof(self) -> None:
-        """Send what is held, and no more."""
+        """Send the buffer and end the stream."""
         self.flush()
         self._transport.write_eof()
 
     def close(self) -> None:
-        """Close when what is held was sent."""
+        """Close after sending the buffer."""
         self.flush()
         self._transport.close()
 
 
 class Guarded(HttpToolsProtocol):
-    """HTTP/1.1 of uvicorn, with bounds on time, size and number; `crowd` has all connections of the server."""
+    """Uvicorn's HTTP/1.1 with limits on time, size and number; `crowd` has all connections of the server."""
 
     crowd: Crowd
 
@@ -132,7 +132,7 @@ class Guarded(HttpToolsProtocol):
         self._timers: dict[str, asyncio.TimerHandle] = {}
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn does
-        """Take a connection."""
+        """Register a connection."""
         super().connection_made(cast("asyncio.Transport", _Joined(transport, self.loop)))
         self._start("head", HEAD_SECONDS, self._head_is_late)
         self.crowd.wait(self, self._address)
@@ -142,21 +142,21 @@ class Guarded(HttpToolsProtocol):
         return self.client[0] if self.client else ""
 
     def make_room(self) -> None:
-        """Close the connection, which waits for longer than the others."""
+        """Close this connection, the one that has waited longest."""
         if self._whole:
             self.transport.close()
         else:
             self.transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Forget what was waited for."""
+        """Remove the connection and its timers."""
         for name in tuple(self._timers):
             self._stop(name)
         self.crowd.forget(self, self._address)
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Read on; KG535 where headers have no end."""
+        """Parse received bytes; KG535 if the headers never end."""
         self._head += len(data)
         if self._refused:
             if self._head > LINGER_BYTES:
@@ -167,18 +167,18 @@ class Guarded(HttpToolsProtocol):
             self._refuse("KG535", f"the headers have more than {HEAD_BYTES} bytes")
 
     def send_400_response(self, msg: str) -> None:
-        """Answer what is not HTTP: KG520."""
+        """Respond to malformed HTTP: KG520."""
         if not self._refused:
             self._refuse("KG520", msg)
 
     def on_message_begin(self) -> None:
-        """Wait for headers, not for ever."""
+        """Start the timer for the headers."""
         self._in_head, self._whole, self._head = True, False, 0
         self._start("head", HEAD_SECONDS, self._head_is_late)
         super().on_message_begin()
 
     def on_headers_complete(self) -> None:
-        """Hand the request to the application; KG533 where too many are answered already."""
+        """Pass the request to the application; KG533 above the limit of requests."""
         self._in_head = False
         self._stop("head")
         path = self.url.partition(b"?")[0].decode("latin-1").removeprefix(self.crowd.root)
@@ -189,12 +189,12 @@ class Guarded(HttpToolsProtocol):
             super().on_headers_complete()
 
     def on_body(self, body: bytes) -> None:
-        """Hand on a part of a body."""
+        """Pass on a part of a body."""
         if not self._refused:
             super().on_body(body)
 
     def on_message_complete(self) -> None:
-        """Note that the request is whole."""
+        """Record that the request is complete."""
         self._whole = True
         self._stop("rest")
         if self._answering and not self._refused:
@@ -203,7 +203,7 @@ class Guarded(HttpToolsProtocol):
             super().on_message_complete()
 
     def on_response_complete(self) -> None:
-        """Wait for the rest of a body that nobody reads, not for ever."""
+        """Start the timer for the rest of an unread body."""
         self._answering = bool(self.pipeline)
         super().on_response_complete()
         if not self._answering and not self.transport.is_closing():
@@ -212,12 +212,12 @@ class Guarded(HttpToolsProtocol):
             self._start("rest", REST_SECONDS, self.transport.abort)
 
     def pause_writing(self) -> None:
-        """Wait for a client that takes nothing, not for ever."""
+        """Start the timer for a client that does not read."""
         self._start("stalled", STALLED_SECONDS, self.transport.abort)
         super().pause_writing()
 
     def resume_writing(self) -> None:
-        """Go on sending."""
+        """Resume sending."""
         self._stop("stalled")
         super().resume_writing()
 
@@ -228,7 +228,7 @@ class Guarded(HttpToolsProtocol):
             self.transport.close()
 
     def _refuse(self, code: str, message: str) -> None:
-        """Say no without the application, and close."""
+        """Refuse a request without the application, and close the connection."""
         self._refused = True
         self._stop("head")
         if self.transport.is_closing() or self._answering:
@@ -261,5 +261,5 @@ class Guarded(HttpToolsProtocol):
 
 
 def guarded(most: int, root: str) -> type[Guarded]:
-    """Return the protocol of a server at a root path; `most` connections may wait, and as many be answered."""
+    """Return the protocol of a server at a root path; at most `most` connections wait, and as many are answered."""
     return type("Guarded", (Guarded,), {"crowd": Crowd(most, root)})

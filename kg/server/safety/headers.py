@@ -1,6 +1,6 @@
-"""Headers that tell browsers what answers of this server may do: load nothing from elsewhere, be framed nowhere.
+"""Security headers for browsers: responses load nothing from other sites and cannot be framed.
 
-An answer that sets one of them itself keeps it; a page with an import map adds its hash by `policy`.
+A response that sets one of them itself keeps it; a page with an import map adds its hash by `policy`.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ HEADERS: Final[dict[bytes, bytes]] = {
     b"cross-origin-opener-policy": b"same-origin",
     b"cross-origin-resource-policy": b"same-origin",
 }
-"""Name to value, for every answer."""
+"""Names and values for every response."""
 
 
 _PAIRS: Final = tuple(HEADERS.items())
 
 
 def with_headers(message: Message) -> Message:
-    """Return the beginning of an answer with those of `HEADERS` that it does not have."""
+    """Return the start of a response, with the `HEADERS` that it lacks."""
     given = {name.lower() for name, _ in message["headers"]}
     return {**message, "headers": [*message["headers"], *(pair for pair in _PAIRS if pair[0] not in given)]}

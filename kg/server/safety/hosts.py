@@ -1,4 +1,4 @@
-"""The check of `Host`: a name that leads here by a trick of DNS (DNS rebinding) is not one that we answer for."""
+"""The check of `Host` against DNS rebinding: names that lead to this server without its consent."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _HOST: Final = re.compile(r"(?:\[(?P<six>[0-9a-fA-F:.]+)\]|(?P<name>[\w.-]+))(?:
 
 @lru_cache(maxsize=256)
 def is_loopback(host: str) -> bool:
-    """Tell whether a host to listen at can be reached from this machine only."""
+    """Return whether a listening address is reachable from this machine only."""
     try:
         return ip_address(host.strip("[]")).is_loopback
     except ValueError:
@@ -29,9 +29,9 @@ def is_loopback(host: str) -> bool:
 
 
 class Hosts:
-    """Refuse requests for other hosts than loopback, the one listened at, and those allowed: KG527.
+    """Refuse requests for hosts other than loopback, the listening address and the allowed ones: KG527.
 
-    Those that name no host, more than one, or what is none, are malformed (RFC 9112, section 3.2): KG520.
+    Requests with no `Host`, several, or a malformed one are refused with KG520 (RFC 9112, section 3.2).
     """
 
     def __init__(self, options: Options) -> None:
@@ -40,7 +40,7 @@ class Hosts:
         self._any_address = not is_loopback(options.host)
 
     def __call__(self, request: HTTPConnection) -> RequestError | None:
-        """Return the error for a request that is not for this server."""
+        """Return the error for a request for another host."""
         named = [value.decode("latin-1") for name, value in request.scope["headers"] if name == b"host"]
         if len(named) != 1:
             return RequestError("KG520", f"the request has {len(named)} headers Host", hint="Send one.")
@@ -54,13 +54,13 @@ class Hosts:
 
 @lru_cache(maxsize=64)
 def _name(host: str) -> str | None:
-    """Return the name or address of a header Host, None for what is none."""
+    """Return the name or address in a header `Host`; None if it is malformed."""
     found = _HOST.fullmatch(host)
     return None if found is None else (found["six"] or found["name"]).lower().removesuffix(".")
 
 
 def _is_address(name: str) -> bool:
-    """Tell whether a host is written as an address, which no trick of DNS can lead elsewhere."""
+    """Return whether a host is an IP address, which DNS cannot redirect."""
     try:
         ip_address(name)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Logging in with the token: a small page for browsers, which cannot send `Authorization` by themselves."""
+"""The login page: browsers cannot send `Authorization` by themselves."""
 
 from __future__ import annotations
 
@@ -18,13 +18,12 @@ if TYPE_CHECKING:
     from starlette.requests import Request
 
 _LOCAL: Final = re.compile(r"/(?![/\\])[^\x00-\x20\\]*")
-"""A path on this server: nothing that a browser could take for another host."""
-_PAUSE: Final = 0.3
-"""Seconds that a wrong token costs who tries it."""
+"""A path on this server that no browser could take for another host."""
+_PAUSE: Final = 0.3  # delay in seconds after a wrong token
 
 
 def _page(request: Request, following: str, *, wrong: bool = False) -> Response:
-    """Return the page; it tells nothing of the store to who is not logged in."""
+    """Return the login page, which reveals nothing of the store."""
     shown = page(
         request,
         "login.html",
@@ -63,7 +62,7 @@ async def _logout(request: Request) -> Response:
 
 
 def _session(response: Response, request: Request, proof: str) -> Response:
-    """Set the cookie, or end it."""
+    """Set the cookie, or delete it."""
     response.set_cookie(
         cookie_name(request),
         proof,
@@ -78,4 +77,4 @@ def _session(response: Response, request: Request, proof: str) -> Response:
 
 
 ROUTES: Final = [Route("/login", _login, methods=["GET", "POST"]), Route("/logout", _logout, methods=["POST"])]
-"""Logging in and out."""
+"""Addresses for logging in and out."""

@@ -1,4 +1,4 @@
-"""The outermost middleware: it sees what a request came to, for the log, the metrics, and clients that meet defects."""
+"""The outermost middleware: it records the outcome of each request for logs and metrics, and reports defects."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 
 class Observed:
-    """Note status, size, time and outcome of every request, and add the headers for browsers to every answer.
+    """Record status, size, time and outcome of each request, and add the security headers to each response.
 
-    What no route has foreseen the client is told by a code and an identity, and the log by the same identity. An error
-    of `kg` behind the beginning of an answer is none: the answer ends there, and the connection with it.
+    For an unexpected exception, the client gets a code and an identity, and the log has the details under the same
+    identity. A KgError after the start of a response is not a defect: the response and its connection end there.
     """
 
     def __init__(self, app: ASGIApp, options: Options) -> None:
@@ -33,7 +33,7 @@ class Observed:
         self._metrics = Metrics()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on and write down what came of it; raises what the application raises, defects by name."""
+        """Pass a request on and record its outcome; re-raises the application's errors, defects as DefectError."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -75,5 +75,5 @@ class Observed:
 
 
 def _reason(error: BaseException) -> BaseException:
-    """Return what was raised first: Starlette wraps what comes behind the beginning of an answer."""
+    """Return the original exception: Starlette wraps those raised after the start of a response."""
     return error.__cause__ or error

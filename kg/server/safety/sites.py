@@ -1,7 +1,7 @@
-"""Requests that pages of other sites send: refused unless the site is listed (`--cors`), however it is asked.
+"""Cross-site requests: refused unless the site is listed (`--cors`).
 
-Browsers say where a request comes from: `Sec-Fetch-Site` (Fetch Metadata), or `Origin` in older ones. Programs send
-neither and pass; so does `Authorization: Bearer` without a cookie, which no page of another site can send unasked.
+Browsers report the origin of a request in `Sec-Fetch-Site` (Fetch Metadata), older ones in `Origin`. Programs send
+neither and pass. So does `Authorization: Bearer` without a cookie, which a page of another site cannot send on its own.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ _SHOWN: Final = "ETag, Link, Location, Retry-After, X-Kg-Truncated"
 
 
 class Sites:
-    """Refuse what a page of another site sent: KG528."""
+    """Refuse cross-site requests: KG528."""
 
     def __init__(self, origins: tuple[str, ...] = ()) -> None:
         self._origins = frozenset(origins)
 
     def __call__(self, request: HTTPConnection) -> RequestError | None:
-        """Return the error for a request of another site that is not listed or would change something."""
+        """Return the error for a request of another site that is not listed, or that would change something."""
         if self._passes(request):
             return None
         return RequestError("KG528", "a page of another site sent this request")
@@ -63,7 +63,7 @@ class CrossOrigin:
         self._origins = frozenset(origins)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer preflights of listed origins, and name the origin in answers to it."""
+        """Respond to preflights of listed origins, and name the origin in responses to it."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return

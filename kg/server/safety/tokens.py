@@ -1,7 +1,7 @@
-"""The token: who has it may change the store, and read it where others can reach the server.
+"""The token: its holder may change the store, and read it where other machines can reach the server.
 
-It comes from the environment or a file, never from the command line, and is said by `Authorization: Bearer` or, once a
-person has logged in (`kg.server.safety.login`), by a cookie that holds a proof of it and not the token itself.
+It comes from the environment or a file, never from the command line. Clients send it as `Authorization: Bearer`. After
+a login (`kg.server.safety.login`) browsers send a cookie with a proof of the token, not the token itself.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ if TYPE_CHECKING:
     from kg.server.options import Options
 
 LEAST: Final = 16
-"""How many characters a token has at least."""
+"""Minimum length of a token in characters."""
 CHANGING: Final = ("/update", "/store")
-"""The addresses at which the store is changed, and those below them."""
+"""Addresses at which the store is changed, and those below them."""
 MOVING: Final = frozenset({"/robot/do", "/robot/run", "/robot/pause", "/robot/resume"})
-"""The addresses at which a robot is moved; at `/robot/stop` whoever may look on may stop it."""
+"""Addresses at which a robot is moved; every viewer may use `/robot/stop`."""
 _OPEN: Final = frozenset({"/login", "/health", "/favicon.ico"})
-"""The addresses that need no token: for logging in, and whether the server lives."""
+"""Addresses that need no token: login and health."""
 _OPEN_BELOW: Final = ("/errors/", "/static/", "/vendor/")
-"""Where all addresses need none: nothing there is of the store."""
+"""Prefixes of addresses that need no token and reveal nothing of the store."""
 
 
 class Tokens:
-    """The token of a server: a fixed one, or that in a file, which is read again whenever the file changes."""
+    """The token of a server: fixed, or in a file that is read again whenever it changes."""
 
     def __init__(self, value: str | None, path: Path | None = None) -> None:
         self._value = value
@@ -49,7 +49,7 @@ class Tokens:
 
     @property
     def current(self) -> str | None:
-        """The token in force; None when there is none, or the file of it cannot be used: then nothing matches."""
+        """The current token; None if there is none, or its file is unusable: then nothing matches."""
         if self._path is None:
             return self._value
         try:
@@ -64,32 +64,32 @@ class Tokens:
 
     @property
     def proof(self) -> str | None:
-        """What a cookie holds: it ends with the token that it proves, and with this server."""
+        """The value of the cookie, valid for this token and this process of the server."""
         token = self.current
         return token and hmac.new(self._key, token.encode(), hashlib.sha256).hexdigest()
 
     def matches(self, candidate: str) -> bool:
-        """Tell whether a text is the token, in a time that does not depend on where they differ."""
+        """Return whether a text is the token, in constant time."""
         return _same(self.current, candidate)
 
     def proves(self, candidate: str) -> bool:
-        """Tell whether the value of a cookie proves the token."""
+        """Return whether the value of a cookie proves the token."""
         return _same(self.proof, candidate)
 
 
 def _same(secret: str | None, candidate: str) -> bool:
-    """Compare by hashes, whose lengths are equal."""
+    """Compare hashes, which have equal lengths."""
     wanted, given = (hashlib.sha256(text.encode("utf-8", "replace")).digest() for text in (secret or "", candidate))
     return hmac.compare_digest(wanted, given) and bool(secret)
 
 
 def cookie_name(request: HTTPConnection) -> str:
-    """Return the name of the cookie; browsers do not tell the ports of one host apart, so the name does."""
+    """Return the name of the cookie, which contains the port, since browsers share cookies between ports of a host."""
     return f"kg_session_{request.url.port or 0}"
 
 
 def is_trusted(request: HTTPConnection) -> bool:
-    """Tell whether a request came with the token, for what only its holder may ask."""
+    """Return whether a request came with the token."""
     return bool(request.scope.get("kg.trusted"))
 
 
@@ -99,9 +99,9 @@ def client(request: HTTPConnection) -> str:
 
 
 class Doors:
-    """Refuse what needs the token and has none (KG529), and what nobody may do here (KG530).
+    """Refuse requests that lack the required token (KG529), and requests that are never allowed (KG530).
 
-    That is changes where the server is read-only, and moving a robot where there is no token.
+    The latter are changes to a read-only server, and moving a robot without a token.
     """
 
     def __init__(self, options: Options, tokens: Tokens) -> None:
@@ -111,7 +111,7 @@ class Doors:
         self._all = not options.open_to_all and not is_loopback(options.host)
 
     def __call__(self, request: HTTPConnection) -> RequestError | Response | None:
-        """Return what stops a request, and note whether it came with the token."""
+        """Return the error for a refused request, and record whether a request has the token."""
         scope = request.scope
         scope["kg.tokens"] = self._tokens
         scope["kg.trusted"] = self._has_token(request)
@@ -143,7 +143,7 @@ def _is_open(path: str) -> bool:
 
 
 def _changes(request: HTTPConnection) -> bool:
-    """Tell whether a request asks for a change, be it in a form that no route takes."""
+    """Return whether a request asks for a change, even in a form that no route accepts."""
     scope = request.scope
     method, path = str(scope["method"]), str(scope["path"])
     if path.rstrip("/") == "/update" or (b"update=" in scope["query_string"] and "update" in request.query_params):

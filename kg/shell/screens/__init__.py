@@ -1,1 +1,1 @@
-"""The screens of the shell: the main one, and those that open above it."""
+"""The screens of the shell: the main one, and those above it."""

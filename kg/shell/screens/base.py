@@ -1,4 +1,4 @@
-"""What the screens above the main screen have in common."""
+"""Base of the screens above the main screen."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ if TYPE_CHECKING:
 
 
 class UpperScreen(Screen[ScreenResultType | None]):
-    """A screen that closes once; its result is None when the person leaves it.
+    """A screen that closes once; its result is None when the user leaves it.
 
-    Other bases come before this one: textual takes styles from the first base alone.
+    It must be the last base class: textual takes styles from the first one only.
     """
 
     app: Shell
 
     def dismiss(self, result: ScreenResultType | None = None) -> AwaitComplete:
-        """Close this screen if it is on top: textual would close whatever screen is."""
+        """Close this screen if it is on top: textual would close any other."""
         return super().dismiss(result) if self.app.screen is self else AwaitComplete()
 
     def action_dismiss_screen(self) -> None:

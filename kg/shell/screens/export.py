@@ -1,4 +1,4 @@
-"""Writing the whole answer to a file."""
+"""Export of a whole result to a file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class ExportScreen(ModalScreen[None], UpperScreen[None]):
-    """Asks for file and format; an answer that the limit cut is asked for again without limit."""
+    """Asks for file and format; a limited result is requested again without limit."""
 
     CONTEXTS = ("list",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("list")
@@ -39,7 +39,7 @@ class ExportScreen(ModalScreen[None], UpperScreen[None]):
         self._text = text
         self._job = secrets.token_hex(8)
         self._replace: str | None = None
-        """The file that may be replaced, since the person was told that it is there."""
+        """The file that the user has agreed to replace."""
 
     def compose(self) -> ComposeResult:
         """Yield the fields."""
@@ -52,7 +52,7 @@ class ExportScreen(ModalScreen[None], UpperScreen[None]):
             yield Static("Enter: write the file. Tab: format. Esc: back.", classes="hint")
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """Let the ending of the name choose the format."""
+        """Set the format by the suffix of the name."""
         if meant := format_of_name(event.value, self._result):
             self.query_one(Select).value = meant
 
@@ -61,13 +61,13 @@ class ExportScreen(ModalScreen[None], UpperScreen[None]):
         self.action_choose()
 
     def action_choose(self) -> None:
-        """Write the file, unless it exists and the person has not confirmed its replacement."""
+        """Write the file, unless it exists and the user has not confirmed its replacement."""
         if typed := self.query_one(Input).value.strip():
             request = partial(self._write, typed, str(self.query_one(Select).value))
             deliver(self, request, self._answer, self._fail, latest="export")
 
     async def _write(self, typed: str, name: str) -> int | None:
-        """Return how many bytes were written, None where the file exists."""
+        """Return the number of bytes written, None if the file exists."""
         if self._replace != typed and await asyncio.to_thread(is_taken, typed):
             self._replace = typed
             return None
@@ -91,6 +91,6 @@ class ExportScreen(ModalScreen[None], UpperScreen[None]):
         self.query_one(".wrong", Static).update(printable(words))
 
     def action_dismiss_screen(self) -> None:
-        """Go back; what is being asked ends."""
+        """Go back and cancel the request."""
         self._link.stop(self._job)
         self.dismiss()

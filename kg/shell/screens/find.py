@@ -1,4 +1,4 @@
-"""Search: a need in words, the nodes that meet it, and why."""
+"""Search: a query in words, matching nodes, and reasons."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ class HitTree(LineTree):
 
 
 class FindScreen(UpperScreen[None]):
-    """Asks the view `find`, and opens what it found."""
+    """Requests the view `find`, and opens its results."""
 
     CONTEXTS = ("find",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("find")
 
     def compose(self) -> ComposeResult:
-        """Yield the field, what was understood, and the hits."""
+        """Yield the input, the interpretation, and the hits."""
         yield Input(placeholder="what you need, for example: stop before an obstacle with a laser scanner")
         yield Static("Enter: search. Down: results.", classes="hint", markup=False)
         yield HitTree()
         yield Footer(show_command_palette=False)
 
     def on_mount(self) -> None:
-        """Begin in the field."""
+        """Focus the input."""
         self.query_one(Input).focus()
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
@@ -55,7 +55,7 @@ class FindScreen(UpperScreen[None]):
             deliver(self, request, self._answer, self._fail, latest="find")
 
     def on_key(self, event: Key) -> None:
-        """Go from the field to the hits and back."""
+        """Move between the input and the hits."""
         tree = self.query_one(HitTree)
         if event.key == "down" and isinstance(self.focused, Input) and tree.root.children:
             event.stop()
@@ -79,11 +79,11 @@ class FindScreen(UpperScreen[None]):
         self.query_one(".hint", Static).update(printable(words))
 
     def on_tree_node_selected(self) -> None:
-        """Open the chosen hit."""
+        """Open the selected hit."""
         self.action_open_hit()
 
     def action_open_hit(self) -> None:
-        """Open the page of the node of the chosen line."""
+        """Open the page of the selected line's node."""
         node = self.query_one(HitTree).cursor_node
         line = node.data if node else None
         if line is not None and not line.iri and node and node.parent:

@@ -1,4 +1,4 @@
-"""Every key, by place."""
+"""Help: all keys by context."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class HelpScreen(ModalScreen[None], UpperScreen[None]):
             yield Static("Esc: back. The palette (Ctrl+P) runs all of these by name.", classes="hint")
 
     def on_mount(self) -> None:
-        """Let arrows scroll."""
+        """Enable scrolling by arrow keys."""
         self.query_one(VerticalScroll).focus()
 
 

@@ -1,4 +1,4 @@
-"""Letters above the panels; typing one goes there."""
+"""Jump marks: a letter above each panel; typing it goes there."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class JumpScreen(ModalScreen[Any], UpperScreen[Any]):
-    """Its answer is the panel whose letter was typed, or None."""
+    """Returns the panel whose letter was typed, or None."""
 
     def __init__(self, panels: Mapping[str, Widget]) -> None:
         super().__init__()
@@ -33,7 +33,7 @@ class JumpScreen(ModalScreen[Any], UpperScreen[Any]):
         yield Label("Type a letter to go to its panel; any other key goes back.", classes="jump-hint")
 
     def on_key(self, event: Key) -> None:
-        """Answer with the panel."""
+        """Return the panel of a letter."""
         event.stop()
         event.prevent_default()
         self.dismiss(self._panels.get(event.key.lower()))

@@ -1,4 +1,4 @@
-"""Lists to choose from: of few words, and those that are searched while typing, as the history is."""
+"""Choice lists: short ones, and those filtered while typing, such as the history."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from textual.widgets.option_list import Option
 
 from kg.render.text import count, printable
 from kg.shell.actions import bindings
-from kg.shell.options import Options
 from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
@@ -26,12 +25,13 @@ if TYPE_CHECKING:
 
     from kg.shell.state import Entry
 
+
 _MOST = 500
 _MOVES = {"up": "cursor_up", "down": "cursor_down", "pageup": "page_up", "pagedown": "page_down"}
 
 
 class ChoiceScreen(ModalScreen[str | None], UpperScreen[str]):
-    """Asks for one of `choices`; its answer is None when the person chose nothing."""
+    """Asks for one of `choices`; returns None if the user chooses nothing."""
 
     CONTEXTS = ("list",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("list")
@@ -49,20 +49,20 @@ class ChoiceScreen(ModalScreen[str | None], UpperScreen[str]):
             yield Static("Enter: choose. Esc: back.", classes="hint")
 
     def on_mount(self) -> None:
-        """Begin at the first."""
+        """Highlight the first entry."""
         self.query_one(OptionList).highlighted = 0
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Answer with the choice."""
+        """Return the choice."""
         self.dismiss(event.option.id)
 
     def action_choose(self) -> None:
-        """Answer with what is highlighted."""
+        """Return the highlighted entry."""
         self.query_one(OptionList).action_select()
 
 
 class ListScreen(ModalScreen[str | None], UpperScreen[str]):
-    """Entries with a title and a note, found by words or parts of them; the preview shows the one highlighted."""
+    """Entries with a title and a note, filtered by parts of words; the preview shows the highlighted one."""
 
     CONTEXTS = ("list",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("list")
@@ -75,15 +75,15 @@ class ListScreen(ModalScreen[str | None], UpperScreen[str]):
         self._shown: list[Any] = []
 
     def words(self, entry: Any) -> tuple[str, str]:
-        """Return the title of an entry and a note about it."""
+        """Return title and note of an entry."""
         raise NotImplementedError
 
     def preview(self, entry: Any) -> str:
-        """Return what is shown of the highlighted entry."""
+        """Return the preview of the highlighted entry."""
         raise NotImplementedError
 
     def choose(self, entry: Any) -> None:
-        """Take an entry."""
+        """Accept an entry."""
         raise NotImplementedError
 
     def compose(self) -> ComposeResult:
@@ -101,7 +101,7 @@ class ListScreen(ModalScreen[str | None], UpperScreen[str]):
         self.fill()
 
     def fill(self) -> None:
-        """Show the entries that have all words that were typed, those first that have the first word early."""
+        """Show the entries that contain all typed words, those with an early first word first."""
         words = self.query_one(Input).value.lower().split()
         texts = [" ".join(self.words(entry)).lower() for entry in self.entries]
         fitting = [number for number, text in enumerate(texts) if all(word in text for word in words)]
@@ -139,7 +139,7 @@ class ListScreen(ModalScreen[str | None], UpperScreen[str]):
             getattr(self.query_one(OptionList), f"action_{_MOVES[event.key]}")()
 
     def action_choose(self) -> None:
-        """Take the highlighted entry."""
+        """Accept the highlighted entry."""
         number = self.query_one(OptionList).highlighted
         if number is not None and number < len(self._shown):
             self.choose(self._shown[number])
@@ -150,7 +150,7 @@ def _option(title: str, note: str) -> Option:
 
 
 class HistoryScreen(ListScreen):
-    """Searches the history; its answer is the text of a query."""
+    """Searches the history; returns the text of a query."""
 
     TITLE_WORDS = "History"
     EMPTY = "Nothing was run yet."
@@ -160,15 +160,29 @@ class HistoryScreen(ListScreen):
         self.entries = list(entries)
 
     def words(self, entry: Entry) -> tuple[str, str]:
-        """Return the query on one line, and what came of it."""
+        """Return the query on one line, and its outcome."""
         came = count(entry.rows, "row") if entry.outcome == "ok" else entry.outcome
         return " ".join(entry.text.split()), came
 
     def preview(self, entry: Entry) -> str:
-        """Return the whole query, with when and where it ran."""
+        """Return the whole query, with time and store."""
         when = time.strftime("%Y-%m-%d %H:%M", time.localtime(entry.when))
         return f"{entry.text}\n\n{when} · {entry.seconds:.2f} s · {entry.store}"
 
     def choose(self, entry: Entry) -> None:
-        """Answer with the query."""
+        """Return the query."""
         self.dismiss(entry.text)
+
+
+class Options(OptionList):
+    """Textual's list, except that paging waits until it is drawn, since it has no lines before."""
+
+    def action_page_up(self) -> None:
+        """Go up a page."""
+        if self.scrollable_content_region:
+            super().action_page_up()  # type: ignore[no-untyped-call]  # textual has no type here
+
+    def action_page_down(self) -> None:
+        """Go down a page."""
+        if self.scrollable_content_region:
+            super().action_page_down()  # type: ignore[no-untyped-call]  # as above

@@ -1,4 +1,4 @@
-"""The main screen: tree, buffers with their answers, and the line at the foot."""
+"""The main screen: tree, buffers with their results, and the status line."""
 
 from __future__ import annotations
 
@@ -40,16 +40,14 @@ if TYPE_CHECKING:
     from kg.shell.link import Link
     from kg.shell.state import State
 
-_FOLLOW_SECONDS: Final = 2.0
-"""How often the pointer of the store is looked at."""
+_FOLLOW_SECONDS: Final = 2.0  # seconds between checks for a new generation of the store
 _RUNNING_SECONDS: Final = 0.2
-_TYPING_SECONDS: Final = 0.15
-"""How long a pause in typing is before the store is asked what fits."""
+_TYPING_SECONDS: Final = 0.15  # seconds of a pause in typing before completions are requested
 _CHECK_SECONDS: Final = 0.4
 
 
 class Status(Static):
-    """Says what is worked on."""
+    """The status line."""
 
     def __init__(self, store: Path) -> None:
         super().__init__(markup=False)
@@ -59,12 +57,12 @@ class Status(Static):
         self._note = ""
 
     def tell(self, snapshot: int | None, note: str = "") -> None:
-        """Say which generation of the store is in force, None when it is not there, and what became of it."""
+        """Show the current generation of the store, None if it is missing, and what changed."""
         self._snapshot, self._note = snapshot, note
         self._draw()
 
     def run(self, job: Job | None, rows: int = 0) -> None:
-        """Say what runs; None when nothing does."""
+        """Show the running work; None without any."""
         if job is None:
             self._work = ""
         else:
@@ -79,14 +77,14 @@ class Status(Static):
 
 
 def _short(path: Path) -> str:
-    """Return the path of a store, below the home folder with a tilde."""
+    """Return the path of a store, with a tilde for the home folder."""
     home = path.home()
     folder = path.parent if path.name == ".kg" else path
     return f"~/{folder.relative_to(home)}" if folder.is_relative_to(home) else str(folder)
 
 
 async def diagnosed(link: Link, text: str) -> list[Problem]:
-    """Return the problems of each query in a buffer; KgError when the store cannot be asked."""
+    """Return the problems of each query in a buffer; KgError if the store cannot be queried."""
     found = []
     starts = [one.start for one in statements(text)]
     for begin, end in pairwise([*starts, len(text)]):
@@ -104,7 +102,7 @@ def _problem(found: dict[str, Any], begin: int) -> Problem:
 
 
 class MainScreen(Screen[None]):
-    """What the shell shows first."""
+    """The first screen of the shell."""
 
     app: Shell
     CONTEXTS = ("main", "editor", "results", "tree")
@@ -130,7 +128,7 @@ class MainScreen(Screen[None]):
         yield Footer(show_command_palette=False)
 
     def on_mount(self) -> None:
-        """Begin in the editor, and follow the store."""
+        """Focus the editor, and follow the store."""
         self.status.tell(self._snapshot)
         self.set_interval(_FOLLOW_SECONDS, self.follow)
         self.set_interval(_RUNNING_SECONDS, self.runs.tell)
@@ -138,7 +136,7 @@ class MainScreen(Screen[None]):
         self._prepare()
 
     def _prepare(self) -> None:
-        """Have the store counted for completion before the first is wanted, but after the tree is there."""
+        """Prepare the statistics for completion in the background, after the tree is loaded."""
         tree = self.query_one(KnowledgeTree)
 
         async def counted() -> None:
@@ -161,20 +159,20 @@ class MainScreen(Screen[None]):
 
     @property
     def status(self) -> Status:
-        """The line at the foot."""
+        """The status line."""
         return self.query_one(Status)
 
     @property
     def completions(self) -> Completions:
-        """The list under the cursor."""
+        """The list of completions."""
         return self.query_one(Completions)
 
     def keep(self) -> None:
-        """Keep the buffers for the next run."""
+        """Save the buffers for the next run."""
         self.state.keep_buffers(self.buffers.texts)
 
     def follow(self) -> None:
-        """Notice that the store was built again, or is gone."""
+        """Detect that the store was rebuilt or removed."""
         found = self.link.snapshot()
         if found != self._snapshot:
             back, self._snapshot = self._snapshot is None, found
@@ -194,11 +192,11 @@ class MainScreen(Screen[None]):
             self.runs.start(self.buffers.current, self.buffers.current.text, 0)
 
     def stop(self) -> bool:
-        """Stop what the buffer on the screen runs; False when nothing does."""
+        """Stop the query of the visible buffer; return False if there is none."""
         return self.runs.stop(self.buffers.current)
 
     def action_stop(self) -> None:
-        """Stop what runs; else go back from full results, and to the editor."""
+        """Stop running work; otherwise leave full-screen results, and focus the editor."""
         if not self.stop() and self.buffers.current:
             self.remove_class("full")
             self.buffers.current.editor.focus()
@@ -210,7 +208,7 @@ class MainScreen(Screen[None]):
             self.buffers.current.editor.go_to_next_problem()
 
     def action_fix(self) -> None:
-        """Mend what is wrong at the cursor of the query."""
+        """Apply the fix at the cursor of the query."""
         if self.buffers.current:
             self.buffers.current.editor.focus()
             self.buffers.current.editor.fix()
@@ -244,13 +242,13 @@ class MainScreen(Screen[None]):
             self.buffers.current.editor.focus()
 
     def action_toggle_results(self) -> None:
-        """Give the results the screen."""
+        """Maximise or restore the results."""
         self.toggle_class("full")
         if self.has_class("full") and self.buffers.current:
             self.buffers.current.results.table.focus()
 
     def action_history(self) -> None:
-        """Choose from what was run before."""
+        """Choose from the history."""
         from kg.shell.screens.listing import HistoryScreen  # noqa: PLC0415 - start-up time
 
         self.app.push_screen(HistoryScreen(self.state.history()), self._take)
@@ -272,7 +270,7 @@ class MainScreen(Screen[None]):
         self.app.push_screen(JumpScreen(shown), lambda widget: widget.focus() if widget else None)
 
     def _view(self) -> ResultView | None:
-        """Return the answer on the screen, if there is one."""
+        """Return the visible result, if there is one."""
         buffer = self.buffers.current
         return buffer.results if buffer and buffer.results.result is not None else None
 
@@ -287,14 +285,14 @@ class MainScreen(Screen[None]):
             view.turn(-1)
 
     def action_all_rows(self) -> None:
-        """Ask again without the limit of rows, where it cut the answer."""
+        """Request all rows of a limited result."""
         buffer = self.buffers.current
         view = self._view()
         if buffer and view and view.result and view.result.limit is not None:
             self.runs.start(buffer, buffer.asked, max(buffer.text.find(buffer.asked), 0), whole=True)
 
     def action_open_row(self) -> None:
-        """Open what the row rests on."""
+        """Open the proof of the row."""
         from kg.shell.screens.page import PageScreen, row_page  # noqa: PLC0415 - start-up time
 
         view, buffer = self._view(), self.buffers.current
@@ -308,7 +306,7 @@ class MainScreen(Screen[None]):
         )
 
     def action_open_cell(self) -> None:
-        """Open the thing that the cell names."""
+        """Open the thing in the cell."""
         from kg.shell.screens.page import PageScreen, thing  # noqa: PLC0415 - start-up time
 
         cell = view.cell() if (view := self._view()) else None
@@ -318,7 +316,7 @@ class MainScreen(Screen[None]):
             self.app.notify("The cell names no thing; Enter shows the whole row.", timeout=3)
 
     def action_edit_place(self) -> None:
-        """Open the line that the row names."""
+        """Open the line of code of the row."""
         view = self._view()
         row = view.row() if view else None
         if view is None or view.result is None or row is None:
@@ -361,11 +359,11 @@ class MainScreen(Screen[None]):
             self.app.push_screen(ExportScreen(self.link, view.result, buffer.asked))
 
     def action_reload(self) -> None:
-        """Read the tree again."""
+        """Reload the tree."""
         self.query_one(KnowledgeTree).reload()
 
     def action_open_entry(self) -> None:
-        """Open the page of the entry; a folder opens and closes."""
+        """Open the page of the entry; folders expand and collapse."""
         from kg.shell.screens.page import PageScreen, thing  # noqa: PLC0415 - start-up time
 
         tree = self.query_one(KnowledgeTree)
@@ -376,7 +374,7 @@ class MainScreen(Screen[None]):
             tree.cursor_node.toggle()
 
     def action_insert_entry(self) -> None:
-        """Put the name of the entry into the query."""
+        """Insert the name of the entry into the query."""
         iri = self.query_one(KnowledgeTree).entry.get("iri")
         buffer = self.buffers.current
         if iri and buffer:
@@ -385,14 +383,14 @@ class MainScreen(Screen[None]):
             editor.focus()
 
     async def action_ask_entry(self) -> None:
-        """Write a query for the facts about the entry."""
+        """Open a query for the facts about the entry."""
         entry = self.query_one(KnowledgeTree).entry
         if entry.get("iri"):
             text = f"# {entry['label']}\nSELECT ?property ?value {{ <{entry['iri']}> ?property ?value }}\n"
             await self.open_text(text)
 
     async def open_text(self, text: str) -> None:
-        """Put a query into a buffer of its own."""
+        """Open a query in a new buffer."""
         await self.buffers.open(text)
 
     async def _take(self, text: str | None) -> None:
@@ -438,16 +436,16 @@ class MainScreen(Screen[None]):
         self.completions.close()
 
     def on_descendant_blur(self) -> None:
-        """Hide completions of an editor that has no focus."""
+        """Hide completions of an editor that loses the focus."""
         self.completions.close()
 
     def offer(self, editor: QueryEditor) -> None:
-        """Offer completions at the cursor, unless its buffer has been closed."""
+        """Request completions at the cursor, unless its buffer has been closed."""
         if is_open(editor):
             self.completions.offer(editor, self.link)
 
     def check_text(self, buffer: Buffer) -> None:
-        """Mark what is wrong in a buffer, unless it has been closed; keep all for when the terminal goes away."""
+        """Check a buffer, unless it has been closed; save all buffers in case the terminal closes."""
         self.keep()
         if is_open(buffer):
             text = buffer.text

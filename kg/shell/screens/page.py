@@ -1,4 +1,4 @@
-"""Pages of rows, things, nodes and proofs: a tree of lines, each of which can be followed."""
+"""Pages of rows, things, nodes and proofs: trees of lines with links."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _LINES: dict[str, _Lines] = {
 
 
 def thing(iri: str, title: str) -> Page:
-    """Return the page of whatever has this IRI."""
+    """Return the page of a thing with this IRI."""
     view = "node" if "/node/" in iri and "#" not in iri else "resource"
     return Page(title, view, {"iri": iri}, query=f"SELECT ?property ?value {{ <{iri}> ?property ?value }}\n")
 
@@ -61,7 +61,7 @@ def proof_page(fact: tuple[str, str, str], title: str) -> Page:
 def row_page(
     columns: Sequence[str], row: Sequence[Term | None], number: int, query: str, fact: Sequence[Term | None] | None
 ) -> Page:
-    """Return the page of a row: its cells, and why it is there; `fact` when the row is a triple of a graph."""
+    """Return the page of a row: its cells, and its proof; `fact` if the row is a triple of a graph."""
     lines = tuple(
         Line(f"{name} = {display(term)}", iri=term.value if isinstance(term, NamedNode) else "")
         for name, term in zip(columns, row, strict=True)
@@ -80,7 +80,7 @@ def row_page(
 
 
 class LineTree(Tree[Line]):
-    """Lines under each other; a line with children opens and closes by Space."""
+    """A tree of lines; Space expands and collapses a line."""
 
     def __init__(self, label: str = "") -> None:
         super().__init__(label)
@@ -107,19 +107,19 @@ def _add(parent: TreeNode[Line], lines: Sequence[Line]) -> None:
 
 
 def _label(line: Line) -> Text:
-    """Return a line as it is shown; nothing is told by colour alone."""
+    """Return the text of a line; colours carry no extra meaning."""
     parts: list[Any] = [printable(line.text)]
     if line.mark:
         parts += ["  ", (f"({line.mark})", "italic")]
     if line.place:
         parts += ["  ", (f"▸ {printable(_short(place_words(line.place)))}", "underline")]
-    if line.note:  # last, for it may be longer than the screen is wide
+    if line.note:  # last, since it may be wider than the screen
         parts += ["  ", (printable(line.note), "dim")]
     return Text.assemble(*parts, no_wrap=True)
 
 
 def _short(place: str) -> str:
-    """Return a place by the name of its file; the line at the foot has the whole path."""
+    """Return a place by the name of its file; the status line has the whole path."""
     return place.rpartition("/")[2]
 
 
@@ -130,7 +130,7 @@ class PageTree(LineTree):
 
 
 class PageScreen(UpperScreen[None]):
-    """One page, and those that were followed from it."""
+    """One page, and those reached from it."""
 
     CONTEXTS = ("page",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("page")
@@ -155,12 +155,12 @@ class PageScreen(UpperScreen[None]):
         self.show(self._page)
 
     def show(self, page: Page) -> None:
-        """Show a page: what is known of it at once, then what the store says."""
+        """Show a page: available data at once, then the store's result."""
         self._page = page
         self.query_one(".title", Static).update(printable(page.title))
         self.query_one(LineTree).fill(page.lines or (Line("reading …"),))
         self._problem("")
-        self.workers.cancel_node(self)  # the answer for the page before
+        self.workers.cancel_node(self)  # the result of the previous page
         if page.view:
             request = partial(self._link.call, page.view, **page.arguments)
             deliver(self, request, partial(self._answer, page), partial(self._fail, page))
@@ -178,7 +178,7 @@ class PageScreen(UpperScreen[None]):
         self._problem(f"{error.code}: {error.message}" + (f"\n{error.hint}" if error.hint else ""))
 
     def on_tree_node_highlighted(self, event: Tree.NodeHighlighted[Line]) -> None:
-        """Show the whole of the line under the cursor."""
+        """Show the full text of the line under the cursor."""
         line = event.node.data
         if line is not None:
             parts = [line.text, line.note, place_words(line.place), line.iri]
@@ -191,17 +191,17 @@ class PageScreen(UpperScreen[None]):
         line.display = bool(words)
 
     def follow(self, page: Page) -> None:
-        """Go to a page; the one before can be gone back to."""
+        """Go to a page, keeping the current one in the history."""
         self._before.append(self._page)
         self.show(page)
 
     def on_tree_node_selected(self, event: Tree.NodeSelected[Line]) -> None:
-        """Follow the line."""
+        """Follow the line's link."""
         event.stop()
         self.action_follow()
 
     def action_follow(self) -> None:
-        """Open what the line names; a line that names nothing opens its place, or its children."""
+        """Open the line's thing; without one, its place or its children."""
         tree = self.query_one(LineTree)
         line = tree.current()
         if line is None:
@@ -221,7 +221,7 @@ class PageScreen(UpperScreen[None]):
         self.app.edit(line.place if line else None)
 
     def action_why(self) -> None:
-        """Show why the fact of the line holds."""
+        """Show the proof of the line's fact."""
         line = self.query_one(LineTree).current()
         if line and line.fact:
             self.follow(proof_page(line.fact, line.text))
@@ -234,13 +234,13 @@ class PageScreen(UpperScreen[None]):
             self.app.copy(line.iri or line.text, "the line")
 
     async def action_ask_page(self) -> None:
-        """Put a query for these facts into a buffer."""
+        """Open a query for these facts in a buffer."""
         if self._page.query:
             self.dismiss()
             await self.app.main.open_text(self._page.query)
 
     def action_back(self) -> None:
-        """Go back to the page before; from the first to the screen below."""
+        """Go back to the previous page, or to the screen below."""
         if self._before:
             self.show(self._before.pop())
         else:

@@ -1,4 +1,4 @@
-"""Rules by family, each with its documentation and what it did in the last run."""
+"""Rules by family, each with its documentation and its effect in the last run."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class RulesScreen(UpperScreen[None]):
         yield Footer(show_command_palette=False)
 
     def on_mount(self) -> None:
-        """Ask for the rules."""
+        """Request the rules."""
         self.query_one(Tree).focus()
         deliver(self, partial(self.app.link.call, "rules"), self._answer, self.app.report)
 

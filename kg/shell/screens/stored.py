@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class StoredScreen(ListScreen):
-    """Lists the stored queries; its answer is the text of one with its parameters bound."""
+    """Lists the stored queries; returns the text of one with its parameters bound."""
 
     TITLE_WORDS = "Stored queries"
     EMPTY = "Reading the stored queries …"
@@ -33,7 +33,7 @@ class StoredScreen(ListScreen):
         self._link = link
 
     def on_mount(self) -> None:
-        """Ask for the queries."""
+        """Request the queries."""
         super().on_mount()
         deliver(self, partial(self._link.call, "stored"), self._answer, self.app.report)
 
@@ -46,12 +46,12 @@ class StoredScreen(ListScreen):
         return entry["title"], " ".join([entry["query"], *(f"?{one['name']}" for one in entry["parameters"])])
 
     def preview(self, entry: dict[str, Any]) -> str:
-        """Return what the query answers, and its text."""
+        """Return the purpose of the query, and its text."""
         lines = [line for line in entry["text"].splitlines() if not line.startswith("#")]
         return "\n\n".join(part for part in (entry["description"], "\n".join(lines).strip()) if part)
 
     def choose(self, entry: dict[str, Any]) -> None:
-        """Ask for the parameters, if there are any."""
+        """Open the form for the parameters, if there are any."""
         if entry["parameters"]:
             self.app.push_screen(FormScreen(self._link, entry), self._bound)
         else:
@@ -63,7 +63,7 @@ class StoredScreen(ListScreen):
 
 
 class FormScreen(ModalScreen[str | None], UpperScreen[str]):
-    """Asks for the parameters of a stored query; its answer is the text with their values in it."""
+    """Asks for the parameters of a stored query; returns the text with their values."""
 
     CONTEXTS = ("list",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("list")
@@ -86,7 +86,7 @@ class FormScreen(ModalScreen[str | None], UpperScreen[str]):
             yield Static("Enter: put the query into a buffer. Tab: next field. Esc: back.", classes="hint")
 
     def on_mount(self) -> None:
-        """Begin in the first field."""
+        """Focus the first field."""
         self.query(Input).first().focus()
 
     def on_input_submitted(self) -> None:
@@ -94,7 +94,7 @@ class FormScreen(ModalScreen[str | None], UpperScreen[str]):
         self.action_choose()
 
     def action_choose(self) -> None:
-        """Answer with the bound query, or say which value does not fit."""
+        """Return the bound query, or show which value is invalid."""
         values = {str(one.name): one.value.strip() for one in self.query(Input) if one.value.strip()}
         request = partial(self._link.call, "stored", name=self._stored["query"], values=values)
         deliver(self, request, lambda answer: self.dismiss(answer["bound"]), self._fail, latest="bind")

@@ -1,4 +1,4 @@
-"""Launch configurations, with what `kg lint` finds in each."""
+"""Launch configurations, with the findings of `kg lint` for each."""
 
 from __future__ import annotations
 
@@ -22,12 +22,11 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
 
 
-_PART = 500
-"""So many configurations are asked for at a time."""
+_PART = 500  # maximum number of configurations per request
 
 
 class FindingTree(LineTree):
-    """What a configuration starts and what is wrong in it."""
+    """The nodes and findings of a configuration."""
 
     BINDINGS: ClassVar[list[BindingType]] = bindings("systems")
 
@@ -51,12 +50,12 @@ class SystemsScreen(UpperScreen[None]):
         yield Footer(show_command_palette=False)
 
     def on_mount(self) -> None:
-        """Ask for the configurations."""
+        """Request the configurations."""
         self.query_one("#system-tree").focus()
         self._read(0)
 
     def _read(self, begin: int) -> None:
-        """Ask for the configurations from a number on."""
+        """Request the configurations from an index on."""
         request = partial(self.app.link.call, "systems", offset=str(begin), limit=str(_PART))
         deliver(self, request, partial(self._answer, begin), self.app.report)
 
@@ -72,7 +71,7 @@ class SystemsScreen(UpperScreen[None]):
             self.query_one(".title", Static).update(f"Systems: {count(found['total'], 'launch configuration')}")
 
     def on_tree_node_highlighted(self, event: Tree.NodeHighlighted[Any]) -> None:
-        """Show what is in a configuration, and the whole of a finding."""
+        """Show the content of a configuration, or the full text of a finding."""
         found = event.node.data
         if event.control.id == "system-tree":
             if found:
@@ -91,7 +90,7 @@ class SystemsScreen(UpperScreen[None]):
         return lines_of_system(system, below["children"], findings)
 
     def on_tree_node_selected(self, event: Tree.NodeSelected[Any]) -> None:
-        """Go to the findings; from there to the thing, or to why it is found."""
+        """Go to the findings; from a finding to its subject, or its proof."""
         tree = self.query_one(FindingTree)
         line = event.node.data
         if event.control is not tree:
@@ -112,6 +111,6 @@ class SystemsScreen(UpperScreen[None]):
 
 
 def _counts(one: dict[str, Any]) -> str:
-    """Return how many nodes a configuration starts and what is wrong, in words."""
+    """Describe the numbers of nodes and findings of a configuration."""
     wrong = [count(number, severity) for severity, number in one["findings"].items() if number]
     return ", ".join([count(one["nodes"], "node"), *wrong])

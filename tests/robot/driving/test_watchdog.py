@@ -72,6 +72,35 @@ def test_a_broken_pipe_sends_zero(orders: str, expected: int) -> None:
     assert all(stamps)
 
 
+def test_a_robot_that_was_lost_is_stopped_when_it_is_back() -> None:
+    """A process that outlives the watchdog sends zero once the robot answers again, and then leaves."""
+
+    async def scene() -> None:
+        async with asyncio.timeout(patient(20)):
+            async with Master() as master:
+                process = await _process(master.address, NEVER)
+                assert process.stdin is not None
+                process.stdin.write(MOVED.encode())
+                base = await connect(master.address, name="/base")
+                async for graph in base.changes():
+                    if any(end.name == TOPIC for end in graph.ends):
+                        break
+                await base.aclose()
+            _, said = await process.communicate(f'["owe", "{TOPIC}"]\n["end"]\n'.encode())
+            assert b"was lost while it moved" in said
+            async with Master(port=int(master.address.rpartition(":")[2])) as master:
+                base = await connect(master.address, name="/base")
+                received = aiter(await base.subscribe(TOPIC, KIND, queue=100))
+                for _ in range(5):
+                    assert (await anext(received)).value["twist"]["linear"]["x"] == 0
+                async for graph in base.changes():
+                    if not graph.nodes:
+                        break
+                await base.aclose()
+
+    asyncio.run(scene())
+
+
 async def _process(address: str, silence: float) -> Process:
     command = (sys.executable, "-c", "from kg.robot.driving.watchdog import main; main()", address, str(silence))
     return await asyncio.create_subprocess_exec(*command, stdin=PIPE, stdout=PIPE, stderr=PIPE)

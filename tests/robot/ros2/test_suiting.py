@@ -1,4 +1,4 @@
-"""Readers that adapt to the offers of publishers."""
+"""Readers that adapt to the offers of publishers, and writers that adapt to the requests of subscribers."""
 
 from __future__ import annotations
 
@@ -26,11 +26,20 @@ class _Wire:
         self.types = Types(2)
         self.offered = OFFERED
         self.asked: list[Qos] = []
+        self.offers: list[Qos] = []
         self.closed = 0
 
     def neighbourhood(self) -> Neighbourhood:
         end = LiveEnd("/robot", Role.PUBLISHES, "/said", "std_msgs/String", self.offered)
-        return Neighbourhood((LiveNode("/robot"),), (end,))
+        heard = [
+            LiveEnd("/robot", Role.SUBSCRIBES, "/kept", "std_msgs/String", LATCHED),
+            LiveEnd("/robot", Role.SUBSCRIBES, "/plain", "std_msgs/String", OFFERED),
+        ]
+        return Neighbourhood((LiveNode("/robot"),), (end, *heard))
+
+    def writer(self, _topic: str, _kind: str, qos: Qos) -> Any:
+        self.offers.append(qos)
+        return self
 
     def reader(self, _topic: str, _kind: str, qos: Qos, _deliver: Any) -> Any:
         self.asked.append(qos)
@@ -62,3 +71,18 @@ def test_a_reader_that_cannot_be_opened_is_told_and_tried_again() -> None:
     problems, asked = asyncio.run(scene())
     assert problems == ["KG803 /said it cannot be read any more: no more handles"]
     assert asked == ["volatile", "transient_local", "transient_local"]
+
+
+def test_a_subscriber_that_asks_for_earlier_messages_is_offered_them() -> None:
+    """A volatile writer would not match it; other subscribers get the default offer."""
+
+    async def scene() -> list[Qos]:
+        wire = _Wire()
+        watch = Watch(wire.neighbourhood, 0.0)
+        connection = Ros2Connection(cast("Middleware", wire), watch, Address("dds://0", "0"), "/face")
+        for topic in ("/kept", "/plain"):
+            await connection.advertise(topic, "std_msgs/String")
+        await connection.aclose()
+        return wire.offers
+
+    assert asyncio.run(scene()) == [LATCHED, OFFERED]

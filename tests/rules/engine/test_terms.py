@@ -25,6 +25,8 @@ TERMS: list[Term] = [
     Triple(BlankNode("b1"), NamedNode("urn:b"), INNER),
 ]
 
+KINDS = [IRI, BLANK, LITERAL, LITERAL, LITERAL, TRIPLE, TRIPLE]
+
 
 @pytest.mark.parametrize("term", TERMS, ids=str)
 def test_a_term_is_read_back_as_it_was(term: Term) -> None:
@@ -41,7 +43,14 @@ def test_kinds_are_known_for_terms_that_come_later_too() -> None:
     first = dictionary.intern_all(spell(term) for term in TERMS[:2])
     assert dictionary.kinds(first).tolist() == [IRI, BLANK]
     later = dictionary.intern_all(spell(term) for term in TERMS)
-    assert dictionary.kinds(np.append(later, 0)).tolist() == [IRI, BLANK, LITERAL, LITERAL, LITERAL, TRIPLE, TRIPLE, 0]
+    assert dictionary.kinds(np.append(later, 0)).tolist() == [*KINDS, 0]
+
+
+def test_kinds_of_kept_terms_are_read_from_their_text() -> None:
+    """Terms in a file and terms that come later have the kinds that they have in memory."""
+    dictionary = Dictionary(Kept.of([spell(term) for term in TERMS[:4]]))
+    every = dictionary.intern_all([spell(term) for term in TERMS])
+    assert dictionary.kinds(np.append(every, [0, every[1]])).tolist() == [*KINDS, 0, BLANK]
 
 
 def test_a_triple_term_has_the_parts_it_was_made_of() -> None:

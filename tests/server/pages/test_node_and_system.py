@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import pytest
 
 from kg.server.libraries import HELP, libraries
-from kg.server.pages import start
+from kg.server.pages import search
 from kg.server.pages import system as systems
 from kg.server.rendering import view
 
@@ -291,7 +291,7 @@ def test_the_start_page_of_a_store_without_nodes(client: TestClient, monkeypatch
         found = await view(request, name)
         return {**found, "counts": {}, "sources": [{**found["sources"][0], "nodes": 0, "packages": 1}]}
 
-    monkeypatch.setattr(start, "view", bare)
+    monkeypatch.setattr(search, "view", bare)
     answer = client.get("/")
     assert answer.status_code == 200
     assert "0 ROS nodes in 1 package<" in answer.text

@@ -281,7 +281,7 @@ def test_a_program_by_keys_is_run(browser: Chromium, robot_site: str) -> None:
 def test_text_and_blocks_are_one_program(browser: Chromium, robot_site: str) -> None:
     """A program written as text is shown as blocks; a type error is reported at both."""
 
-    async def write(visit: Visit) -> tuple[int, str, list[str], int]:
+    async def write(visit: Visit) -> tuple[int, str, list[str], int, list[str]]:
         page = visit.page
         await wrote(page, PROGRAM)
         blocks = await page.locator("#blocks .blocklyBlockCanvas g.blocklyDraggable").count()
@@ -289,11 +289,12 @@ def test_text_and_blocks_are_one_program(browser: Chromium, robot_site: str) -> 
         await wrote(page, "wait for 2 m\nfly to the moon\n")
         problems = await page.locator("#problems li").all_text_contents()
         icons = await page.locator("#blocks .blocklyWarningIcon, #blocks .blocklyIconGroup").count()
-        return blocks, name, problems, icons
+        return blocks, name, problems, icons, await visit.violations() if axe() else []
 
-    blocks, name, problems, icons = visited(browser, robot_site, write)
+    blocks, name, problems, icons, found = visited(browser, robot_site, write, tools=True)
     assert name == "to and fro"
     assert blocks >= 5
+    assert found == []
     assert len(problems) == 2
     assert "this should be a time" in problems[0]
     assert icons == 2

@@ -9,7 +9,7 @@ from serving import EVERYWHERE, TOKEN, served
 
 from kg.errors import UsageError
 from kg.server.options import Options
-from kg.server.safety.starting import check, listen
+from kg.server.running import check, listen
 
 if TYPE_CHECKING:
     from pathlib import Path

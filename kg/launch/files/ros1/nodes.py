@@ -10,7 +10,7 @@ import shlex
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import LaunchParameter, Location, Remap, StartedNode, StartKind
+from kg.facts import LaunchParameter, LaunchProblemKind, Location, Remap, StartedNode, StartKind
 from kg.holes import ANONYMOUS, is_partial
 from kg.launch.files.ros1.parameterfile import HOLE, join, leaf_of, read_scalar, shown
 from kg.launch.files.ros1.parameters import read_param, read_rosparam
@@ -85,7 +85,11 @@ def enter(state: State, scope: Scope, element: Element) -> Scope:
     """Return the scope within an element that may have a namespace (`ns`) and clear parameters."""
     namespace = state.text(scope, element, "ns")
     clears = state.boolean(scope, element, "clear_params")
-    if namespace == "":
+    if namespace == "" and state.unset and "$" in element.attributes["ns"]:
+        message = f"its 'ns' is empty without the environment variable {' or '.join(state.unset)}"
+        state.problem(scope, element.line, LaunchProblemKind.UNRESOLVED, f"<{element.tag}>: {message}")
+        namespace = HOLE
+    elif namespace == "":
         state.refused(scope, element, "its 'ns' is empty")
     elif namespace is not None and namespace.startswith("~"):
         state.refused(scope, element, f"'{namespace}' is not a namespace")

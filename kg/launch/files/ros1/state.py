@@ -174,6 +174,7 @@ class State:
         """Those in the robot descriptions that parameters hold."""
         self.descriptions = Descriptions(files, root, environment)
         self._substituter = Substituter(files, environment)
+        self.unset = self._substituter.unset
         self.has_all_parameters = False
         """There are as many parameters as can be kept; no more are read."""
         self.is_whole = True

@@ -65,6 +65,8 @@ class Substituter:
         self._files = files
         self._environment = environment
         self._packages: dict[str, bool] = {}
+        self.unset: dict[str, None] = {}
+        """The variables whose value, where one is given, counts more than the empty text without one."""
 
     def resolve(self, text: str, around: Surroundings, note: Note, most: int = MOST_CHARACTERS) -> str:
         """Return the text with its commands replaced; an unknown part is a `HOLE`, and recorded."""
@@ -87,7 +89,10 @@ class Substituter:
 
     def optional(self, name: str, default: str) -> str:
         """Return a variable of the environment, or the default."""
-        return self._environment.get(name, default)
+        value = self._environment.get(name, default)
+        if not value:
+            self.unset[name] = None
+        return value
 
     def find(self, package: str, note: Note) -> str:
         """Return the text of a package's folder, also for one that is not known."""

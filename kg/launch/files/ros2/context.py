@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.files import FilePath
 from kg.facts import (
     LaunchArgument,
     LaunchInclude,
@@ -28,6 +27,7 @@ from kg.launch.files.access import SCHEME, Budget, Files
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from kg.corpus.files import FilePath
     from kg.launch.files.ros2.actions import Text
     from kg.launch.files.ros2.parameters import Entry
     from kg.launch.files.ros2.substitute import Generated
@@ -207,11 +207,7 @@ def unreadable(context: Context, file: FilePath) -> None:
 
 
 def find(context: Context, text: str) -> FilePath | None:
-    """Return the file that a text names; None, and a problem, if it is missing or unknown.
-
-    Where a package installs its files in other folders than its source has, the one file of the package counts whose
-    path ends as the one that is named.
-    """
+    """Return the file that a text names; None, and a problem, if it is missing or unknown."""
     if HOLE in text:
         return None
     file = context.files.at(text)
@@ -219,23 +215,8 @@ def find(context: Context, text: str) -> FilePath | None:
         if not text.startswith(SCHEME):
             context.problem(LaunchProblemKind.UNRESOLVED, f"`{text}` is not a file of a package", text)
         return None
-    found = file if context.files.exists(file) else _installed_elsewhere(context.files, text)
+    found = context.files.existing(text)
     if found is None:
         absent = context.files.absent(file, text)
         context.problem(absent.kind, absent.reason or "", text)
     return found
-
-
-def _installed_elsewhere(files: Files, text: str) -> FilePath | None:
-    package, _, rest = text.removeprefix(SCHEME).partition("/")
-    known = files.reader.workspace.package(package, files.reader.repository)
-    if known is None or not text.startswith(SCHEME):
-        return None
-    parts = [part for part in rest.split("/") if part not in ("", ".", "..")]
-    paths = [entry.path for entry in files.reader.workspace.folder(known)[1].files]
-    for length in range(len(parts), 0, -1):
-        tail = "/" + "/".join(parts[-length:])
-        ending = [path for path in paths if f"/{path}".endswith(tail)]
-        if ending:
-            return FilePath(known.repository, ending[0]) if len(ending) == 1 else None
-    return None

@@ -1,4 +1,4 @@
-"""Programs as the code that an expert writes for them: a node for ROS 1 (rospy) or ROS 2 (rclpy), without kg."""
+"""Conversion of programs to Python code without kg: a node for ROS 1 (rospy) or ROS 2 (rclpy)."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ def convert(
     to: Literal["rospy", "rclpy"] = "rospy",
     place: Callable[[str], Place] | None = None,
 ) -> str:
-    """Return a file in Python that does what a program does, through the ways of a robot's capabilities.
+    """Return a Python file that does the same as a program, through the interfaces of a robot's capabilities.
 
-    `place` tells where a part of the program stands in its file.
+    `place` returns the place of a part of the program in its file.
 
     Raises:
-        RobotError: that of the first error of a program that is not sound; KG839 for what no code is made for.
+        RobotError: the first error of an invalid program; KG839 for parts without generated code.
     """
     for problem in check(program, capabilities):
         if problem.severity == "error":

@@ -1,4 +1,4 @@
-"""Names and pieces of Python code: what programs and robots call things, and what files hold below their headings."""
+"""Building blocks of generated Python code: identifiers, and templates from files."""
 
 from __future__ import annotations
 
@@ -32,25 +32,25 @@ def camel(text: str) -> str:
 
 
 def plain(text: str) -> str:
-    """Return a text as it can stand in a docstring or comment: on one line, without quotes and backslashes."""
+    """Return a text for a docstring or comment: on one line, without quotes and backslashes."""
     return " ".join(text.replace("\\", "/").replace('"', "'").split())
 
 
 def indented(lines: list[str], by: int = 1) -> list[str]:
-    """Return lines that stand further to the right."""
+    """Return lines with more indentation."""
     return [f"{'    ' * by}{line}" if line else "" for line in lines]
 
 
 class Names:
-    """Gives each thing a name of its own, which is not a word of Python."""
+    """Allocator of unique Python identifiers."""
 
     def __init__(self, *taken: str) -> None:
-        """`taken` are names that are given already."""
+        """Create an allocator; `taken` are reserved names."""
         self._taken = {*_TAKEN, *taken}
         self._given: dict[tuple[str, str], str] = {}
 
     def of(self, kind: str, text: str, wanted: str | None = None) -> str:
-        """Return the name of a thing of a kind, the same each time; `wanted` is what it is made from."""
+        """Return the name of a thing of a kind, the same each time; it is derived from `wanted`."""
         if (kind, text) not in self._given:
             self._given[kind, text] = self._free(snake(text if wanted is None else wanted))
         return self._given[kind, text]
@@ -64,7 +64,7 @@ class Names:
 
 
 class Pieces:
-    """The pieces of code in a file of this folder, each below a line `#= NAME`; `$word` stands for what is given."""
+    """The templates in a file of this folder, each below a line `#= NAME`; `$word` is a placeholder."""
 
     def __init__(self, file: str) -> None:
         text = (Path(__file__).parent / f"{file}.txt").read_text(encoding="utf-8")
@@ -72,15 +72,15 @@ class Pieces:
         self._pieces = {name: code.strip("\n") for name, _, code in pieces}
 
     def names(self) -> list[str]:
-        """Return the names of the pieces in their order."""
+        """The names of the templates in their order."""
         return list(self._pieces)
 
     def text(self, name: str, /, **words: object) -> str:
-        """Return a piece; a word of several lines is put where it stands in a line of its own."""
+        """Return a template with its placeholders replaced; further lines of a value are indented like the first."""
         return Template(self._pieces[name]).substitute(words)
 
     def lines(self, name: str, /, **words: object) -> list[str]:
-        """Return the lines of a piece, none of an empty one."""
+        """Return the lines of a template; none if it is empty."""
         return self.text(name, **words).split("\n") if self._pieces[name] else []
 
 
@@ -88,14 +88,14 @@ COMMON: Final = Pieces("node")
 
 
 class Dialect(Pieces):
-    """What depends on the library: `rospy` for ROS 1, `rclpy` for ROS 2."""
+    """The code that depends on the library: `rospy` for ROS 1, `rclpy` for ROS 2."""
 
     def __init__(self, library: Literal["rospy", "rclpy"]) -> None:
         super().__init__(library)
         self.ros = 1 if library == "rospy" else 2
 
     def of_way(self, piece: str, way: Way, /, **words: object) -> list[str]:
-        """Return a piece for a way, of those that differ by its kind: `client of` that of a service or an action."""
+        """Return the template for a kind of interface, such as `client of` for a service or an action."""
         package, _, kind = way.type.partition("/")
         name = piece if piece in self.names() else f"{piece} {_ARTICLES[way.kind]}"
         return self.lines(name, package=package, kind=kind, name=way.name, **words)

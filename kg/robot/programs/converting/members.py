@@ -1,6 +1,6 @@
-"""The methods of a node that reach capabilities: publishers, subscribers and clients with what uses them.
+"""Methods of a generated node for its capabilities: publishers, subscribers and clients, and their uses.
 
-Paths to fields of messages become the Python that reads or sets them.
+Paths to message fields become Python expressions.
 """
 
 from __future__ import annotations
@@ -27,14 +27,17 @@ _SCAN: Final = "LaserScan"
 
 @dataclass
 class Reading:
-    """Makes the expression that reads a path; `lines` come before it, `helpers` are the functions that it needs."""
+    """Generator of expressions that read a path.
+
+    `lines` precede the expression, `helpers` are the functions it needs.
+    """
 
     kind: str
     lines: list[str] = field(default_factory=list)
     helpers: set[str] = field(default_factory=set)
 
     def of(self, path: Argument, root: str = "message") -> str:
-        """Return the expression for a path in the message `root`; RobotError KG839 for what code is not made for."""
+        """Return the expression for a path in the message `root`; RobotError KG839 if it cannot be generated."""
         match path:
             case float():
                 return repr(path)
@@ -101,7 +104,7 @@ class Reading:
 
 
 def _element(path: Path) -> tuple[str, Path] | None:
-    """Return how a field of each element is read of `one`, and the list; None where the path has no `[]`."""
+    """Return the expression for a field of each element `one`, and the list; None for a path without `[]`."""
     match path:
         case Each(of):
             return "one", of
@@ -113,7 +116,7 @@ def _element(path: Path) -> tuple[str, Path] | None:
 
 
 def setting(path: Path, value: str, root: str = "message") -> list[str]:
-    """Return the statements that set a field; RobotError KG839 for what code is not made for."""
+    """Return the statements that set a field; RobotError KG839 if they cannot be generated."""
     match path:
         case Field():
             return [f"{_target(path, root)} = {value}"]
@@ -135,9 +138,9 @@ def _target(path: Path, root: str) -> str:
 
 _TYPES: Final = {"number": "float", "integer": "int", "boolean": "bool", "text": "str", "list": "list"}
 _READ: Final = {"integer": "float"}
-"""The types of what is read where they are others: a whole number that a message does not tell is NaN."""
+"""Types of values read that differ from their parameter: an integer missing from a message is NaN."""
 _GIVEN: Final = {"topic": "", "service": "_Request", "action": "_Goal"}
-"""What stands behind the type of a way in the name of the message that is sent."""
+"""Suffixes of the request type of each kind of interface."""
 
 
 _ARGUMENTS: Final = frozenset({"self", "seconds", "within", "message", "request", "goal", "end", "math"})
@@ -145,10 +148,10 @@ _ARGUMENTS: Final = frozenset({"self", "seconds", "within", "message", "request"
 
 @dataclass
 class Members:
-    """What a node needs for the capabilities that were asked for so far.
+    """The members of a node for the capabilities used so far.
 
-    `made` are statements of the constructor, `connect` and `halt` of the methods of these names, `methods` whole ones,
-    `classes` imports of messages.
+    `made` are statements of the constructor, `connect` and `halt` those of the methods of these names, `methods` whole
+    methods, and `classes` imports of messages.
     """
 
     dialect: Dialect
@@ -165,11 +168,11 @@ class Members:
     _types: Types = field(init=False)
 
     def __post_init__(self) -> None:
-        """Take the types of messages of the version of ROS that the code is for."""
+        """Set the message types of the target version of ROS."""
         self._types = Types(self.dialect.ros)
 
     def read(self, capability: Capability, parameter: Parameter) -> str:
-        """Return the call that reads a parameter; its method is made when it is asked for first."""
+        """Return the call that reads a parameter, and add its method on first use."""
         key = f"{capability.name} {parameter.name}"
         name = self.names.of("read", key, f"{snake(capability.name)}_{snake(parameter.name)}")
         if key not in self._known:
@@ -205,7 +208,7 @@ class Members:
         self.methods += [*COMMON.lines(piece, **words), ""]
 
     def _newest(self, way: Way) -> str:
-        """Return the method that gives the newest message of a topic."""
+        """Return the method that returns the newest message of a topic."""
         key = f"newest {way.name}"
         if key not in self._known:
             held = self.names.of("message", way.name)
@@ -221,7 +224,7 @@ class Members:
         return str(self._known[key])
 
     def _asked(self, way: Way) -> str:
-        """Return the method that gives what a service answers."""
+        """Return the method that returns the response of a service."""
         key = f"ask {way.name}"
         if key not in self._known:
             client = self._client(way)
@@ -234,12 +237,12 @@ class Members:
 
     @staticmethod
     def argument(name: str) -> str:
-        """Return the name of the argument for a parameter."""
+        """Return the argument name of a parameter."""
         made = snake(name)
         return f"{made}_" if keyword.iskeyword(made) or made in _ARGUMENTS else made
 
     def do(self, capability: Capability, given: tuple[str, ...]) -> tuple[str, str]:
-        """Return the method that does something with these parameters, and how: `move`, `once` or `reach`."""
+        """Return the method that executes a capability with these parameters; it is a `move`, `once` or `reach`."""
         if not capability.ways:
             raise RobotError("KG839", f"no way to `{capability.label}`", hint=None)
         way = choose(list(capability.ways), given, None, reads=False)
@@ -298,7 +301,7 @@ class Members:
         return lines
 
     def _fitting(self, path: Path, way: Way, parameter: Parameter) -> str:
-        """Return an argument as its field takes it: whole numbers and real ones are two things in messages."""
+        """Return an argument converted for its field: messages distinguish integers from floats."""
         name = self.argument(parameter.name)
         if parameter.type != "number" or not isinstance(path, Field):
             return name
@@ -308,7 +311,7 @@ class Members:
         return f"round({name})" if whole else self.dialect.text("real number", value=name)
 
     def _told(self, message: str) -> tuple[FieldOfMessage, ...]:
-        """Return the fields of a message, none where its type is not known."""
+        """Return the fields of a message; none if its type is unknown."""
         return self._types.fields(message) if self._types.knows(message) else ()
 
     def _moving(self, way: Way, made: str) -> list[str]:
@@ -332,7 +335,7 @@ class Members:
         return self._end(way, "client", "client of")
 
     def _end(self, way: Way, kind: str, piece: str) -> str:
-        """Return the attribute of the publisher or client for a way, which is made when it is asked for first."""
+        """Return the attribute of the publisher or client of an interface, and create it on first use."""
         key = f"{kind} {way.name}"
         if key not in self._known:
             attribute = self._known[key] = self.names.of(kind, way.name)
@@ -343,7 +346,7 @@ class Members:
 
 
 def _default(parameter: Parameter) -> str:
-    """Return the default of a parameter as Python, a real number with its point."""
+    """Return the default of a parameter as Python; a float keeps its decimal point."""
     real = parameter.type == "number" and isinstance(parameter.default, int | float)
     return repr(float(parameter.default or 0)) if real else _literal(parameter.default or 0.0)
 

@@ -1,4 +1,4 @@
-"""The node around the statements: its methods for time and for parts that run at the same time, and its file."""
+"""The generated file: imports, the node class with its methods for time and parallel parts, and `main`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from kg.robot.programs.tree import Program
 
 _PARALLEL: Final = ("together", "as_soon_as", "whenever")
-"""The methods for parts of a program that run at the same time."""
+"""Templates for parts of a program that run in parallel."""
 _STANDARD: Final = ("math", "signal", "sys", "threading", "time")
 
 
@@ -35,7 +35,7 @@ def _sentence(program: Program) -> str:
 
 
 def _imports(members: Members, used: set[str], code: str) -> str:
-    """Return the imports in the order that isort gives them."""
+    """Return the imports in the order of isort."""
     standard = [f"import {one}" for one in _STANDARD if f"{one}." in code]
     abstract = ["Callable", *(["Iterator"] if "counted" in used else [])]
     standard.append(f"from collections.abc import {', '.join(abstract)}")

@@ -5,37 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RobotError
-from kg.robot.programs import kinds
+from kg.robot.programs import kinds, tree
 from kg.robot.programs.converting.code import indented
 from kg.robot.programs.names import Known, takes_place
-from kg.robot.programs.tree import (
-    Binary,
-    Break,
-    Do,
-    Expression,
-    For,
-    Forever,
-    If,
-    Log,
-    OnEvent,
-    Parallel,
-    Position,
-    Program,
-    Read,
-    Repeat,
-    Set,
-    Statement,
-    Stop,
-    Unary,
-    Variable,
-    Wait,
-    WaitUntil,
-    While,
-    Written,
-    expressions_of,
-    parts_of,
-    statements,
-)
 from kg.robot.programs.units import described, unit_of
 
 if TYPE_CHECKING:
@@ -52,7 +24,7 @@ _ATOM: Final = 7
 _SIGNS: Final = {"=": "==", "!=": "!="}
 
 
-def number(value: Written) -> str:
+def number(value: tree.Written) -> str:
     """Return a number as Python, in base units."""
     unit = unit_of(value.unit)
     if isinstance(value.value, bool | str):
@@ -63,40 +35,40 @@ def number(value: Written) -> str:
 
 
 class Expressions:
-    """Writes expressions, given how variables and what is sensed are written."""
+    """Generator of expressions, given the code for variables and for readings."""
 
-    def __init__(self, kinds: Kinds, variable: Callable[[str], str], read: Callable[[Read], str]) -> None:
-        """Keep what is asked for names."""
+    def __init__(self, kinds: Kinds, variable: Callable[[str], str], read: Callable[[tree.Read], str]) -> None:
+        """Create a generator with the functions that return the code of names."""
         self._kinds = kinds
         self._variable = variable
         self._read = read
 
-    def of(self, expression: Expression, least: int = 0) -> str:
-        """Return an expression, in parentheses when it binds less than `least`."""
+    def of(self, expression: tree.Expression, least: int = 0) -> str:
+        """Return an expression, in parentheses if its precedence is lower than `least`."""
         match expression:
-            case Written():
+            case tree.Written():
                 shown, level = self._written(expression)
-            case Variable():
+            case tree.Variable():
                 shown, level = self._variable(expression.name), _ATOM
-            case Read():
+            case tree.Read():
                 shown, level = self._read(expression), _ATOM
-            case Unary():
+            case tree.Unary():
                 shown, level = self._unary(expression)
-            case Binary():
+            case tree.Binary():
                 shown, level = self._binary(expression)
-            case Position():
+            case tree.Position():
                 parts = (f"{name}={self.of(one)}" for name, one in expression.parts().items())
                 shown, level = f"Place({', '.join(parts)})", _ATOM
         return f"({shown})" if level < least else shown
 
     @staticmethod
-    def _written(value: Written) -> tuple[str, int]:
+    def _written(value: tree.Written) -> tuple[str, int]:
         if isinstance(value.value, str):
             return _quoted(value.value), _ATOM
         shown = number(value)
         return shown, _SIGN if shown.startswith("-") else _ATOM
 
-    def _unary(self, expression: Unary) -> tuple[str, int]:
+    def _unary(self, expression: tree.Unary) -> tuple[str, int]:
         inner = self.of(expression.of)
         match expression.operator:
             case "not":
@@ -110,7 +82,7 @@ class Expressions:
             case "round":
                 return f"math.floor({self.of(expression.of, _LEVELS['+'])} + 0.5)", _ATOM
 
-    def _binary(self, expression: Binary) -> tuple[str, int]:
+    def _binary(self, expression: tree.Binary) -> tuple[str, int]:
         operator = expression.operator
         if operator == "contains":
             return (
@@ -123,25 +95,25 @@ class Expressions:
         left = self.of(expression.left, level + (level == _COMPARISON))
         return f"{left} {_SIGNS.get(operator, operator)} {self.of(expression.right, level + 1)}", level
 
-    def text(self, expression: Expression) -> str:
-        """Return the expression for a value as people read it: numbers have their unit behind them."""
-        if isinstance(expression, Written) and isinstance(expression.value, str):
+    def text(self, expression: tree.Expression) -> str:
+        """Return the expression that formats a value for people, with units after numbers."""
+        if isinstance(expression, tree.Written) and isinstance(expression.value, str):
             return _quoted(expression.value)
         parts = [self._part(one) for one in self._joined(expression)]
         if any("\\" in inside for _, inside in parts) or any('"' in inside for _, inside in parts):
             return " + ".join(whole for whole, _ in parts)
         return 'f"' + "".join(inside for _, inside in parts).replace("\n", "\\n") + '"'
 
-    def _joined(self, expression: Expression) -> list[Expression]:
-        """Return the parts of a text that is put together."""
+    def _joined(self, expression: tree.Expression) -> list[tree.Expression]:
+        """Return the parts of a concatenated text."""
         text = self._kinds.of(expression, "").name == "text"
-        if text and isinstance(expression, Binary) and expression.operator == "+":
+        if text and isinstance(expression, tree.Binary) and expression.operator == "+":
             return [*self._joined(expression.left), *self._joined(expression.right)]
         return [expression]
 
-    def _part(self, expression: Expression) -> tuple[str, str]:
-        """Return a part of a text as an expression of its own, and as it stands in an f-string."""
-        if isinstance(expression, Written) and isinstance(expression.value, str):
+    def _part(self, expression: tree.Expression) -> tuple[str, str]:
+        """Return a part of a text as an expression of its own, and as it is written in an f-string."""
+        if isinstance(expression, tree.Written) and isinstance(expression.value, str):
             return _quoted(expression.value), expression.value.replace("{", "{{").replace("}", "}}")
         shown, kind = self.of(expression), self._kinds.of(expression, "")
         if kind.name == "number":
@@ -156,20 +128,20 @@ def _quoted(text: str) -> str:
 
 
 class Code:
-    """Writes statements; `used` are the methods beyond those of every node that they need."""
+    """Generator of statements; `used` are the extra methods that they need."""
 
     def __init__(
         self,
         members: Members,
         known: Known,
         told: kinds.Kinds,
-        program: Program,
+        program: tree.Program,
         place: Callable[[str], Place] | None,
     ) -> None:
-        """Variables belong to the object where parts of the program run at the same time, else to the method."""
+        """Create a generator; variables are attributes if parts run in parallel, else local."""
         self.used: set[str] = set()
-        every = [statement for _, statement in statements(program.body)]
-        self._shared = any(isinstance(one, Parallel | OnEvent) for one in every)
+        every = [statement for _, statement in tree.statements(program.body)]
+        self._shared = any(isinstance(one, tree.Parallel | tree.OnEvent) for one in every)
         self._members = members
         self._known = known
         self._names = members.names
@@ -179,8 +151,8 @@ class Code:
         self._given = _given(every, known, self._said)
         self._expressions = Expressions(told, self._variable, self._read)
 
-    def sequence(self, body: tuple[Statement, ...], path: str) -> list[str]:
-        """Return the lines of statements; RobotError KG839 at the first that no code is made for."""
+    def sequence(self, body: tuple[tree.Statement, ...], path: str) -> list[str]:
+        """Return the lines of statements; RobotError KG839 at the first one without generated code."""
         lines = []
         for number, statement in enumerate(body):
             here = f"{path}/{number}"
@@ -197,64 +169,64 @@ class Code:
         made = self._names.of("variable", name)
         return f"self.{made}" if self._shared else made
 
-    def _read(self, read: Read) -> str:
+    def _read(self, read: tree.Read) -> str:
         capability = self._known.read(read.capability)
         return self._members.read(capability, self._known.parameter(capability, read.parameter))
 
-    def _statement(self, statement: Statement, path: str) -> list[str]:
+    def _statement(self, statement: tree.Statement, path: str) -> list[str]:
         of = self._expressions.of
         match statement:
-            case Do():
+            case tree.Do():
                 return [self._do(statement)]
-            case If():
+            case tree.If():
                 return self._if(statement, path)
-            case While():
+            case tree.While():
                 return [f"while {of(statement.condition)}:", *self._body(statement.body, f"{path}/body", loop=True)]
-            case Forever():
+            case tree.Forever():
                 return ["while True:", *self._body(statement.body, f"{path}/body", loop=True)]
-            case Repeat():
+            case tree.Repeat():
                 return [f"for _ in range({self._times(statement)}):", *self._body(statement.body, f"{path}/body")]
-            case For():
+            case tree.For():
                 return [self._for(statement), *self._body(statement.body, f"{path}/body")]
-            case Break():
+            case tree.Break():
                 return ["break"]
-            case Set():
+            case tree.Set():
                 return [f"{self._variable(statement.variable)} = {of(statement.value)}"]
-            case Wait():
+            case tree.Wait():
                 return [f"self.sleep({of(statement.seconds)})"]
-            case WaitUntil():
+            case tree.WaitUntil():
                 return self._wait_until(statement, path)
-            case Parallel():
+            case tree.Parallel():
                 return self._parallel(statement, path)
-            case OnEvent():
+            case tree.OnEvent():
                 return self._on_event(statement, path)
-            case Log():
+            case tree.Log():
                 text = self._expressions.text(statement.message)
                 return self._members.dialect.lines("log", text=text)
-            case Stop():
+            case tree.Stop():
                 return ['raise StoppedError("the program stopped itself")']
 
-    def _body(self, body: tuple[Statement, ...], path: str, *, loop: bool = False) -> list[str]:
+    def _body(self, body: tuple[tree.Statement, ...], path: str, *, loop: bool = False) -> list[str]:
         lines = self.sequence(body, path)
         lines = lines[1:] if not lines[0] else lines
         return indented(["self.check()", *lines] if loop and lines != ["pass"] else lines)
 
-    def _if(self, statement: If, path: str) -> list[str]:
+    def _if(self, statement: tree.If, path: str) -> list[str]:
         lines = [f"if {self._expressions.of(statement.condition)}:", *self._body(statement.then, f"{path}/then")]
         match statement.otherwise:
             case ():
                 return lines
-            case (If(comment="") as chained,):
+            case (tree.If(comment="") as chained,):
                 first, *rest = self._if(chained, f"{path}/otherwise/0")
                 return [*lines, f"el{first}", *rest]
             case otherwise:
                 return [*lines, "else:", *self._body(otherwise, f"{path}/otherwise")]
 
-    def _times(self, statement: Repeat) -> str:
+    def _times(self, statement: tree.Repeat) -> str:
         always = kinds.constant(statement.times)
         return str(int(always.value)) if always else f"round({self._expressions.of(statement.times)})"
 
-    def _for(self, statement: For) -> str:
+    def _for(self, statement: tree.For) -> str:
         variable = self._variable(statement.variable)
         if statement.of is not None:
             return f"for {variable} in {self._expressions.of(statement.of)}:"
@@ -269,7 +241,7 @@ class Code:
         self.used.add("counted")
         return f"for {variable} in counted({', '.join(self._expressions.of(one) for one in parts)}):"
 
-    def _do(self, statement: Do) -> str:
+    def _do(self, statement: tree.Do) -> str:
         capability = self._known.write(statement.capability)
         given = self._arguments(capability, statement)
         ordered = [one for one in capability.parameters if one.name in given]
@@ -283,8 +255,8 @@ class Code:
             arguments.append(f"within={self._expressions.of(limit)}")
         return f"self.{method}({', '.join(arguments)})"
 
-    def _arguments(self, capability: Capability, statement: Do) -> dict[str, str]:
-        """Return arguments by the names of parameters; those of their own names count before those of a place."""
+    def _arguments(self, capability: Capability, statement: tree.Do) -> dict[str, str]:
+        """Return arguments by parameter; explicit arguments override those of a place."""
         found: dict[str, str] = {}
         for name, value in statement.arguments.items():
             if takes_place(capability, name):
@@ -294,26 +266,26 @@ class Code:
                 found[parameter.name] = self._argument(parameter, value)
         return found
 
-    def _of_place(self, capability: Capability, place: Expression) -> dict[str, str]:
+    def _of_place(self, capability: Capability, place: tree.Expression) -> dict[str, str]:
         known = {one.name: one for one in capability.parameters}
-        if isinstance(place, Position):
+        if isinstance(place, tree.Position):
             parts = place.parts().items()
             return {name: self._argument(known[name], one) for name, one in parts if name in known}
         shown = self._expressions.of(place)
         return {name: f"{shown}.{name}" for name in self._said if name in known}
 
-    def _argument(self, parameter: Parameter, value: Expression) -> str:
+    def _argument(self, parameter: Parameter, value: tree.Expression) -> str:
         """Return an argument in the unit of its parameter."""
         unit = unit_of(parameter.unit)
         shown = self._expressions.of(value)
         plain = self._kinds.of(value, "").dimension != unit.dimension
-        if isinstance(value, Written) and parameter.type == "integer" and not isinstance(value.value, bool | str):
+        if isinstance(value, tree.Written) and parameter.type == "integer" and not isinstance(value.value, bool | str):
             return str(round(value.value))
         if parameter.type == "integer":
             return f"round({shown})"
         return shown if plain or unit.factor == 1 else f"{self._expressions.of(value, 5)} / {unit.factor!r}"
 
-    def _wait_until(self, statement: WaitUntil, path: str) -> list[str]:
+    def _wait_until(self, statement: tree.WaitUntil, path: str) -> list[str]:
         condition = self._expressions.of(statement.condition)
         limit = "" if statement.seconds is None else f", {self._expressions.of(statement.seconds)}"
         wait = f"self.until(lambda: {condition}{limit})"
@@ -322,12 +294,12 @@ class Code:
         handling = self._body(statement.otherwise, f"{path}/otherwise")
         return ["try:", f"    {wait}", "except TimeoutError:", *handling]
 
-    def _part(self, wanted: str, body: tuple[Statement, ...], path: str) -> tuple[str, list[str]]:
+    def _part(self, wanted: str, body: tuple[tree.Statement, ...], path: str) -> tuple[str, list[str]]:
         """Return the name of a function for a part of the program, and its lines."""
         name = self._names.of("part", path, wanted)
         return name, [f"def {name}() -> None:", *self._body(body, path), ""]
 
-    def _parallel(self, statement: Parallel, path: str) -> list[str]:
+    def _parallel(self, statement: tree.Parallel, path: str) -> list[str]:
         self.used.add("together")
         made = [
             self._part("part", branch, f"{path}/branches/{number}") for number, branch in enumerate(statement.branches)
@@ -335,7 +307,7 @@ class Code:
         lines = [line for _, part in made for line in part]
         return ["", *lines, f"self.together({', '.join(name for name, _ in made)})"]
 
-    def _on_event(self, statement: OnEvent, path: str) -> list[str]:
+    def _on_event(self, statement: tree.OnEvent, path: str) -> list[str]:
         method = "as_soon_as" if statement.end else "whenever"
         self.used.add(method)
         then, reaction = self._part("react", statement.then, f"{path}/then")
@@ -344,18 +316,18 @@ class Code:
         return ["", *reaction, *work, f"self.{method}(lambda: {condition}, {then}, {body})"]
 
 
-def _said(every: list[Statement]) -> set[str]:
-    """Return what is said of any place."""
-    parts = (part for one in every for _, expression in expressions_of(one) for part in parts_of(expression))
-    return {name for part in parts if isinstance(part, Position) for name in part.parts()}
+def _said(every: list[tree.Statement]) -> set[str]:
+    """Return the components that any place in the program sets."""
+    parts = (part for one in every for _, expression in tree.expressions_of(one) for part in tree.parts_of(expression))
+    return {name for part in parts if isinstance(part, tree.Position) for name in part.parts()}
 
 
-def _given(every: list[Statement], known: Known, said: set[str]) -> dict[str, tuple[str, ...]]:
-    """Return the parameters that a program gives each capability anywhere, in their order."""
+def _given(every: list[tree.Statement], known: Known, said: set[str]) -> dict[str, tuple[str, ...]]:
+    """Return the parameters that a program passes to each capability anywhere, in their order."""
     found: dict[str, set[str]] = {}
     order: dict[str, tuple[Parameter, ...]] = {}
     for statement in every:
-        if isinstance(statement, Do):
+        if isinstance(statement, tree.Do):
             capability = known.write(statement.capability)
             order[capability.name] = capability.parameters
             given = found.setdefault(capability.name, set())
@@ -364,8 +336,12 @@ def _given(every: list[Statement], known: Known, said: set[str]) -> dict[str, tu
     return {name: tuple(one.name for one in order[name] if one.name in given) for name, given in found.items()}
 
 
-def _whole(expression: Expression) -> int | None:
-    """Return a plain whole number that is written as it is, None for anything else."""
-    if not isinstance(expression, Written) or isinstance(expression.value, bool | str) or expression.unit is not None:
+def _whole(expression: tree.Expression) -> int | None:
+    """Return the value of an integer literal; None for anything else."""
+    if (
+        not isinstance(expression, tree.Written)
+        or isinstance(expression.value, bool | str)
+        or expression.unit is not None
+    ):
         return None
     return int(expression.value) if expression.value == int(expression.value) else None

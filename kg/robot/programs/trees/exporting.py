@@ -1,7 +1,7 @@
-"""Writes a program as a behaviour tree.
+"""Export of programs as behaviour trees.
 
-A tree has no statement that leaves a loop or the program. Both become a flag of the blackboard and a failure, which
-goes up to the nodes around the loop, or the program; there the flag turns it into success.
+Trees have no statement that leaves a loop or the program. Both become a flag on the blackboard and a failure, which
+propagates to the nodes around the loop or program. There the flag turns it into success.
 """
 
 from __future__ import annotations
@@ -13,37 +13,10 @@ from typing import TYPE_CHECKING, Final
 from lxml import etree
 
 from kg.errors import Place, RobotError
+from kg.robot.programs import tree
 from kg.robot.programs.check import check, kinds_of
 from kg.robot.programs.kinds import constant
 from kg.robot.programs.names import AT, Known, takes_place
-from kg.robot.programs.tree import (
-    Binary,
-    Break,
-    Do,
-    Expression,
-    For,
-    Forever,
-    If,
-    Log,
-    OnEvent,
-    Parallel,
-    Position,
-    Program,
-    Read,
-    Repeat,
-    Set,
-    Statement,
-    Stop,
-    Unary,
-    Variable,
-    Wait,
-    WaitUntil,
-    While,
-    Written,
-    expressions_of,
-    statements,
-    variables_of,
-)
 from kg.robot.programs.trees.scripts import COUNT, OWN, Bare, ScriptError, counted, identifier, number, reading, script
 from kg.robot.programs.units import described
 from kg.robot.programs.write import headline
@@ -56,32 +29,33 @@ if TYPE_CHECKING:
     from kg.robot.capability import Capabilities, Capability, Parameter
 
 HINT: Final = "_kg"
-"""The attribute with a statement as written."""
+"""The attribute with the text of a statement."""
 POLL: Final = 50
-"""Milliseconds between two looks at a condition that is waited for."""
+"""Milliseconds between evaluations of a condition that is waited for."""
 DURATION: Final = "for_seconds"
-"""The port of how long a movement takes."""
+"""The port of the duration of a movement."""
 STOPPED: Final = f"{OWN}stopped"
 PLACE: Final = re.compile(r"(-?[0-9.eE+-]+);(-?[0-9.eE+-]+)(?:;(-?[0-9.eE+-]*))?(?:;(-?[0-9.eE+-]*))?")
 """A place in a port: x;y, x;y;heading or x;y;z;heading."""
-_SLACK: Final = 1e-6
-"""Milliseconds that a time may be off a whole number, as calculations have it."""
+_SLACK: Final = 1e-6  # maximum rounding error in milliseconds of a duration
 _TYPES: Final = {"number": "double", "integer": "int", "boolean": "bool", "text": "std::string", "list": "std::string"}
 _RESERVED: Final = frozenset({"name", "ID", "_autoremap"})
 
 
 def port(parameter: str) -> str:
-    """Return the name of the port of a parameter; some names are taken by BehaviorTree.CPP."""
+    """Return the name of the port of a parameter; BehaviorTree.CPP reserves some names."""
     return f"{parameter}_" if parameter in _RESERVED else parameter
 
 
-def behavior_tree(program: Program, capabilities: Capabilities, *, place: Callable[[str], Place] | None = None) -> str:
+def behavior_tree(
+    program: tree.Program, capabilities: Capabilities, *, place: Callable[[str], Place] | None = None
+) -> str:
     """Return a program as XML for BehaviorTree.CPP 4.
 
-    `place` tells where a part of the program stands in its file.
+    `place` returns the place of a part of the program in its file.
 
     Raises:
-        RobotError: that of the first error of a program that is not sound; KG841 for what no tree can say.
+        RobotError: the first error of an invalid program; KG841 for parts that no tree can express.
     """
     for problem in check(program, capabilities):
         if problem.severity == "error":
@@ -101,17 +75,17 @@ def _flag(name: str, value: str) -> _Element:
 
 
 def _left(flag: str) -> _Element:
-    """Return what sets a flag and fails, up to the nodes that look at the flag."""
+    """Return nodes that set a flag and fail, up to the nodes that test the flag."""
     return _node("Sequence", _flag(flag, "true"), _node("AlwaysFailure"))
 
 
 def _leavable(flag: str, inner: _Element) -> _Element:
-    """Return nodes that succeed when the inner one does, or fails with the flag set."""
+    """Return nodes that succeed if the inner one does, or if it fails with the flag set."""
     guarded = _node("Fallback", inner, _node("ScriptCondition", code=flag))
     return _node("Sequence", _flag(flag, "false"), guarded)
 
 
-def _milliseconds(seconds: Expression) -> str:
+def _milliseconds(seconds: tree.Expression) -> str:
     always = constant(seconds)
     if always is None:
         raise ScriptError("a time of a behaviour tree is a number, not a calculation")
@@ -122,9 +96,9 @@ def _milliseconds(seconds: Expression) -> str:
 
 
 class _Tree:
-    """Writes one program."""
+    """Exports one program."""
 
-    def __init__(self, program: Program, capabilities: Capabilities, place: Callable[[str], Place] | None) -> None:
+    def __init__(self, program: tree.Program, capabilities: Capabilities, place: Callable[[str], Place] | None) -> None:
         self._program = program
         self._place = place
         self._known = Known(capabilities)
@@ -138,20 +112,20 @@ class _Tree:
 
     def text(self) -> str:
         """Return the XML."""
-        every = list(statements(self._program.body))
+        every = list(tree.statements(self._program.body))
         for path, one in every:
             self._at(path, lambda one=one: self._name_variables(one))  # type: ignore[misc] # of this turn
         body = self._body(self._program.body, "/body")
-        if any(isinstance(one, Stop) for _, one in every):
+        if any(isinstance(one, tree.Stop) for _, one in every):
             body = _leavable(STOPPED, body)
         if self._program.seconds is not None:
-            limit = Written(value=self._program.seconds)
+            limit = tree.Written(value=self._program.seconds)
             body = _node("Timeout", body, msec=self._at("/seconds", lambda: _milliseconds(limit)))
         name = "".join(char if char.isalnum() else "_" for char in self._program.name).strip("_")
         name = name if name and name.lower() != "root" and name not in self._used else f"{name}_program".strip("_")
-        tree = _node("BehaviorTree", body, ID=name)
-        self._note(tree, self._program.name, self._program.comment, "")
-        root = _node("root", tree, self._models(), BTCPP_format="4", main_tree_to_execute=name)
+        main = _node("BehaviorTree", body, ID=name)
+        self._note(main, self._program.name, self._program.comment, "")
+        root = _node("root", main, self._models(), BTCPP_format="4", main_tree_to_execute=name)
         etree.indent(root)
         return etree.tostring(root, encoding="unicode", xml_declaration=False) + "\n"
 
@@ -173,12 +147,12 @@ class _Tree:
         except ValueError as error:
             raise self._refused("XML has no such characters", path) from error
 
-    def _body(self, body: tuple[Statement, ...], path: str) -> _Element:
+    def _body(self, body: tuple[tree.Statement, ...], path: str) -> _Element:
         if not body:
             return _node("AlwaysSuccess")
         return _node("Sequence", *(self._statement(one, f"{path}/{number}") for number, one in enumerate(body)))
 
-    def _statement(self, statement: Statement, path: str) -> _Element:
+    def _statement(self, statement: tree.Statement, path: str) -> _Element:
         try:
             made = self._made(statement, path)
         except ScriptError as error:
@@ -188,47 +162,47 @@ class _Tree:
         self._note(made, headline(statement), statement.comment, path)
         return made
 
-    def _made(self, statement: Statement, path: str) -> _Element:
+    def _made(self, statement: tree.Statement, path: str) -> _Element:
         bare = self._bare.head(statement)
         match bare:
-            case Do():
+            case tree.Do():
                 return self._do(bare)
-            case Set():
+            case tree.Set():
                 return self._set(bare)
-            case If():
+            case tree.If():
                 branches = self._body(bare.then, f"{path}/then"), self._body(bare.otherwise, f"{path}/otherwise")
                 return _node("IfThenElse", self._condition(bare.condition), *branches)
-            case While() | Forever() | Repeat() | For():
+            case tree.While() | tree.Forever() | tree.Repeat() | tree.For():
                 return self._loop(bare, path)
-            case Break():
+            case tree.Break():
                 return _left(self._loops[-1])
-            case Stop():
+            case tree.Stop():
                 return _left(STOPPED)
-            case Wait():
+            case tree.Wait():
                 return _node("Sleep", msec=_milliseconds(bare.seconds))
-            case WaitUntil():
+            case tree.WaitUntil():
                 return self._wait_until(bare, path)
-            case Parallel():
+            case tree.Parallel():
                 if not bare.branches:
                     raise ScriptError("nothing to do at the same time")
                 parts = [self._body(one, f"{path}/branches/{number}") for number, one in enumerate(bare.branches)]
                 return _node("Parallel", *parts, success_count="-1", failure_count="1")
-            case OnEvent():
+            case tree.OnEvent():
                 return self._on_event(bare, path)
-            case Log():
+            case tree.Log():
                 return self._log(bare, statement)
 
-    def _name_variables(self, statement: Statement) -> str:
-        """Note the names of the variables of a statement in the tree; ScriptError when others have one of them."""
-        used = [name for _, one in expressions_of(statement) for name in variables_of(one)]
-        for name in [*used, *([statement.variable] if isinstance(statement, Set | For) else [])]:
+    def _name_variables(self, statement: tree.Statement) -> str:
+        """Record the names of the variables of a statement; ScriptError on a clash."""
+        used = [name for _, one in tree.expressions_of(statement) for name in tree.variables_of(one)]
+        for name in [*used, *([statement.variable] if isinstance(statement, tree.Set | tree.For) else [])]:
             made = identifier(name)
             if self._names.setdefault(made, name) != name or made.startswith(OWN) or made.lower() in {"true", "false"}:
                 raise ScriptError(f"the variable `{name}` needs a name of its own, of letters, digits and `_`")
         return ""
 
-    def _reading(self, expressions: Iterable[Expression], node: _Element, *before: _Element) -> _Element:
-        """Return nodes that read what expressions need, then do something."""
+    def _reading(self, expressions: Iterable[tree.Expression], node: _Element, *before: _Element) -> _Element:
+        """Return nodes that read the inputs of expressions, then act."""
         found: dict[str, dict[str, str]] = {}
         for expression in expressions:
             for capability, parameter in _read_by(expression):
@@ -244,30 +218,30 @@ class _Tree:
         if self._used.setdefault(capability.name, (capability, done))[1] is not done:
             raise ScriptError(f"`{capability.name}` is something to do and to sense")
 
-    def _condition(self, condition: Expression) -> _Element:
+    def _condition(self, condition: tree.Expression) -> _Element:
         return self._reading([condition], _node("ScriptCondition", code=script(condition)))
 
-    def _set(self, statement: Set) -> _Element:
+    def _set(self, statement: tree.Set) -> _Element:
         name, value = statement.variable, statement.value
-        if isinstance(value, Read):
+        if isinstance(value, tree.Read):
             self._use(self._known.read(value.capability), done=False)
             return _node(value.capability, **{port(value.parameter): f"{{{name}}}"})
-        code = f"'{_place(value)}'" if isinstance(value, Position) else script(value)
-        if isinstance(value, Written) and isinstance(value.value, str) and PLACE.fullmatch(value.value):
+        code = f"'{_place(value)}'" if isinstance(value, tree.Position) else script(value)
+        if isinstance(value, tree.Written) and isinstance(value.value, str) and PLACE.fullmatch(value.value):
             raise ScriptError(f"the text {value.value!r} would be a place")
         return self._reading([value], _node("Script", code=f"{name} := {code}"))
 
-    def _do(self, statement: Do) -> _Element:
+    def _do(self, statement: tree.Do) -> _Element:
         capability = self._known.write(statement.capability)
         self._use(capability, done=True)
         ports, before = {}, []
-        needed: list[Expression] = []
+        needed: list[tree.Expression] = []
         for name, value in statement.arguments.items():
             given, scripted = self._given(capability.name, name, value)
             ports[port(name)] = given
             before += scripted
-            needed += [value] if scripted or isinstance(value, Read) else []
-            if takes_place(capability, name) and not isinstance(value, Position | Variable):
+            needed += [value] if scripted or isinstance(value, tree.Read) else []
+            if takes_place(capability, name) and not isinstance(value, tree.Position | tree.Variable):
                 raise ScriptError("a place is written out, or has a name")
         if statement.seconds is not None:
             ports[DURATION], scripted = self._given(capability.name, DURATION, statement.seconds)
@@ -279,45 +253,45 @@ class _Tree:
         return self._reading(needed, node, *before)
 
     @staticmethod
-    def _given(capability: str, name: str, value: Expression) -> tuple[str, list[_Element]]:
-        """Return what a port is given, and the script that computes it before."""
+    def _given(capability: str, name: str, value: tree.Expression) -> tuple[str, list[_Element]]:
+        """Return the value of a port, and the script that computes it first."""
         match value:
-            case Written(value=bool() as truth):
+            case tree.Written(value=bool() as truth):
                 return ("true" if truth else "false"), []
-            case Written(value=str() as text):
+            case tree.Written(value=str() as text):
                 if text.startswith("{") and text.endswith("}"):
                     raise ScriptError(f"the text {text!r} would be a variable of the tree")
                 return text, []
-            case Written(value=float() | int() as found):
+            case tree.Written(value=float() | int() as found):
                 return number(found), []
-            case Position():
+            case tree.Position():
                 return _place(value), []
-            case Variable(name=variable):
+            case tree.Variable(name=variable):
                 return f"{{{variable}}}", []
-            case Read():
+            case tree.Read():
                 return f"{{{reading(value.capability, value.parameter)}}}", []
         made = f"{OWN}{capability}_{name}"
         return f"{{{made}}}", [_node("Script", code=f"{made} := {script(value)}")]
 
-    def _log(self, statement: Log, original: Statement) -> _Element:
+    def _log(self, statement: tree.Log, original: tree.Statement) -> _Element:
         self._logs = True
-        text, value = "", original.message if isinstance(original, Log) else statement.message
+        text, value = "", original.message if isinstance(original, tree.Log) else statement.message
         match statement.message:
-            case Written(value=str() as text):
-                return _node("Log", message=self._given("log", "message", Written(value=text))[0])
-            case Binary(operator="+", left=Written(value=str() as text)) if isinstance(value, Binary):
+            case tree.Written(value=str() as text):
+                return _node("Log", message=self._given("log", "message", tree.Written(value=text))[0])
+            case tree.Binary(operator="+", left=tree.Written(value=str() as text)) if isinstance(value, tree.Binary):
                 value, bare = value.right, statement.message.right
-                ports = {"message": self._given("log", "message", Written(value=text))[0]}
+                ports = {"message": self._given("log", "message", tree.Written(value=text))[0]}
             case bare:
                 ports = {}
-        if isinstance(bare, Written) and isinstance(bare.value, str):
+        if isinstance(bare, tree.Written) and isinstance(bare.value, str):
             raise ScriptError("a text joined to a text")
         ports["value"], before = self._given("log", "value", bare)
         if dimension := self._kinds.of(value, "").dimension:
             ports["unit"] = described(dimension)
         return self._reading([bare], _node("Log", **ports), *before)
 
-    def _loop(self, statement: While | Forever | Repeat | For, path: str) -> _Element:
+    def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> _Element:
         flag = f"{OWN}left_{next(self._numbers)}"
         self._loops.append(flag)
         body = self._body(statement.body, f"{path}/body")
@@ -325,21 +299,21 @@ class _Tree:
         leaves = any(str(one.get("code")).startswith(f"{flag} :=") for one in body.iter("Script"))
         before: list[_Element] = []
         match statement:
-            case While():
+            case tree.While():
                 turn = _node("IfThenElse", self._condition(statement.condition), body, _left(flag))
                 return _leavable(flag, _node("KeepRunningUntilFailure", turn))
-            case Forever():
+            case tree.Forever():
                 made = _node("KeepRunningUntilFailure", body)
-            case Repeat():
+            case tree.Repeat():
                 times, before = self._given("repeat", "times", statement.times)
                 made = _node("Repeat", body, num_cycles=times)
-            case For():
+            case tree.For():
                 made = _node("LoopDouble", body, queue=_queue(statement), value=f"{{{statement.variable}}}")
         made = _leavable(flag, made) if leaves else made
-        needed = [statement.times] if isinstance(statement, Repeat) else []
+        needed = [statement.times] if isinstance(statement, tree.Repeat) else []
         return self._reading(needed, made, *before)
 
-    def _wait_until(self, statement: WaitUntil, path: str) -> _Element:
+    def _wait_until(self, statement: tree.WaitUntil, path: str) -> _Element:
         poll = _node("Delay", self._condition(statement.condition), delay_msec=str(POLL))
         made = _node("RetryUntilSuccessful", poll, num_attempts="-1")
         if statement.seconds is not None:
@@ -348,7 +322,7 @@ class _Tree:
             return made
         return _node("Fallback", made, self._body(statement.otherwise, f"{path}/otherwise"))
 
-    def _on_event(self, statement: OnEvent, path: str) -> _Element:
+    def _on_event(self, statement: tree.OnEvent, path: str) -> _Element:
         if not statement.end:
             raise ScriptError("`whenever` has no node; `as soon as` has")
         flag = f"{OWN}event_{next(self._numbers)}"
@@ -383,16 +357,16 @@ class _Tree:
         return models
 
 
-def _read_by(expression: Expression) -> Iterator[tuple[str, str]]:
-    """Yield the capabilities and parameters that an expression reads; of a list that is counted, only its length."""
+def _read_by(expression: tree.Expression) -> Iterator[tuple[str, str]]:
+    """Yield the capabilities and parameters that an expression reads; of a counted list, only its length."""
     match expression:
-        case Read(capability=capability, parameter=parameter):
+        case tree.Read(capability=capability, parameter=parameter):
             yield capability, parameter
-        case Unary(operator="count", of=Read(capability=capability, parameter=parameter)):
+        case tree.Unary(operator="count", of=tree.Read(capability=capability, parameter=parameter)):
             yield capability, f"{COUNT}{parameter}"
-        case Unary(of=of):
+        case tree.Unary(of=of):
             yield from _read_by(of)
-        case Binary(left=left, right=right):
+        case tree.Binary(left=left, right=right):
             yield from (*_read_by(left), *_read_by(right))
 
 
@@ -412,8 +386,8 @@ def _described(tag: str, name: str, kind: str, text: str) -> _Element:
     return made
 
 
-def _place(place: Position) -> str:
-    """Return a place as a port has it; ScriptError for one that is computed."""
+def _place(place: tree.Position) -> str:
+    """Return a place as a port value; ScriptError for a computed one."""
     parts = place.parts()
     names = ("x", "y", "z", "heading") if "z" in parts else ("x", "y", "heading")
     found = []
@@ -426,7 +400,7 @@ def _place(place: Position) -> str:
     return ";".join(found).rstrip(";") if "z" not in parts else ";".join(found)
 
 
-def _queue(statement: For) -> str:
+def _queue(statement: tree.For) -> str:
     numbers = counted(statement)
     if numbers is None:
         raise ScriptError("a loop of a behaviour tree counts from number to number, and has no lists")

@@ -1,8 +1,8 @@
-"""Reads a behaviour tree as a program.
+"""Import of behaviour trees as programs.
 
-What `exporting` writes is read as the statements that it was written for; other trees as far as their nodes mean the
-same as statements. A statement as written (`_kg`) is taken as long as the nodes say the same. Numbers, which have no
-units there, get those of what they are compared with or added to.
+Trees written by `exporting` become the original statements; other trees are imported as far as their nodes are
+equivalent to statements. A statement's text (`_kg`) is used as long as it agrees with the nodes. Numbers have no units
+in trees; they get those of the values that they are compared with or added to.
 """
 
 from __future__ import annotations
@@ -14,35 +14,10 @@ from typing import TYPE_CHECKING, Any, Final
 import msgspec
 
 from kg.errors import Place, RobotError
+from kg.robot.programs import tree
 from kg.robot.programs.check import kinds_of
 from kg.robot.programs.names import Known
 from kg.robot.programs.parse import parse
-from kg.robot.programs.tree import (
-    BLOCKS_DEEP,
-    Binary,
-    Break,
-    Do,
-    Expression,
-    For,
-    Forever,
-    If,
-    Log,
-    OnEvent,
-    Parallel,
-    Position,
-    Program,
-    Read,
-    Repeat,
-    Set,
-    Statement,
-    Stop,
-    Unary,
-    Wait,
-    WaitUntil,
-    While,
-    Written,
-    rewritten,
-)
 from kg.robot.programs.trees.exporting import DURATION, HINT, PLACE, port
 from kg.robot.programs.trees.scripts import COUNT, OWN, Bare, ScriptError, assignments, counted, expression_of, reading
 from kg.robot.programs.units import UNITS, Dimension, described
@@ -57,19 +32,19 @@ if TYPE_CHECKING:
 _ALIKE: Final = frozenset({"<", "<=", "=", "!=", ">=", ">", "+", "-"})
 
 
-def with_units(program: Program, capabilities: Capabilities) -> Program:
+def with_units(program: tree.Program, capabilities: Capabilities) -> tree.Program:
     """Return a program in which plain numbers have the base unit of their neighbour."""
     kinds = kinds_of(program, capabilities)
 
     def change(part: dict[str, Any]) -> Any:
         if part.get("expression") != "binary" or part["operator"] not in _ALIKE:
             return part
-        return msgspec.to_builtins(_united(msgspec.convert(part, Binary), kinds))
+        return msgspec.to_builtins(_united(msgspec.convert(part, tree.Binary), kinds))
 
-    return rewritten(program, change)
+    return tree.rewritten(program, change)
 
 
-def _united(expression: Binary, kinds: Kinds) -> Binary:
+def _united(expression: tree.Binary, kinds: Kinds) -> tree.Binary:
     left, right = kinds.of(expression.left, ""), kinds.of(expression.right, "")
     if left.name != "number" or right.name != "number" or bool(left.dimension) == bool(right.dimension):
         return expression
@@ -79,12 +54,12 @@ def _united(expression: Binary, kinds: Kinds) -> Binary:
     )
 
 
-def _in(expression: Expression, dimension: Dimension) -> Expression:
+def _in(expression: tree.Expression, dimension: Dimension) -> tree.Expression:
     unit = described(dimension)
     match expression:
-        case Written(value=value, unit=None) if unit in UNITS and value and not isinstance(value, bool | str):
-            return Written(value=value, unit=unit)
-        case Unary(operator="-" | "absolute"):
+        case tree.Written(value=value, unit=None) if unit in UNITS and value and not isinstance(value, bool | str):
+            return tree.Written(value=value, unit=unit)
+        case tree.Unary(operator="-" | "absolute"):
             return msgspec.structs.replace(expression, of=_in(expression.of, dimension))
     return expression
 
@@ -108,20 +83,18 @@ _NODES: Final = frozenset(
     | {"SubTree", "Switch2", "Switch3", "Switch4", "Switch5", "Switch6", "Timeout", "TryCatch", "UnsetBlackboard"}
     | {"WaitValueUpdate", "WasEntryUpdated", "WhileDoElse"}
 )
-"""Standard nodes that are no statements by themselves; capabilities have other names."""
+"""Standard nodes that are not statements on their own; capabilities have other names."""
 _PAIR: Final = 2
-_TRIPLE: Final = 3
-"""How many children a node has."""
-_ENDS: Final = ("\nend", "\nduring\nend", "")
-"""What makes the first line of a statement a whole one."""
-_Env = dict[str, "Expression"]
+_TRIPLE: Final = 3  # number of children of a ternary node
+_ENDS: Final = ("\nend", "\nduring\nend", "")  # endings that complete the first line of a statement
+_Env = dict[str, tree.Expression]
 
 
-def program_of(text: str | bytes, capabilities: Capabilities, path: str = "tree") -> Program:
-    """Return the program that a behaviour tree is.
+def program_of(text: str | bytes, capabilities: Capabilities, path: str = "tree") -> tree.Program:
+    """Return the program of a behaviour tree.
 
     Raises:
-        RobotError: KG842 at the line of what is no behaviour tree of version 4, or has no statement that means it.
+        RobotError: KG842 at the line that is not part of a behaviour tree of version 4, or has no equivalent statement.
     """
     parsed = parse_xml(text.encode() if isinstance(text, str) else text)
     if parsed.root is None or parsed.problem is not None:
@@ -139,7 +112,7 @@ def _children(node: _Element) -> list[_Element]:
 
 
 class _Reader:
-    """Reads one file."""
+    """Reader of one file."""
 
     def __init__(self, root: _Element, capabilities: Capabilities, path: str) -> None:
         self._root = root
@@ -154,7 +127,7 @@ class _Reader:
             str(model.get("ID")): {str(one.get("name")) for one in model.findall("output_port")} for model in models
         }
 
-    def program(self) -> Program:
+    def program(self) -> tree.Program:
         """Return the main tree as a program."""
         if self._root.tag != "root" or self._root.get("BTCPP_format") != "4":
             hint = 'It begins with `<root BTCPP_format="4">`; BehaviorTree.CPP converts older ones.'
@@ -163,19 +136,18 @@ class _Reader:
         main = self._root.get("main_tree_to_execute") or (next(iter(trees)) if len(trees) == 1 else None)
         if main is None or main not in trees:
             raise self._refused(self._root, f"unknown tree `{main}`" if main else "no tree is the main one")
-        tree = trees[main]
         self._trees = trees
         self._within.append(main)
-        node, seconds = self._only(tree), None
+        node, seconds = self._only(trees[main]), None
         if node.tag == "Timeout" and self._statement_of_timeout(self._only(node)) is None:
             seconds, node = self._seconds(node, "msec"), self._only(node)
         flag = self._leavable(node)
         if flag is not None and not self._is_loop(self._guarded(node)):
             self._flags.append((flag, "program"))
             node = self._guarded(node)
-        name = str(tree.get(HINT) or main)
+        name = str(trees[main].get(HINT) or main)
         body = self._body(node, {})
-        return Program(name=name, comment=tree.get("_description", ""), seconds=seconds, body=body)
+        return tree.Program(name=name, comment=trees[main].get("_description", ""), seconds=seconds, body=body)
 
     def _refused(self, node: _Element, message: str, hint: str | None = None) -> RobotError:
         return RobotError("KG842", message, place=Place(self._path, line_of(node)), hint=hint)
@@ -195,21 +167,21 @@ class _Reader:
                 raise self._refused(node, f"programs have no `{key}` of a node", "Use a node in its place.")
         return {key: node.get(key, "") for key in map(str, node.attrib) if key not in _IGNORED}
 
-    def _script(self, node: _Element, code: str, env: _Env) -> Expression:
+    def _script(self, node: _Element, code: str, env: _Env) -> tree.Expression:
         try:
             return expression_of(code, env)
         except ScriptError as error:
             raise self._refused(node, str(error)) from error
 
-    def _port(self, node: _Element, value: str, env: _Env) -> Expression:
-        """Return what a port is given: a variable in braces, a place, a number, a truth value or a text."""
+    def _port(self, node: _Element, value: str, env: _Env) -> tree.Expression:
+        """Return the value of a port: a variable in braces, a place, a number, a truth value or a text."""
         if value.startswith("{") and value.endswith("}"):
             return self._script(node, value[1:-1], env)
         if place := _place(value):
             return place
         with suppress(ValueError, ScriptError):
-            return Written(value=float(value))
-        return Written(value={"true": True, "false": False}.get(value, value))
+            return tree.Written(value=float(value))
+        return tree.Written(value={"true": True, "false": False}.get(value, value))
 
     def _seconds(self, node: _Element, name: str) -> float:
         text = node.get(name, "")
@@ -217,12 +189,12 @@ class _Reader:
             raise self._refused(node, f"`{name}` of <{node.tag}> must be a whole number, but is `{text}`")
         return int(text) / 1000
 
-    def _body(self, node: _Element, env: _Env) -> tuple[Statement, ...]:
+    def _body(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
         """Return the statements of a branch."""
         if self._name(node) == "AlwaysSuccess":
             return ()
         self._depth += 1
-        if self._depth > 2 * BLOCKS_DEEP:
+        if self._depth > 2 * tree.BLOCKS_DEEP:
             raise self._refused(node, "the tree is nested too deeply")
         try:
             if self._name(node) == "Sequence" and node.get(HINT) is None:
@@ -231,19 +203,19 @@ class _Reader:
         finally:
             self._depth -= 1
 
-    def _sequence(self, node: _Element, env: _Env) -> tuple[Statement, ...]:
+    def _sequence(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
         inner = dict(env)
         return tuple(one for child in _children(node) for one in self._statements(child, inner))
 
-    def _statements(self, node: _Element, env: _Env) -> tuple[Statement, ...]:
-        """Return the statements that a node stands for, written as its hint says where that is true."""
+    def _statements(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
+        """Return the statements of a node, with the text of its hint if that is still accurate."""
         found = self._structural(node, env)
         hint = node.get(HINT)
         if len(found) != 1 or hint is None:
             return found
         return (self._hinted(found[0], hint, node.get("_description", "")),)
 
-    def _structural(self, node: _Element, env: _Env) -> tuple[Statement, ...]:
+    def _structural(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
         name = self._name(node)
         if name == "Sequence":
             pattern = self._pattern(node, env)
@@ -258,22 +230,22 @@ class _Reader:
             return self._read(node, name, env)
         return (self._statement(node, name, env),)
 
-    def _statement(self, node: _Element, name: str, env: _Env) -> Statement:
+    def _statement(self, node: _Element, name: str, env: _Env) -> tree.Statement:
         ports = self._ports(node)
         match name:
             case "IfThenElse":
                 return self._if(node, env)
             case "KeepRunningUntilFailure":
-                return Forever(body=self._body(self._only(node), env))
+                return tree.Forever(body=self._body(self._only(node), env))
             case "Repeat":
                 times = self._port(node, ports.get("num_cycles", ""), env)
-                if times == Written(value=-1.0):
-                    return Forever(body=self._body(self._only(node), env))
-                return Repeat(times=times, body=self._body(self._only(node), env))
+                if times == tree.Written(value=-1.0):
+                    return tree.Forever(body=self._body(self._only(node), env))
+                return tree.Repeat(times=times, body=self._body(self._only(node), env))
             case "LoopDouble" | "LoopInt":
                 return self._loop(node, ports, env)
             case "Sleep":
-                return Wait(seconds=Written(value=self._seconds(node, "msec")))
+                return tree.Wait(seconds=tree.Written(value=self._seconds(node, "msec")))
             case "RetryUntilSuccessful":
                 return self._until(node, env)
             case "Fallback":
@@ -292,20 +264,20 @@ class _Reader:
         return self._do(node, name, ports, env)
 
     def _statement_of_timeout(self, node: _Element) -> str | None:
-        """Return the name of what a time limit belongs to, None where it is that of a whole sequence."""
+        """Return the name of the statement with a time limit; None if the limit is that of a whole sequence."""
         name = self._name(node)
         return name if name == "RetryUntilSuccessful" or not _children(node) else None
 
-    def _limited(self, node: _Element, env: _Env) -> Statement:
-        seconds = Written(value=self._seconds(node, "msec"))
+    def _limited(self, node: _Element, env: _Env) -> tree.Statement:
+        seconds = tree.Written(value=self._seconds(node, "msec"))
         inner = self._statement(self._only(node), self._name(self._only(node)), env)
-        if isinstance(inner, WaitUntil):
+        if isinstance(inner, tree.WaitUntil):
             return msgspec.structs.replace(inner, seconds=seconds)
-        if isinstance(inner, Do):
+        if isinstance(inner, tree.Do):
             return msgspec.structs.replace(inner, within=seconds)
         raise self._refused(node, "only capabilities and `wait until` have a time limit")
 
-    # What several nodes stand for
+    # Statements of several nodes
 
     def _leavable(self, node: _Element) -> str | None:
         """Return the flag of nodes that can be left: a flag, then a Fallback of the nodes and the flag."""
@@ -324,8 +296,8 @@ class _Reader:
     def _is_loop(self, node: _Element) -> bool:
         return self._name(node) in {"KeepRunningUntilFailure", "Repeat", "LoopDouble", "LoopInt"}
 
-    def _pattern(self, node: _Element, env: _Env) -> Statement | None:
-        """Return the statement that a Sequence stands for as a whole, if it does."""
+    def _pattern(self, node: _Element, env: _Env) -> tree.Statement | None:
+        """Return the statement of a whole Sequence, if there is one."""
         children = _children(node)
         names = [self._name(child) for child in children]
         if names == ["Script", "AlwaysFailure"]:
@@ -341,25 +313,25 @@ class _Reader:
         finally:
             self._flags.pop()
 
-    def _left_loop(self, node: _Element, flag: str, env: _Env) -> Statement:
+    def _left_loop(self, node: _Element, flag: str, env: _Env) -> tree.Statement:
         turn = _children(node)[0]
         parts = _children(turn)
         if self._name(node) == "KeepRunningUntilFailure" and turn.tag == "IfThenElse" and len(parts) == _TRIPLE:
             ends = [child.get("code") for child in _children(parts[2])] == [f"{flag} := true", None]
             if ends and turn.get(HINT) is None:
-                return While(condition=self._condition(parts[0], env), body=self._body(parts[1], env))
+                return tree.While(condition=self._condition(parts[0], env), body=self._body(parts[1], env))
         return self._statement(node, self._name(node), env)
 
-    def _leaving(self, node: _Element, code: str) -> Statement:
+    def _leaving(self, node: _Element, code: str) -> tree.Statement:
         flag = code.partition(" := ")[0]
         kinds = dict(self._flags)
         if kinds.get(flag) == "program":
-            return Stop()
+            return tree.Stop()
         if self._flags and self._flags[-1] == (flag, "loop"):
-            return Break()
+            return tree.Break()
         raise self._refused(node, "this fails, and programs have no statement that fails")
 
-    def _event(self, children: list[_Element], env: _Env) -> Statement:
+    def _event(self, children: list[_Element], env: _Env) -> tree.Statement:
         flag = str(children[0].get("code", "")).partition(" := ")[0]
         watched, after = _children(children[1]), _children(children[2])
         if len(watched) != _PAIR or len(after) < _PAIR or after[0].get("code") != flag:
@@ -371,19 +343,19 @@ class _Reader:
             then, body = self._body(after[1], env), self._body(watched[1], env)
         finally:
             self._flags = around
-        return OnEvent(condition=self._condition(condition, env), then=then, body=body, end=True)
+        return tree.OnEvent(condition=self._condition(condition, env), then=then, body=body, end=True)
 
-    # What one node stands for
+    # Statements of one node
 
-    def _condition(self, node: _Element, env: _Env) -> Expression:
+    def _condition(self, node: _Element, env: _Env) -> tree.Expression:
         name = self._name(node)
         children = _children(node)
         if name == "ScriptCondition":
             return self._script(node, self._ports(node).get("code", ""), env)
         if name in {"AlwaysSuccess", "AlwaysFailure"}:
-            return Written(value=name == "AlwaysSuccess")
+            return tree.Written(value=name == "AlwaysSuccess")
         if name == "Inverter":
-            return Unary(operator="not", of=self._condition(self._only(node), env))
+            return tree.Unary(operator="not", of=self._condition(self._only(node), env))
         if name not in {"Sequence", "Fallback"} or not children:
             raise self._refused(node, f"<{name}> is not a condition that programs have")
         inner, found = dict(env), None
@@ -395,21 +367,23 @@ class _Reader:
                 continue
             one = self._condition(child, inner)
             found = (
-                one if found is None else Binary(operator="and" if name == "Sequence" else "or", left=found, right=one)
+                one
+                if found is None
+                else tree.Binary(operator="and" if name == "Sequence" else "or", left=found, right=one)
             )
         if found is None:
             raise self._refused(node, "this reads and compares nothing")
         return found
 
-    def _if(self, node: _Element, env: _Env) -> Statement:
+    def _if(self, node: _Element, env: _Env) -> tree.Statement:
         children = _children(node)
         if len(children) != _TRIPLE:
             hint = "Without a third child it fails when its condition does not hold: add <AlwaysSuccess/>."
             raise self._refused(node, "programs have no statement that fails", hint)
         condition = self._condition(children[0], env)
-        return If(condition=condition, then=self._body(children[1], env), otherwise=self._body(children[2], env))
+        return tree.If(condition=condition, then=self._body(children[1], env), otherwise=self._body(children[2], env))
 
-    def _loop(self, node: _Element, ports: dict[str, str], env: _Env) -> Statement:
+    def _loop(self, node: _Element, ports: dict[str, str], env: _Env) -> tree.Statement:
         try:
             numbers = [float(one) for one in ports.get("queue", "").split(";")]
         except ValueError:
@@ -418,20 +392,20 @@ class _Reader:
         even = all(isclose(numbers[0] + at * step, one, abs_tol=1e-9) for at, one in enumerate(numbers))
         if not even or not step:
             raise self._refused(node, "the numbers of a loop must be equally far from each other")
-        start, end = Written(value=numbers[0]), Written(value=numbers[-1])
-        width = None if abs(step) == 1 else Written(value=abs(step))
+        start, end = tree.Written(value=numbers[0]), tree.Written(value=numbers[-1])
+        width = None if abs(step) == 1 else tree.Written(value=abs(step))
         variable = ports.get("value", "").strip("{}")
-        return For(variable=variable, start=start, end=end, step=width, body=self._body(self._only(node), env))
+        return tree.For(variable=variable, start=start, end=end, step=width, body=self._body(self._only(node), env))
 
-    def _until(self, node: _Element, env: _Env) -> Statement:
+    def _until(self, node: _Element, env: _Env) -> tree.Statement:
         if node.get("num_attempts") != "-1":
             raise self._refused(
                 node, "a number of attempts", 'Programs wait until something holds: `num_attempts="-1"`.'
             )
         inner = self._only(node)
-        return WaitUntil(condition=self._condition(self._only(inner) if inner.tag == "Delay" else inner, env))
+        return tree.WaitUntil(condition=self._condition(self._only(inner) if inner.tag == "Delay" else inner, env))
 
-    def _otherwise(self, node: _Element, env: _Env) -> Statement:
+    def _otherwise(self, node: _Element, env: _Env) -> tree.Statement:
         children = _children(node)
         limited = self._name(children[0]) == "Timeout" if children else False
         waits = [self._name(one) for one in (*children[:1], *(_children(children[0]) if limited else []))]
@@ -440,7 +414,7 @@ class _Reader:
         waiting = self._statement(children[0], self._name(children[0]), env)
         return msgspec.structs.replace(waiting, otherwise=self._body(children[1], env))
 
-    def _parallel(self, node: _Element, ports: dict[str, str], env: _Env) -> Statement:
+    def _parallel(self, node: _Element, ports: dict[str, str], env: _Env) -> tree.Statement:
         every = (ports.get("success_count", "-1"), ports.get("failure_count", "1")) == ("-1", "1")
         if self._name(node) == "ParallelAll":
             every = ports.get("max_failures", "1") == "0"
@@ -448,51 +422,51 @@ class _Reader:
             raise self._refused(
                 node, "all parts must succeed at the same time", "Write `<Parallel failure_count='1'>`."
             )
-        return Parallel(branches=tuple(self._body(child, env) for child in _children(node)))
+        return tree.Parallel(branches=tuple(self._body(child, env) for child in _children(node)))
 
-    def _log(self, node: _Element, ports: dict[str, str], env: _Env) -> Statement:
-        message = Written(value=ports.get("message", "")) if "message" in ports else None
+    def _log(self, node: _Element, ports: dict[str, str], env: _Env) -> tree.Statement:
+        message = tree.Written(value=ports.get("message", "")) if "message" in ports else None
         value = self._port(node, ports["value"], env) if "value" in ports else None
-        if ports.get("unit") in UNITS and isinstance(value, Written) and not isinstance(value.value, bool | str):
-            value = Written(value=value.value, unit=ports["unit"])
+        if ports.get("unit") in UNITS and isinstance(value, tree.Written) and not isinstance(value.value, bool | str):
+            value = tree.Written(value=value.value, unit=ports["unit"])
         if message is not None and value is not None:
-            return Log(message=Binary(operator="+", left=message, right=value))
-        return Log(message=message or value or Written(value=""))
+            return tree.Log(message=tree.Binary(operator="+", left=message, right=value))
+        return tree.Log(message=message or value or tree.Written(value=""))
 
-    def _do(self, node: _Element, name: str, ports: dict[str, str], env: _Env) -> Statement:
+    def _do(self, node: _Element, name: str, ports: dict[str, str], env: _Env) -> tree.Statement:
         seconds = self._port(node, ports.pop(DURATION), env) if DURATION in ports else None
         arguments = {key: self._port(node, value, env) for key, value in ports.items()}
         with suppress(RobotError):
             names = {port(one.name): one.name for one in self._known.write(name).parameters}
             arguments = {names.get(key, key): value for key, value in arguments.items()}
             self._texts(name, ports, arguments)
-        return Do(capability=name, arguments=arguments, seconds=seconds)
+        return tree.Do(capability=name, arguments=arguments, seconds=seconds)
 
-    def _texts(self, name: str, ports: dict[str, str], arguments: dict[str, Expression]) -> None:
-        """Let what a parameter takes as text be one, also where it looks like a number."""
+    def _texts(self, name: str, ports: dict[str, str], arguments: dict[str, tree.Expression]) -> None:
+        """Keep the argument of a text parameter as text, even if it looks like a number."""
         for parameter in self._known.write(name).parameters:
             given = ports.get(port(parameter.name), "{}")
             if parameter.type == "text" and not (given.startswith("{") and given.endswith("}")):
-                arguments[parameter.name] = Written(value=given)
+                arguments[parameter.name] = tree.Written(value=given)
 
-    def _assigned(self, node: _Element, env: _Env) -> tuple[Statement, ...]:
-        """Return what a script gives values to; names that only an exported tree has stand for their values."""
+    def _assigned(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
+        """Return the assignments of a script; names internal to exported trees are replaced by their values."""
         try:
             found = assignments(self._ports(node).get("code", ""), env)
         except ScriptError as error:
             raise self._refused(node, str(error)) from error
         made = []
         for name, value in found:
-            text = value.value if isinstance(value, Written) else None
+            text = value.value if isinstance(value, tree.Written) else None
             place = _place(text) if isinstance(text, str) else None
             if name.startswith(OWN):
                 env[name] = place or value
             else:
-                made.append(Set(variable=name, value=place or value))
+                made.append(tree.Set(variable=name, value=place or value))
         return tuple(made)
 
-    def _read(self, node: _Element, name: str, env: _Env) -> tuple[Statement, ...]:
-        """Return what is kept of what a node reads; the names of readings stand for what was read just now."""
+    def _read(self, node: _Element, name: str, env: _Env) -> tuple[tree.Statement, ...]:
+        """Record the outputs of a reading node; their names then refer to the values just read."""
         made = []
         try:
             names = {port(one.name): one.name for one in self._known.read(name).parameters}
@@ -502,16 +476,18 @@ class _Reader:
             parameter = names.get(key, key)
             variable = value.strip("{}")
             length = key.startswith(COUNT) and key not in names
-            read: Expression = Read(capability=name, parameter=key.removeprefix(COUNT) if length else parameter)
-            read = Unary(operator="count", of=read) if length else read
+            read: tree.Expression = tree.Read(
+                capability=name, parameter=key.removeprefix(COUNT) if length else parameter
+            )
+            read = tree.Unary(operator="count", of=read) if length else read
             if variable == reading(name, parameter):
                 env[variable] = read
             else:
-                made.append(Set(variable=variable, value=read))
+                made.append(tree.Set(variable=variable, value=read))
         return tuple(made)
 
-    def _subtree(self, node: _Element, env: _Env) -> tuple[Statement, ...]:
-        """Return the statements of another tree, which shares its variables by the same names only."""
+    def _subtree(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
+        """Return the statements of another tree, which shares only variables of the same names."""
         name = str(node.get("ID") or "")
         if name not in self._trees:
             raise self._refused(node, f"unknown tree `{name}`")
@@ -523,17 +499,17 @@ class _Reader:
                 continue
             if value.startswith("{"):
                 raise self._refused(node, f"`{key}` has another name outside of the tree", "Give both the same name.")
-            before.append(Set(variable=key, value=self._port(node, value, env)))
+            before.append(tree.Set(variable=key, value=self._port(node, value, env)))
         self._within.append(name)
         try:
             return (*before, *self._body(self._only(self._trees[name]), {}))
         finally:
             self._within.pop()
 
-    # Statements as written
+    # Statements from their text
 
-    def _hinted(self, found: Statement, hint: str, comment: str) -> Statement:
-        """Return a statement as it was written, as long as that says the same as its nodes."""
+    def _hinted(self, found: tree.Statement, hint: str, comment: str) -> tree.Statement:
+        """Return a statement from its text, if that agrees with its nodes."""
         for end in _ENDS:
             with suppress(RobotError):
                 written = parse(f"{hint}{end}").body
@@ -543,35 +519,35 @@ class _Reader:
                         return msgspec.structs.replace(candidate, comment=comment)
         return msgspec.structs.replace(found, comment=comment)
 
-    def _same(self, candidate: Statement, found: Statement) -> bool:
-        kinds = kinds_of(Program(body=(candidate,)), self._capabilities)
+    def _same(self, candidate: tree.Statement, found: tree.Statement) -> bool:
+        kinds = kinds_of(tree.Program(body=(candidate,)), self._capabilities)
         bare = Bare(self._known, kinds)
         one, other = bare.head(candidate), bare.head(found)
-        if isinstance(one, For) and isinstance(other, For):
+        if isinstance(one, tree.For) and isinstance(other, tree.For):
             numbers, others = counted(one) or [], counted(other) or []
             close = all(isclose(left, right, abs_tol=1e-9) for left, right in zip(numbers, others, strict=False))
             return one.variable == other.variable and len(numbers) == len(others) and close
         return one == other
 
 
-def _with_sequences(written: Any, found: Any) -> Statement:
+def _with_sequences(written: Any, found: Any) -> tree.Statement:
     """Return a statement with the sequences of another one of its kind."""
     names = [name for name in ("then", "otherwise", "body", "branches") if hasattr(found, name)]
-    made: Statement = msgspec.structs.replace(written, **{name: getattr(found, name) for name in names})
+    made: tree.Statement = msgspec.structs.replace(written, **{name: getattr(found, name) for name in names})
     return made
 
 
-def _place(text: str) -> Position | None:
-    """Return the place that a text is: x;y, x;y;heading or x;y;z;heading."""
+def _place(text: str) -> tree.Position | None:
+    """Return the place in a text: x;y, x;y;heading or x;y;z;heading."""
     found = PLACE.fullmatch(text)
     if found is None:
         return None
     try:
-        numbers = [Written(value=float(one)) if one else None for one in text.split(";")]
+        numbers = [tree.Written(value=float(one)) if one else None for one in text.split(";")]
     except ValueError:
         return None
     x, y, *rest = numbers
     if x is None or y is None:
         return None
     z, heading = rest if len(rest) == _PAIR else (None, *rest, None)[:2]
-    return Position(x=x, y=y, z=z, heading=heading)
+    return tree.Position(x=x, y=y, z=z, heading=heading)

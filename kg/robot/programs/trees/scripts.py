@@ -1,7 +1,7 @@
-"""Programs as behaviour trees say them, and the scripting language of BehaviorTree.CPP 4, written and read.
+"""Programs in the terms of behaviour trees, and the scripting language of BehaviorTree.CPP 4, written and parsed.
 
-Bare statements and expressions have no units and the names of the ontology: numbers are in base units, arguments in the
-units of their parameters, and variables have names that scripts allow.
+Bare statements and expressions have no units, and the names of the ontology: numbers are in base units, arguments in
+the units of their parameters, and variables have valid names for scripts.
 """
 
 from __future__ import annotations
@@ -12,23 +12,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
+from kg.robot.programs import tree
 from kg.robot.programs.kinds import Kinds, constant
 from kg.robot.programs.names import Known, takes_place
-from kg.robot.programs.tree import (
-    EXPRESSIONS_DEEP,
-    Binary,
-    Do,
-    Expression,
-    For,
-    Position,
-    Read,
-    Set,
-    Statement,
-    Unary,
-    Variable,
-    Written,
-    expressions_of,
-)
 from kg.robot.programs.units import unit_of
 
 if TYPE_CHECKING:
@@ -37,38 +23,38 @@ if TYPE_CHECKING:
     from kg.robot.capability import Capability
 
 OWN: Final = "kg_"
-"""Beginning of the names that an exported tree gives to values of its own."""
+"""Prefix of the internal names of an exported tree."""
 COUNT: Final = "count_of_"
-"""Beginning of the names of ports that give how many elements a list has."""
+"""Prefix of the ports with the length of a list."""
 _WORD: Final = re.compile(r"[^A-Za-z0-9_]")
 
 
 def identifier(name: str) -> str:
-    """Return the name of a variable as scripts allow it."""
+    """Return a variable's name as a valid identifier of scripts."""
     made = _WORD.sub("_", name)
     return made if made[:1].isalpha() or made[:1] == "_" else f"_{made}"
 
 
 def reading(capability: str, parameter: str) -> str:
-    """Return the name under which a tree keeps the value that was just read."""
+    """Return the name under which a tree stores the value just read."""
     return f"{capability}_{parameter}"
 
 
 class Bare:
-    """Rewrites statements and expressions; RobotError KG832, KG834 for capabilities that are unknown."""
+    """Rewrites statements and expressions to bare ones; RobotError KG832, KG834 for unknown capabilities."""
 
     def __init__(self, known: Known, kinds: Kinds) -> None:
-        """`kinds` are those of the program, whose variables are known."""
+        """Create a rewriter; `kinds` are those of the program, with its variables."""
         self._known = known
         self._kinds = kinds
 
-    def head(self, statement: Statement) -> Statement:
-        """Return a statement with its own expressions bare, not those of statements within it, without id and comment.
+    def head(self, statement: tree.Statement) -> tree.Statement:
+        """Return a statement with its own expressions bare, without nested statements, id and comment.
 
-        A time is in seconds, the numbers of a loop are those that it counts.
+        Durations are in seconds; the numbers of a loop are those that it counts.
         """
         made = msgspec.structs.replace(statement, id=None, comment="")
-        if isinstance(statement, Do):
+        if isinstance(statement, tree.Do):
             capability = self._known.write(statement.capability)
             arguments = {
                 name if takes_place(capability, name) else self._known.parameter(capability, name).name: self._argument(
@@ -77,14 +63,14 @@ class Bare:
                 for name, value in statement.arguments.items()
             }
             made = msgspec.structs.replace(made, capability=capability.name, arguments=arguments)
-        if isinstance(statement, Set | For):
+        if isinstance(statement, tree.Set | tree.For):
             made = msgspec.structs.replace(made, variable=identifier(statement.variable))
-        own = dict(expressions_of(made))
+        own = dict(tree.expressions_of(made))
         given = {name: self.expression(one) for name, one in own.items() if "/" not in name}
         given |= {name: _rounded(given[name]) for name in ("seconds", "within") if name in given}
         return msgspec.structs.replace(made, **given)
 
-    def _argument(self, capability: Capability, name: str, value: Expression) -> Expression:
+    def _argument(self, capability: Capability, name: str, value: tree.Expression) -> tree.Expression:
         if takes_place(capability, name):
             return self.expression(value)
         parameter = self._known.parameter(capability, name)
@@ -92,61 +78,60 @@ class Bare:
         made = self.expression(value)
         if self._kinds.of(value, "").dimension != unit.dimension or unit.factor == 1:
             return made
-        return _folded(Binary(operator="/", left=made, right=Written(value=unit.factor)))
+        return _folded(tree.Binary(operator="/", left=made, right=tree.Written(value=unit.factor)))
 
-    def expression(self, expression: Expression) -> Expression:
+    def expression(self, expression: tree.Expression) -> tree.Expression:
         """Return an expression in base units; a place in metres and radians."""
         match expression:
-            case Written():
+            case tree.Written():
                 return self._written(expression)
-            case Variable():
-                return Variable(name=identifier(expression.name))
-            case Read():
+            case tree.Variable():
+                return tree.Variable(name=identifier(expression.name))
+            case tree.Read():
                 return self._read(expression)
-            case Unary():
-                return _folded(Unary(operator=expression.operator, of=self.expression(expression.of)))
-            case Binary():
+            case tree.Unary():
+                return _folded(tree.Unary(operator=expression.operator, of=self.expression(expression.of)))
+            case tree.Binary():
                 left, right = self.expression(expression.left), self.expression(expression.right)
-                return _folded(Binary(operator=expression.operator, left=left, right=right))
-            case Position():
-                return Position(**{name: self.expression(one) for name, one in expression.parts().items()})
+                return _folded(tree.Binary(operator=expression.operator, left=left, right=right))
+            case tree.Position():
+                return tree.Position(**{name: self.expression(one) for name, one in expression.parts().items()})
 
     @staticmethod
-    def _written(value: Written) -> Written:
+    def _written(value: tree.Written) -> tree.Written:
         if isinstance(value.value, bool | str):
             return value
-        return Written(value=float(value.value) * unit_of(value.unit).factor)
+        return tree.Written(value=float(value.value) * unit_of(value.unit).factor)
 
-    def _read(self, read: Read) -> Expression:
+    def _read(self, read: tree.Read) -> tree.Expression:
         capability = self._known.read(read.capability)
         parameter = self._known.parameter(capability, read.parameter)
         factor = unit_of(parameter.unit).factor
-        made = Read(capability=capability.name, parameter=parameter.name)
-        return made if factor == 1 else Binary(operator="*", left=made, right=Written(value=factor))
+        made = tree.Read(capability=capability.name, parameter=parameter.name)
+        return made if factor == 1 else tree.Binary(operator="*", left=made, right=tree.Written(value=factor))
 
 
-def _rounded(seconds: Expression) -> Expression:
-    """Return a time without what calculations in milliseconds add behind the ninth digit."""
-    value = seconds.value if isinstance(seconds, Written) else None
+def _rounded(seconds: tree.Expression) -> tree.Expression:
+    """Return a duration rounded to nine digits, which removes errors of calculations in milliseconds."""
+    value = seconds.value if isinstance(seconds, tree.Written) else None
     numeric = value is not None and not isinstance(value, bool | str)
-    return Written(value=round(value, 9)) if numeric and value is not None else seconds  # type: ignore[arg-type] # a number
+    return tree.Written(value=round(value, 9)) if numeric and value is not None else seconds  # type: ignore[arg-type] # a number
 
 
-def _folded(expression: Expression) -> Expression:
-    """Return the number that an expression always is, else the expression."""
+def _folded(expression: tree.Expression) -> tree.Expression:
+    """Return the value of a constant expression, else the expression."""
     always = constant(expression)
-    return Written(value=always.value) if always and always.number and isfinite(always.value) else expression
+    return tree.Written(value=always.value) if always and always.number and isfinite(always.value) else expression
 
 
 MOST: Final = 1000
-"""How many numbers a tree may list."""
+"""Maximum length of a list in a tree."""
 _SLACK: Final = 1e-9
-_DIGITS: Final = 12
-"""Digits behind the point that a tree lists: 0.1 + 0.2 is 0.3 there."""
+_DIGITS: Final = 12  # decimal places in a list, so that 0.1 + 0.2 is 0.3
 
 
-def counted(loop: For) -> list[float] | None:
-    """Return the numbers that a bare loop counts, None where they depend on the run, are endless or too many."""
+def counted(loop: tree.For) -> list[float] | None:
+    """Return the numbers that a bare loop counts; None if they depend on the run, are endless or too many."""
     start, end = constant(loop.start), constant(loop.end)
     step = constant(loop.step)
     if start is None or end is None or (loop.step is not None and step is None):
@@ -170,59 +155,59 @@ _ASSIGNING: Final = {":=": "", "=": "", "+=": "+", "-=": "-", "*=": "*", "/=": "
 
 
 class ScriptError(ValueError):
-    """What a script cannot say, or a program cannot, in one clause."""
+    """The reason why a script or a program cannot express something, as one clause."""
 
 
 class Assignment(NamedTuple):
     """A variable and its new value."""
 
     name: str
-    value: Expression
+    value: tree.Expression
 
 
 def number(value: float) -> str:
-    """Return a number as scripts and ports have it; zero has no sign."""
+    """Return a number as written in scripts and ports; zero has no sign."""
     return repr(float(value) + 0.0).removesuffix(".0")
 
 
-def script(expression: Expression) -> str:
-    """Return a bare expression as a script; ScriptError for what scripts have no words for."""
+def script(expression: tree.Expression) -> str:
+    """Return a bare expression as a script; ScriptError if scripts cannot express it."""
     match expression:
-        case Written(value=bool() as value):
+        case tree.Written(value=bool() as value):
             return "true" if value else "false"
-        case Written(value=str() as value):
+        case tree.Written(value=str() as value):
             if "'" in value or not value.isprintable():
                 raise ScriptError(f"the text {value!r} contains a character that scripts cannot quote")
             return f"'{value}'"
-        case Written(value=float() | int() as value):
+        case tree.Written(value=float() | int() as value):
             return number(value) if value >= 0 else f"-{number(-value)}"
-        case Variable(name=name):
+        case tree.Variable(name=name):
             return name
-        case Read(capability=capability, parameter=parameter):
+        case tree.Read(capability=capability, parameter=parameter):
             return reading(capability, parameter)
-        case Unary(operator="count", of=Read(capability=capability, parameter=parameter)):
+        case tree.Unary(operator="count", of=tree.Read(capability=capability, parameter=parameter)):
             return reading(capability, f"{COUNT}{parameter}")
-        case Unary(operator="not" | "-" as operator, of=of):
+        case tree.Unary(operator="not" | "-" as operator, of=of):
             return f"{'!' if operator == 'not' else '-'}{_inner(of)}"
-        case Binary(operator=operator, left=left, right=right) if operator != "contains":
+        case tree.Binary(operator=operator, left=left, right=right) if operator != "contains":
             return f"{_inner(left)} {_OPERATORS.get(operator, operator)} {_inner(right)}"
-        case Unary(operator=operator) | Binary(operator=operator):
+        case tree.Unary(operator=operator) | tree.Binary(operator=operator):
             raise ScriptError(f"scripts have no `{operator}`")
         case _:
             raise ScriptError("scripts have no places")
 
 
-def _inner(expression: Expression) -> str:
+def _inner(expression: tree.Expression) -> str:
     shown = script(expression)
-    negative = isinstance(expression, Written) and shown.startswith("-")
-    return f"({shown})" if negative or isinstance(expression, Unary | Binary) else shown
+    negative = isinstance(expression, tree.Written) and shown.startswith("-")
+    return f"({shown})" if negative or isinstance(expression, tree.Unary | tree.Binary) else shown
 
 
-def expression_of(code: str, names: Mapping[str, Expression]) -> Expression:
-    """Return the expression that a script is; `names` stand for what was read or computed before.
+def expression_of(code: str, names: Mapping[str, tree.Expression]) -> tree.Expression:
+    """Return the expression in a script; `names` map to values read or computed before.
 
     Raises:
-        ScriptError: it is none, or has operators that programs lack.
+        ScriptError: invalid, or with operators that programs lack.
     """
     reader = _Reader(code, names)
     found = reader.expression(0, 0)
@@ -230,8 +215,8 @@ def expression_of(code: str, names: Mapping[str, Expression]) -> Expression:
     return found
 
 
-def assignments(code: str, names: Mapping[str, Expression]) -> list[Assignment]:
-    """Return the assignments of a script; raises as `expression_of`."""
+def assignments(code: str, names: Mapping[str, tree.Expression]) -> list[Assignment]:
+    """Return the assignments in a script; raises as `expression_of`."""
     reader = _Reader(code, names)
     found = []
     while not reader.at(""):
@@ -242,7 +227,7 @@ def assignments(code: str, names: Mapping[str, Expression]) -> list[Assignment]:
         reader.take("sign")
         value = reader.expression(0, 0)
         if operator:
-            value = Binary(operator=operator, left=Variable(name=name), right=value)  # type: ignore[arg-type] # of four
+            value = tree.Binary(operator=operator, left=tree.Variable(name=name), right=value)  # type: ignore[arg-type] # of four
         found.append(Assignment(name, value))
         if not reader.at(";"):
             break
@@ -252,7 +237,7 @@ def assignments(code: str, names: Mapping[str, Expression]) -> list[Assignment]:
 
 
 class _Reader:
-    def __init__(self, code: str, names: Mapping[str, Expression]) -> None:
+    def __init__(self, code: str, names: Mapping[str, tree.Expression]) -> None:
         self._names = names
         self._tokens: list[tuple[str, str]] = []
         at = 0
@@ -270,16 +255,16 @@ class _Reader:
 
     @property
     def sign(self) -> str:
-        """The sign that comes next, empty for anything else."""
+        """The next sign, empty for anything else."""
         kind, text = self._token
         return text if kind == "sign" else ""
 
     def at(self, sign: str) -> bool:
-        """Tell whether a sign comes next; the empty one is the end."""
+        """Return whether a sign comes next; the empty one is the end."""
         return self._token in {("sign", sign), ("end", sign)}
 
     def take(self, kind: str) -> str:
-        """Return what comes next, which has to be of a kind; ScriptError otherwise."""
+        """Consume the next token, which has to be of a kind; ScriptError otherwise."""
         found, text = self._token
         if found != kind:
             raise ScriptError(f"`{text or 'the end of the script'}` is not a {kind}")
@@ -287,33 +272,33 @@ class _Reader:
         return text
 
     def end(self) -> None:
-        """Raise ScriptError when something is left."""
+        """Raise ScriptError if input is left."""
         if not self.at(""):
             raise ScriptError(f"programs have no `{self._token[1]}` as in this script")
 
-    def expression(self, level: int, depth: int) -> Expression:
-        """Read operators of a level and above."""
-        if depth > EXPRESSIONS_DEEP:
-            raise ScriptError(f"expressions are nested more than {EXPRESSIONS_DEEP} deep")
+    def expression(self, level: int, depth: int) -> tree.Expression:
+        """Parse operators of a precedence level and above."""
+        if depth > tree.EXPRESSIONS_DEEP:
+            raise ScriptError(f"expressions are nested more than {tree.EXPRESSIONS_DEEP} deep")
         if level == len(_LEVELS):
             return self._single(depth)
         left = self.expression(level + 1, depth)
         while self.sign in _LEVELS[level]:
             operator = self.take("sign")
             right = self.expression(level + 1, depth)
-            left = Binary(operator=_OURS.get(operator, operator), left=left, right=right)  # type: ignore[arg-type] # one of ours
+            left = tree.Binary(operator=_OURS.get(operator, operator), left=left, right=right)  # type: ignore[arg-type] # one of ours
         return left
 
-    def _single(self, depth: int) -> Expression:
+    def _single(self, depth: int) -> tree.Expression:
         kind, text = self._token
         self._next += 1
         match kind, text:
             case "sign", "!":
-                return Unary(operator="not", of=self._single(depth + 1))
+                return tree.Unary(operator="not", of=self._single(depth + 1))
             case "sign", "-":
                 of = self._single(depth + 1)
-                numeric = isinstance(of, Written) and not isinstance(of.value, bool | str)
-                return Written(value=-of.value) if numeric else Unary(operator="-", of=of)  # type: ignore[union-attr,operator] # a number
+                numeric = isinstance(of, tree.Written) and not isinstance(of.value, bool | str)
+                return tree.Written(value=-of.value) if numeric else tree.Unary(operator="-", of=of)  # type: ignore[union-attr,operator] # a number
             case "sign", "(":
                 inner = self.expression(0, depth + 1)
                 if not self.at(")"):
@@ -321,11 +306,11 @@ class _Reader:
                 self._next += 1
                 return inner
             case "number", _:
-                return Written(value=float(text))
+                return tree.Written(value=float(text))
             case "text", _:
-                return Written(value=text[1:-1])
+                return tree.Written(value=text[1:-1])
             case "name", "true" | "false":
-                return Written(value=text == "true")
+                return tree.Written(value=text == "true")
             case "name", _:
-                return self._names.get(text, Variable(name=text))
+                return self._names.get(text, tree.Variable(name=text))
         raise ScriptError(f"`{text or 'the end of the script'}` is not a value")

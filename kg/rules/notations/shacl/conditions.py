@@ -72,11 +72,8 @@ class Comparison:
 def property_name(graph: ShapesGraph, shape: Term, value: Term) -> str:
     """Return the property that a constraint compares with; KG201 when it is none."""
     if not isinstance(value, NamedNode):
-        raise graph.error(
-            f"{graph.called(shape)} is compared with {value}, but a property is needed",
-            shape,
-            hint="Give it the IRI of a property.",
-        )
+        hint = "Give it the IRI of a property."
+        raise graph.error(f"{graph.called(shape)} is compared with {value}, but a property is needed", shape, hint=hint)
     return str(value)
 
 
@@ -224,11 +221,8 @@ class Conditions:
         constraints that are not supported.
         """
         if isinstance(shape, Literal):
-            raise self._graph.error(
-                f"{shape} is not a shape",
-                self._around[-1] if self._around else shape,
-                hint="Point at a shape: an IRI or a blank node.",
-            )
+            hint = "Point at a shape: an IRI or a blank node."
+            raise self._graph.error(f"{shape} is not a shape", self._around[-1] if self._around else shape, hint=hint)
         if shape in self._around:
             hint = "The standard leaves open what recursive shapes mean; break the cycle."
             raise self._graph.unsupported(f"{self._graph.called(shape)}, a shape that refers to itself,", shape, hint)

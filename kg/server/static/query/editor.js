@@ -259,9 +259,9 @@ function colours({ language, highlight: { tags } }) {
 const LETTERS = { class: "C", property: "p", keyword: "k", function: "f", variable: "?", namespace: ":", constant: "=", text: "#" };
 
 const LOOK = {
-  "&": { backgroundColor: "var(--surface)", color: "var(--text)", fontSize: "0.875rem", minHeight: "12rem", maxHeight: "60vh", borderRadius: "8px" },
+  "&": { backgroundColor: "var(--surface)", color: "var(--text)", fontSize: "0.875rem", minHeight: "var(--editor-least)", maxHeight: "var(--editor-most)", borderRadius: "8px" },
   "&.cm-focused": { outline: "0" },
-  ".cm-scroller": { fontFamily: "var(--mono)", lineHeight: "1.55", minHeight: "12rem", overflow: "auto" },
+  ".cm-scroller": { fontFamily: "var(--mono)", lineHeight: "1.55", minHeight: "var(--editor-least)", overflow: "auto" },
   ".cm-content": { caretColor: "var(--text)", padding: "0.5rem 0" },
   ".cm-gutters": { backgroundColor: "var(--surface)", color: "var(--quiet)", border: "0" },
   ".cm-activeLine": { backgroundColor: "color-mix(in srgb, var(--accent) 5%, transparent)" },

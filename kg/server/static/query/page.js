@@ -193,6 +193,12 @@ async function count() {
   if (!run.running && $("progress").textContent.startsWith("Counting")) run.say("");
 }
 
+/** Keep the editor low until it is used: who asks a stored question looks for the answer. */
+function brief() {
+  $("editor").classList.add("brief");
+  $("editor").addEventListener("focusin", () => $("editor").classList.remove("brief"), { once: true });
+}
+
 /** Say that the tab of a link has another query by now, and offer that of the link. */
 function changed() {
   const again = element("button", { type: "button", className: "primary" }, "Run the query of the link");
@@ -205,6 +211,7 @@ async function begin() {
   else if (!tabs.current.text) tabs.write(EXAMPLE);
   $("query-text").value = tabs.current.text;
   $("editor").setAttribute("aria-busy", "true");
+  if (data.run && data.stored) brief();
   editor = await edit($("editor"), $("query-text"), {
     begun: (plain) => { editor = plain; },
     changed: (text) => tabs.write(text),

@@ -34,7 +34,7 @@ export class Said {
     this.parts.problems.hidden = !all.length;
     this.parts.problems.replaceChildren(...all.map((problem) => {
       const where = element("button", { type: "button", className: "link" }, problem.line ? `line ${problem.line}` : "show");
-      where.setAttribute("aria-label", `Go to: ${problem.message}`);
+      where.setAttribute("aria-label", `Go to ${where.textContent}: ${problem.message}`);
       where.addEventListener("click", () => go(problem));
       return element("li", {}, ...prose(problem.message), " ", where, problem.hint ? element("small", {}, ...prose(problem.hint)) : null);
     }));

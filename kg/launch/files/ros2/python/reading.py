@@ -90,8 +90,7 @@ class Reading:
 
     def find(self, text: str) -> FilePath | None:
         """Return the file that a path names, if the build or an installed package has it."""
-        file = self.files.at(text)
-        return file if file is not None and self.files.exists(file) else None
+        return self.files.existing(text)
 
     # Values
 

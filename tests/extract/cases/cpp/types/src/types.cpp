@@ -57,6 +57,10 @@ struct Derived : Base<std_msgs::Float64>
   ros::Publisher flag;
 };
 
+void received(const ImuConstPtr& message)
+{
+}
+
 int main(int argc, char** argv)
 {
   ros::init(argc, argv, "types");
@@ -73,5 +77,6 @@ int main(int argc, char** argv)
   ros::Publisher f = nh.advertise<decltype(letter)>("of_variable", 1);
   ros::Publisher g = nh.advertise<names::Position>("header", 1);
   ros::Publisher h = nh.advertise<Mystery>("unknown", 1);
+  ros::Subscriber i = nh.subscribe("pointer", 1, received);
   ros::spin();
 }

@@ -1,0 +1,94 @@
+"""Where a build installs the files of a package: the share folder that launch files name is often not as the source.
+
+Only what `install` of CMake and `data_files` of setup.py install is here. Of loops over the files of a folder, and of
+what CMake computes, the destination is not known.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+import posixpath
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.manifests.cmake import read_cmake
+from kg.extract.manifests.package_xml import read_package_xml
+from kg.extract.python.programs import calls_of, lines
+from kg.symbolic.values import Sequence, Text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.corpus.files import PackageFolder
+    from kg.corpus.reading import Reader
+    from kg.symbolic.values import Value
+
+_ROS2: Final = 2
+
+
+class Installed:
+    """The files of a package as they are installed: of ROS 2 alone, because ROS 1 can run from the source."""
+
+    def __init__(self, reader: Reader, folder: PackageFolder) -> None:
+        self._reader = reader
+        self._share = f"share/{folder.name}"
+        self._rules: list[tuple[str, str]] = []
+        """Pairs of what is installed and of its source. Both end in a slash for folders; names can be patterns."""
+        self._unknown = False
+        package = read_package_xml(reader, folder).package
+        if package.ros == _ROS2:
+            for destination, source in read_cmake(reader, folder, package).installed:
+                self._add(destination, source)
+            for destination, source in self._data_files(folder):
+                self._add(destination, folder.join(source))
+
+    @property
+    def complete(self) -> bool:
+        """Whether every destination is known, and there is one."""
+        return bool(self._rules) and not self._unknown
+
+    def source(self, inner: str) -> str | None:
+        """Return the path, in the repository, of the file that is `inner` in the share folder; None if none is."""
+        wanted = posixpath.normpath(f"{self._share}/{inner}")
+        for destination, source in self._rules:
+            if destination.endswith("/"):
+                found = source + wanted[len(destination) :] if wanted.startswith(destination) else None
+            else:
+                folder, name = posixpath.split(wanted)
+                matches = folder == posixpath.dirname(destination) and fnmatch.fnmatchcase(
+                    name, posixpath.basename(destination)
+                )
+                pattern = any(mark in source for mark in "*?[")
+                found = (posixpath.join(posixpath.dirname(source), name) if pattern else source) if matches else None
+            if found is not None and self._reader.workspace.is_file(self._reader.file(posixpath.normpath(found))):
+                return posixpath.normpath(found)
+        return None
+
+    def _add(self, destination: str, source: str) -> None:
+        if "$" in destination or "$" in source:
+            self._unknown = True
+        elif destination.startswith(self._share):
+            self._rules.append((destination, source))
+
+    def _data_files(self, folder: PackageFolder) -> Iterator[tuple[str, str]]:
+        """Yield what setup.py installs, with its source relative to the folder of the package."""
+        path = self._reader.file(folder.join("setup.py"))
+        if self._reader.workspace.entry(path) is None:
+            return
+        for call in calls_of(self._reader, path):
+            given = call.named.get("data_files") if call.name == "setup" else None
+            if given is None:
+                continue
+            self._unknown |= not isinstance(given, Sequence) or given.open
+            for pair in given.items if isinstance(given, Sequence) else ():
+                yield from self._pair(pair)
+
+    def _pair(self, pair: Value) -> Iterator[tuple[str, str]]:
+        """Yield what a pair of a destination and a list of files installs."""
+        match pair:
+            case Sequence(items=(Text(known=str() as destination), Sequence(open=False) as files)):
+                names = lines(files)
+                self._unknown |= len(names) != len(files.items)
+                for source in names:
+                    yield f"{destination.rstrip('/')}/{posixpath.basename(source)}", source
+            case _:
+                self._unknown = True
