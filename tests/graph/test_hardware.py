@@ -96,5 +96,5 @@ def test_terms_are_written_as_phrases_are() -> None:
     [("depth", "depthCamera"), ("vehicle", "car"), ("kinematics", "arm")],
 )
 def test_words_of_many_devices_name_none(word: str, kind: str) -> None:
-    """The depth of a submarine, the vehicle that flies and the kinematics of a base are not devices of a kind."""
+    """The depth of a submarine, a flying vehicle and the kinematics of a base are not devices of a kind."""
     assert HARDWARE[kind] not in _recognized(KINDS, RNKG.recognizedByWord).get(word, set())

@@ -122,7 +122,7 @@ def test_contexts(role: Role, name: str, kind: str, capability: str) -> None:
     ],
 )
 def test_names_that_mean_something_else(role: Role, name: str, kind: str, capability: str) -> None:
-    """The name tells that a message is not used for what it could be."""
+    """The name excludes a possible purpose of a message."""
     assert capability not in reached(("/node", role, name, kind))
 
 
@@ -131,5 +131,5 @@ def test_names_that_mean_something_else(role: Role, name: str, kind: str, capabi
     [("/detected_objects", "geometry_msgs/PoseArray"), ("/ball_position", "geometry_msgs/PointStamped")],
 )
 def test_places_of_things(name: str, kind: str) -> None:
-    """Points and poses tell where things are if the name speaks of things."""
+    """Points and poses give positions of objects if the name mentions objects."""
     assert "knowingPlaces" in reached(("/node", P, name, kind))

@@ -73,7 +73,7 @@ def test_a_broken_pipe_sends_zero(orders: str, expected: int) -> None:
 
 
 def test_a_robot_that_was_lost_is_stopped_when_it_is_back() -> None:
-    """A process that outlives the watchdog sends zero once the robot answers again, and then leaves."""
+    """A process that outlives the watchdog sends zero once the robot responds again, and then exits."""
 
     async def scene() -> None:
         async with asyncio.timeout(patient(20)):

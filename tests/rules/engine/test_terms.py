@@ -47,7 +47,7 @@ def test_kinds_are_known_for_terms_that_come_later_too() -> None:
 
 
 def test_kinds_of_kept_terms_are_read_from_their_text() -> None:
-    """Terms in a file and terms that come later have the kinds that they have in memory."""
+    """Terms in a file and later terms have the same kinds as in memory."""
     dictionary = Dictionary(Kept.of([spell(term) for term in TERMS[:4]]))
     every = dictionary.intern_all([spell(term) for term in TERMS])
     assert dictionary.kinds(np.append(every, [0, every[1]])).tolist() == [*KINDS, 0, BLANK]
